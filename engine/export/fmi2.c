@@ -174,8 +174,8 @@ API Status fmi2DeSerializeFMUstate(Component instance, const char bytes[], size_
 API Status fmi2GetDirectionalDerivative(Component instance, const Ref unknowns[], size_t nunknown, const Ref knowns[], size_t nknown,
                                         const double seed[], double sensitivity[])
 {
-    (void)unknowns; (void)nunknown; (void)knowns; (void)nknown; (void)seed; (void)sensitivity;
-    return instance ? jo_fmu_say(instance, JO_FMU_ERROR, "fmi2GetDirectionalDerivative is not provided") : JO_FMU_ERROR;
+    MAY("fmi2GetDirectionalDerivative", READABLE);
+    return jo_fmu_slope(instance, unknowns, nunknown, knowns, nknown, seed, sensitivity);
 }
 
 /* -- model exchange ---------------------------------------------------------------------------------------------- */

@@ -24,7 +24,7 @@ enum { RUNNING = JO_FMU_EVENTS | JO_FMU_CONTINUOUS | JO_FMU_STEPS, READABLE = RU
        ANY = READABLE | JO_FMU_MADE | JO_FMU_BROKEN };
 #define MAY(name, modes) do { if (!jo_fmu_may(instance, name, modes)) return JO_FMU_ERROR; } while (0)
 
-typedef struct { Log log; Environment environment; } host;
+typedef struct { Log log; Environment environment; Boolean early; } host;   /* early: a step may return early */
 
 static void forward(void *h, int status, const char *category, const char *text)
 {
@@ -65,9 +65,11 @@ API Instance fmi3InstantiateCoSimulation(const char *name, const char *token, co
                                          Boolean logging, Boolean events, Boolean early, const Ref required[], size_t count,
                                          Environment environment, Log log, Intermediate update)
 {
-    (void)resources; (void)visible; (void)early; (void)required; (void)count; (void)update;
+    (void)resources; (void)visible; (void)required; (void)count; (void)update;
     if (events) return 0;   /* hasEventMode is false */
-    return make(name, token, 0, logging, environment, log);
+    jo_fmu *f = make(name, token, 0, logging, environment, log);
+    if (f) ((host *)f->more)->early = early;
+    return f;
 }
 
 API Instance fmi3InstantiateScheduledExecution(const char *name, const char *token, const char *resources, Boolean visible,
@@ -207,8 +209,10 @@ API Status fmi3GetVariableDependencies(Instance instance, Ref dependent, size_t 
 API Status fmi3GetDirectionalDerivative(Instance instance, const Ref unknowns[], size_t nunknown, const Ref knowns[], size_t nknown,
                                         const double seed[], size_t nseed, double sensitivity[], size_t nsensitivity)
 {
-    (void)unknowns; (void)nunknown; (void)knowns; (void)nknown; (void)seed; (void)nseed; (void)sensitivity; (void)nsensitivity;
-    return missing(instance, "fmi3GetDirectionalDerivative");
+    MAY("fmi3GetDirectionalDerivative", READABLE);
+    if (nseed != nknown || nsensitivity != nunknown)
+        return jo_fmu_say(instance, JO_FMU_ERROR, "%u seeds for %u scalar variables", (unsigned)nseed, (unsigned)nknown);
+    return jo_fmu_slope(instance, unknowns, nunknown, knowns, nknown, seed, sensitivity);
 }
 API Status fmi3GetAdjointDerivative(Instance instance, const Ref unknowns[], size_t nunknown, const Ref knowns[], size_t nknown,
                                     const double seed[], size_t nseed, double sensitivity[], size_t nsensitivity)
@@ -383,7 +387,8 @@ API Status fmi3DoStep(Instance instance, double time, double length, Boolean no_
     int stopped = 0;
     const Status status = jo_fmu_advance(instance, time, length, &stopped, reached);
     *event = false;
-    *terminate = *early = stopped;
+    *terminate = stopped;
+    *early = stopped && ((host *)((jo_fmu *)instance)->more)->early;
     return status;
 }
 API Status fmi3ActivateModelPartition(Instance instance, Ref clock, double time)

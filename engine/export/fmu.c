@@ -266,6 +266,66 @@ int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state)
     return JO_FMU_OK;
 }
 
+/* -- directional derivatives ----------------------------------------------------------------------------------- */
+
+#ifdef PLANT_SLOPES
+#include "slope.h"
+
+static jo_slope_ref ref_of(const jo_fmu *f, unsigned ref)
+{
+    const jo_plant *p = &PLANT;
+    const unsigned n = f->exchange ? (unsigned)jo_machine_states(f->machine) : 0;
+    const unsigned counts[] = {1, (unsigned)p->ninput, (unsigned)p->noutput, (unsigned)p->nparameter, n, n};
+    jo_slope_ref found = {-1, 0};
+    for (int kind = JO_SLOPE_TIME; kind <= JO_SLOPE_RATE; kind++) {
+        if (ref < counts[kind]) {
+            found.kind = kind;
+            found.index = (int)ref;
+            return found;
+        }
+        ref -= counts[kind];
+    }
+    return found;
+}
+
+int jo_fmu_slope(jo_fmu *f, const unsigned *unknowns, size_t nunknown, const unsigned *knowns, size_t nknown, const double *seed,
+                 double *change)
+{
+    int status = JO_FMU_OK;
+    if ((nknown && (!knowns || !seed)) || (nunknown && (!unknowns || !change)))
+        return jo_fmu_say(f, JO_FMU_ERROR, "no variables, or no place for their derivatives");
+    double *state = malloc(sizeof(double) * (size_t)jo_machine_state_size(f->machine));
+    jo_slope_ref *refs = malloc(sizeof *refs * (nknown + nunknown + 1));
+    if (!state || !refs) status = jo_fmu_say(f, JO_FMU_ERROR, "no memory for derivatives");
+    for (size_t i = 0; i < nknown && status == JO_FMU_OK; i++) {
+        refs[i] = ref_of(f, knowns[i]);
+        if (refs[i].kind < 0 || refs[i].kind == JO_SLOPE_OUTPUT || refs[i].kind == JO_SLOPE_RATE)
+            status = jo_fmu_say(f, JO_FMU_ERROR, "there are no derivatives by variable %u", knowns[i]);
+    }
+    for (size_t i = 0; i < nunknown && status == JO_FMU_OK; i++) {
+        refs[nknown + i] = ref_of(f, unknowns[i]);
+        if (refs[nknown + i].kind != JO_SLOPE_OUTPUT && refs[nknown + i].kind != JO_SLOPE_RATE)
+            status = jo_fmu_say(f, JO_FMU_ERROR, "variable %u has no derivatives", unknowns[i]);
+    }
+    if (status == JO_FMU_OK) {
+        f->current = 0;
+        if (jo_machine_save(f->machine, state) != JO_MACHINE_OK) status = failed(f);
+        else if (jo_slope(state, PLANT_BAUMGARTE, refs, seed, (int)nknown, refs + nknown, change, (int)nunknown))
+            status = jo_fmu_say(f, JO_FMU_DISCARD, "at %.9g s there are no derivatives", jo_machine_time(f->machine));
+    }
+    free(refs);
+    free(state);
+    return status;
+}
+#else
+int jo_fmu_slope(jo_fmu *f, const unsigned *unknowns, size_t nunknown, const unsigned *knowns, size_t nknown, const double *seed,
+                 double *change)
+{
+    (void)unknowns; (void)nunknown; (void)knowns; (void)nknown; (void)seed; (void)change;
+    return jo_fmu_say(f, JO_FMU_ERROR, "directional derivatives are not provided");
+}
+#endif
+
 /* -- model exchange ---------------------------------------------------------------------------------------------- */
 
 int jo_fmu_set_time(jo_fmu *f, double time)

@@ -54,6 +54,10 @@ int jo_fmu_release(void **state);
 int jo_fmu_write(jo_fmu *f, const void *state, void *bytes, size_t size);
 int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state);
 
+/* How `unknowns` change along the direction `seed` of `knowns`; where the unit was built without, it is not provided. */
+int jo_fmu_slope(jo_fmu *f, const unsigned *unknowns, size_t nunknown, const unsigned *knowns, size_t nknown, const double *seed,
+                 double *change);
+
 /* Model exchange: time and states are set by the importer. */
 int jo_fmu_set_time(jo_fmu *f, double time);
 int jo_fmu_count_states(jo_fmu *f, size_t count);                /* whether there are as many */

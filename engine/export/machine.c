@@ -10,7 +10,7 @@ struct jo_machine {
     jo_model model;         /* with the tunable numbers of this machine */
     jo_solver solver;
     jo_data *data;
-    double *tunable, *row;
+    jo_real *tunable, *row;
     long long steps;
     int known;              /* row belongs to the present state */
     int status;             /* the last jo_status that was not JO_OK */
@@ -32,8 +32,8 @@ static layout lay_out(const jo_plant *p)
     at.signal = at.force + rounded((long long)sizeof(jo_force) * m->nforce);
     at.friction = at.signal + rounded((long long)sizeof(jo_signal) * m->nsignal);
     at.tunable = at.friction + rounded((long long)sizeof(jo_friction) * m->nfriction);
-    at.row = at.tunable + rounded((long long)sizeof(double) * p->ntunable);
-    at.data = at.row + rounded((long long)sizeof(double) * jo_row_size(m));
+    at.row = at.tunable + rounded((long long)sizeof(jo_real) * p->ntunable);
+    at.data = at.row + rounded((long long)sizeof(jo_real) * jo_row_size(m));
     at.end = at.data + jo_data_room(m);
     return at;
 }
@@ -41,7 +41,7 @@ static layout lay_out(const jo_plant *p)
 long long jo_machine_bytes(const jo_plant *p) { return lay_out(p).end + 64; }
 
 /* the same number among those of this machine */
-static const double *own(const jo_machine *k, const double *constant)
+static const jo_real *own(const jo_machine *k, const jo_real *constant)
 {
     const ptrdiff_t at = constant - k->plant->tunable;
     return k->tunable + at;
@@ -65,7 +65,7 @@ static void redirect(jo_machine *k, char *memory, const layout *at)
     }
     for (int i = 0; i < m->nfriction; i++) {
         friction[i] = m->friction[i];
-        friction[i].data = (const jo_friction_data *)own(k, (const double *)friction[i].data);
+        friction[i].data = (const jo_friction_data *)own(k, (const jo_real *)friction[i].data);
     }
     k->model.force = force;
     k->model.signal = signal;
@@ -81,8 +81,8 @@ jo_machine *jo_machine_place(const jo_plant *p, void *memory, long long bytes)
     jo_machine *k = (jo_machine *)start;
     memset(k, 0, sizeof *k);
     k->plant = p;
-    k->tunable = (double *)(start + at.tunable);
-    k->row = (double *)(start + at.row);
+    k->tunable = (jo_real *)(start + at.tunable);
+    k->row = (jo_real *)(start + at.row);
     redirect(k, start, &at);
     k->data = (jo_data *)(start + at.data);
     jo_machine_reset(k);
@@ -104,13 +104,13 @@ static void begin(jo_machine *k)
 int jo_machine_reset(jo_machine *k)
 {
     const jo_plant *p = k->plant;
-    if (p->ntunable) memcpy(k->tunable, p->tunable, sizeof(double) * (size_t)p->ntunable);
+    if (p->ntunable) memcpy(k->tunable, p->tunable, sizeof(jo_real) * (size_t)p->ntunable);
     k->solver = *p->solver;
     k->steps = 0;
     k->status = JO_OK;
     begin(k);
-    memcpy(jo_data_q(k->data), p->q0, sizeof(double) * (size_t)p->model->nq);
-    memcpy(jo_data_v(k->data), p->v0, sizeof(double) * (size_t)p->model->nv);
+    memcpy(jo_data_q(k->data), p->q0, sizeof(jo_real) * (size_t)p->model->nq);
+    memcpy(jo_data_v(k->data), p->v0, sizeof(jo_real) * (size_t)p->model->nv);
     for (int i = 0; i < p->ninput; i++) jo_data_input(k->data)[p->input[i].place] = p->input[i].start;
     return JO_MACHINE_OK;
 }
@@ -169,9 +169,7 @@ int jo_machine_set_parameter(jo_machine *k, int parameter, double value)
     const int place = k->plant->parameter[parameter].place;
     if (k->tunable[place] == value) return JO_MACHINE_OK;
     k->tunable[place] = value;
-    k->known = 0;
-    jo_data_gravity(&k->model, k->data);
-    jo_restart(k->data);
+    jo_machine_changed(k);
     return JO_MACHINE_OK;
 }
 
@@ -196,7 +194,7 @@ static int sensors_at(const jo_model *m)
     return 1 + m->nq + m->nv + m->nrow + (int)(sizeof(jo_diagnostics) / sizeof(jo_real));
 }
 
-const double *jo_machine_outputs(jo_machine *k)
+const jo_real *jo_machine_outputs(jo_machine *k)
 {
     return jo_machine_update(k) == JO_MACHINE_OK ? k->row + sensors_at(&k->model) : 0;
 }
@@ -204,7 +202,7 @@ const double *jo_machine_outputs(jo_machine *k)
 int jo_machine_get_output(jo_machine *k, int output, double *value)
 {
     if (output < 0 || output >= k->plant->noutput) return JO_MACHINE_WRONG;
-    const double *all = jo_machine_outputs(k);
+    const jo_real *all = jo_machine_outputs(k);
     if (!all) return JO_MACHINE_FAILED;
     *value = all[k->plant->output[output].place];
     return JO_MACHINE_OK;
@@ -217,8 +215,9 @@ int jo_machine_states(const jo_machine *k) { return k->model.nq + k->model.nv; }
 
 void jo_machine_get_states(const jo_machine *k, double *x)
 {
-    memcpy(x, jo_data_q(k->data), sizeof(double) * (size_t)k->model.nq);
-    memcpy(x + k->model.nq, jo_data_v(k->data), sizeof(double) * (size_t)k->model.nv);
+    const jo_real *q = jo_data_q(k->data), *v = jo_data_v(k->data);
+    for (int i = 0; i < k->model.nq; i++) x[i] = q[i];
+    for (int i = 0; i < k->model.nv; i++) x[k->model.nq + i] = v[i];
 }
 
 int jo_machine_set_states(jo_machine *k, double time, const double *x)
@@ -231,11 +230,11 @@ int jo_machine_set_states(jo_machine *k, double time, const double *x)
         const double *e = x + m->body[i].iq + 3;
         if (!(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3] > 1e-6)) return JO_MACHINE_WRONG;
     }
-    double *q = jo_data_q(k->data);
-    memcpy(q, x, sizeof(double) * (size_t)m->nq);
-    memcpy(jo_data_v(k->data), x + m->nq, sizeof(double) * (size_t)m->nv);
+    jo_real *q = jo_data_q(k->data), *v = jo_data_v(k->data);
+    for (int i = 0; i < m->nq; i++) q[i] = x[i];
+    for (int i = 0; i < m->nv; i++) v[i] = x[m->nq + i];
     for (int i = 0; i < m->nbody; i++) {
-        double *e = q + m->body[i].iq + 3;
+        jo_real *e = q + m->body[i].iq + 3;
         const double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
         for (int j = 0; j < 4; j++) e[j] /= length;
     }
@@ -245,13 +244,22 @@ int jo_machine_set_states(jo_machine *k, double time, const double *x)
     return JO_MACHINE_OK;
 }
 
-int jo_machine_rates(jo_machine *k, double rate, double *xdot)
+int jo_machine_rates(jo_machine *k, double rate, jo_real *xdot)
 {
     k->known = 0;
     const int status = jo_rates(&k->model, k->data, rate, rate, xdot);
     if (status != JO_OK) return failed(k, status);
-    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(double) * (size_t)k->model.nv);
+    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(jo_real) * (size_t)k->model.nv);
     return JO_MACHINE_OK;
+}
+
+jo_real *jo_machine_tunable(jo_machine *k) { return k->tunable; }
+
+void jo_machine_changed(jo_machine *k)
+{
+    k->known = 0;
+    jo_data_gravity(&k->model, k->data);
+    jo_restart(k->data);
 }
 
 void jo_machine_count(jo_machine *k)
@@ -276,12 +284,12 @@ int jo_machine_save(jo_machine *k, double *state)
     *state++ = work->friction;
     *state++ = work->forces;
     for (int i = 0; i < k->plant->ntunable; i++) *state++ = k->tunable[i];
-    memcpy(state, k->row, sizeof(double) * (size_t)jo_row_size(&k->model));
+    for (int i = 0; i < jo_row_size(&k->model); i++) *state++ = k->row[i];
     return JO_MACHINE_OK;
 }
 
 /* doubles into an array of the engine; the next ones */
-static const double *put(double *to, const double *from, int count)
+static const double *put(jo_real *to, const double *from, int count)
 {
     for (int i = 0; i < count; i++) to[i] = from[i];
     return from + count;
@@ -347,7 +355,7 @@ int jo_machine_load(jo_machine *k, const double *state)
     row = put(jo_data_direction(d), row, 2 * m->nfriction);
     row = put_int(jo_data_happened(d), row, m->nevent);
     row = put(jo_data_input(d), row, m->ninput);
-    put(jo_data_memory(d), row, m->nmemory);
+    memcpy(jo_data_memory(d), row, sizeof(double) * (size_t)m->nmemory);
     k->status = JO_OK;
     return JO_MACHINE_OK;
 }

@@ -19,9 +19,9 @@ typedef struct {
     const char *name;
     const jo_model *model;
     const jo_solver *solver;
-    const double *q0, *v0;  /* where it starts */
+    const jo_real *q0, *v0; /* where it starts */
     int ntunable;
-    const double *tunable;  /* (ntunable) gravity, and data of forces, frictions and signals: copied for each machine */
+    const jo_real *tunable; /* (ntunable) gravity, and data of forces, frictions and signals: copied for each machine */
     int ninput, noutput, nparameter;
     const jo_port *input, *output, *parameter;
 } jo_plant;
@@ -45,7 +45,7 @@ int jo_machine_set_parameter(jo_machine *k, int parameter, double value);
 double jo_machine_get_parameter(const jo_machine *k, int parameter);
 int jo_machine_get_output(jo_machine *k, int output, double *value);
 int jo_machine_update(jo_machine *k);                            /* outputs of the present state, after it or an input was changed */
-const double *jo_machine_outputs(jo_machine *k);                 /* (nout) all sensor values after jo_machine_update; 0 if it failed */
+const jo_real *jo_machine_outputs(jo_machine *k);                /* (nout) all sensor values after jo_machine_update; 0 if it failed */
 int jo_machine_error(const jo_machine *k);                       /* jo_status of the last failure */
 int jo_machine_error_index(const jo_machine *k);
 
@@ -53,7 +53,9 @@ int jo_machine_error_index(const jo_machine *k);
 int jo_machine_states(const jo_machine *k);                      /* nq + nv */
 void jo_machine_get_states(const jo_machine *k, double *x);
 int jo_machine_set_states(jo_machine *k, double time, const double *x);   /* Euler parameters are made unit vectors */
-int jo_machine_rates(jo_machine *k, double rate, double *xdot);
+int jo_machine_rates(jo_machine *k, double rate, jo_real *xdot);
+jo_real *jo_machine_tunable(jo_machine *k);                      /* (ntunable); then jo_machine_changed */
+void jo_machine_changed(jo_machine *k);                          /* tunable numbers or states were written over */
 void jo_machine_count(jo_machine *k);                            /* whole turns of angles: at each state that is kept */
 
 /* All that a machine remembers, as numbers without addresses: for power cuts and for going back. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import jousto as jo
 from exported import CC, STEP, compiled, engine_rows, swinging_arm
@@ -220,3 +222,23 @@ def test_what_cannot_be_written_is_told_at_once(arm: jo.Model, tmp_path: Path) -
     assert "version is 4" in str(error.value) and "stop is -1" in str(error.value)
     with pytest.raises(jo.InputError, match="no 'x86_64-linus'; did you mean 'x86_64-linux'"):
         write_fmu(arm, tmp_path / "arm.fmu", on=("x86_64-linus",))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_unit_has_a_picture_and_a_page_that_shows_it(
+    version: int, arm: jo.Model, tmp_path: Path
+) -> None:
+    """FMI 2.0 has model.png at the top, FMI 3.0 an icon; sources alone are enough here."""
+    out = jo.write(arm, tmp_path / "arm.fmu", version=version, on=())
+    place = "model.png" if version == 2 else "terminalsAndIcons/icon.png"
+    with zipfile.ZipFile(out) as archive:
+        picture = archive.read(place)
+        assert archive.read("documentation/model.png") == picture
+        page = archive.read("documentation/index.html").decode()
+    with Image.open(io.BytesIO(picture)) as image:
+        assert len(image.convert("RGB").getcolors(1 << 24)) > 20, "something is drawn"
+    assert '<img src="model.png"' in page and "spring.stiffness" in page
+    # of those who write the unit without a picture the page has none
+    plain = write_fmu(arm, tmp_path / "plain.fmu", version=version, on=())
+    with zipfile.ZipFile(plain) as archive:
+        assert "<img" not in archive.read("documentation/index.html").decode()

@@ -44,6 +44,9 @@ def export(
             "x86_64-darwin, aarch64-darwin; 'none' for sources alone.",
         ),
     ] = None,
+    derivatives: Annotated[
+        bool, typer.Option("--derivatives", help="Directional derivatives in an .fmu.")
+    ] = False,
     inputs: Annotated[
         list[str] | None,
         typer.Option(
@@ -84,8 +87,8 @@ def export(
         endings = ", ".join(KNOWN[what])
         shown = what if what == "results" else f"a {what}"
         raise InputError(Problem(str(output), f"must end with {endings} to export {shown}"))
-    if suffix != ".fmu" and (on or fmi != 3):
-        raise InputError(Problem(str(output), "--fmi and --on are of files .fmu"))
+    if suffix != ".fmu" and (on or fmi != 3 or derivatives):
+        raise InputError(Problem(str(output), "--fmi, --on and --derivatives are of files .fmu"))
     if suffix != ".html" and inputs:
         raise InputError(Problem(str(output), "--input is of files .html"))
     if names and what != "results":
@@ -104,7 +107,7 @@ def export(
         if suffix == ".html":
             _page(file, output, length, inputs or [], trust)
         else:
-            _machine(file, output, length, fmi, on, trust)
+            _machine(file, output, length, fmi, on, derivatives, trust)
     else:
         from jousto.reduction.reduced import ReducedPart
 
@@ -151,7 +154,13 @@ def machine_of(
 
 
 def _machine(
-    file: Path, output: Path, step: float | None, fmi: int, on: list[str] | None, trust: bool
+    file: Path,
+    output: Path,
+    step: float | None,
+    fmi: int,
+    on: list[str] | None,
+    derivatives: bool,
+    trust: bool,
 ) -> None:
     """Write a machine with the method, the start and the end of its model file."""
     from jousto.output.write import write
@@ -171,6 +180,7 @@ def _machine(
         on=places,
         stop=end or 1.0,
         documents=documents,
+        derivatives=derivatives,
     )
 
 

@@ -73,6 +73,7 @@ def array(name: str, values: NDArray[np.float64], *, kind: str = "double") -> st
     width = A_ROW if kind == "double" else 16
     lines = [", ".join(flat[i : i + width]) for i in range(0, len(flat), width)]
     body = ",\n    ".join(lines)
+    kind = {"double": "jo_real"}.get(kind, kind)  # complex where derivatives are computed
     return f"static const {kind} {name}[{len(flat)}] = {{\n    {body}\n}};\n"
 
 

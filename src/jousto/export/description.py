@@ -140,7 +140,15 @@ def _units(root: xml.Element, found: tuple[Variable, ...], version: int) -> None
             xml.SubElement(node, "DisplayUnit", name=name, factor=repr(factor))
 
 
-def description(made: Program, version: int, identity: str, *, exchange: bool, stop: float) -> str:
+def description(
+    made: Program,
+    version: int,
+    identity: str,
+    *,
+    exchange: bool,
+    stop: float,
+    derivatives: bool = False,
+) -> str:
     """Return modelDescription.xml.
 
     Parameters
@@ -154,6 +162,8 @@ def description(made: Program, version: int, identity: str, *, exchange: bool, s
         Whether model exchange is offered besides co-simulation.
     stop : float
         End of the experiment that is proposed, s.
+    derivatives : bool
+        Whether directional derivatives are provided.
     """
     found = variables(made, exchange=exchange)
     root = xml.Element("fmiModelDescription", fmiVersion=f"{version}.0")
@@ -170,6 +180,10 @@ def description(made: Program, version: int, identity: str, *, exchange: bool, s
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
+    if derivatives:
+        common[
+            f"provides{'DirectionalDerivatives' if version == 3 else 'DirectionalDerivative'}"
+        ] = "true"
     if exchange:
         needs = {
             "needsCompletedIntegratorStep"

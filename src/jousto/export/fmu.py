@@ -12,6 +12,7 @@ from xml.etree import ElementTree as xml
 from jousto.base.errors import Problems
 from jousto.base.files import written
 from jousto.base.version import __version__
+from jousto.export import sources
 from jousto.export.constants import number, text
 from jousto.export.description import description, token, variables
 from jousto.export.program import Program, program
@@ -21,6 +22,9 @@ from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import State
 
+SHOWN = "documentation/model.png"
+PICTURES = {2: ("model.png", SHOWN), 3: ("terminalsAndIcons/icon.png", SHOWN)}
+"""Where a picture of the machine belongs in units of both versions, and its page looks for it."""
 BAUMGARTE = 20.0  # 1/s, draws joints together where somebody else integrates
 
 
@@ -35,6 +39,7 @@ def write_fmu(
     on: Iterable[str] = ("here",),
     stop: float = 1.0,
     documents: dict[str, bytes] | None = None,
+    derivatives: bool = False,
 ) -> Path:
     """Write a functional mock-up unit (FMI 2.0 or 3.0) of a model.
 
@@ -66,6 +71,10 @@ def write_fmu(
     documents : dict, optional
         Further files by their place in the unit: ``model.png``, ``resources/model.yaml``.
 
+    derivatives : bool
+        Whether it provides directional derivatives of outputs and rates, by complex steps; its
+        binaries are then three times as large.
+
     Returns
     -------
     Path
@@ -86,15 +95,24 @@ def write_fmu(
     made = program(model, solver, state=state, name=name or out.stem)
     exchange = not why_not_exchanged(model)
     code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
+    if derivatives:
+        code |= slopes(code, made)
     identity = token(made, "".join(code.values()) + repr(sorted(made.fields.items())))
     code["plant.h"] += (
         f"#define PLANT_TOKEN {text(identity)}\n#define PLANT_BAUMGARTE {number(BAUMGARTE)}\n"
     )
+    if derivatives:
+        code["plant.h"] += "#define PLANT_SLOPES\n"
     files: dict[str, bytes] = {
         "modelDescription.xml": description(
-            made, version, identity, exchange=exchange, stop=float(stop)
+            *(made, version, identity),
+            exchange=exchange,
+            stop=float(stop),
+            derivatives=derivatives,
         ).encode(),
-        "documentation/index.html": _page(made, exchange=exchange).encode(),
+        "documentation/index.html": _page(
+            made, exchange=exchange, picture=SHOWN in (documents or {})
+        ).encode(),
         "documentation/licenses/license.txt": LICENCE.encode(),
     }
     files |= {f"sources/{key}": value.encode() for key, value in code.items()}
@@ -113,6 +131,14 @@ def write_fmu(
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
     return out
+
+
+def slopes(code: dict[str, str], made: Program) -> dict[str, str]:
+    """Return the further files of a unit with directional derivatives."""
+    around = {f"{key}.{end}" for key in ("fmu", "fmi2", "fmi3") for end in "ch"}
+    twice = {name: text for name, text in code.items() if name not in around}
+    more = {name: sources.host(name) for name in ("slope.c", "slope.h")}
+    return sources.complex_build(twice, f"{made.name}_plant") | more
 
 
 def why_not_exchanged(model: Model) -> str:
@@ -139,7 +165,7 @@ def _recipe(made: Program, code: dict[str, str]) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{xml.tostring(root, encoding="unicode")}\n'
 
 
-def _page(made: Program, *, exchange: bool) -> str:
+def _page(made: Program, *, exchange: bool, picture: bool) -> str:
     rows = "\n".join(
         f"<tr><td>{escape(x.name)}</td><td>{escape(x.unit)}</td><td>{x.causality}</td>"
         f"<td>{escape(x.about)}</td></tr>"
@@ -147,6 +173,7 @@ def _page(made: Program, *, exchange: bool) -> str:
     )
     why = why_not_exchanged(made.model)
     offered = "Co-simulation and model exchange." if exchange else f"Co-simulation only: {why}."
+    image = '<p><img src="model.png" alt="the machine at its start" width="600"></p>\n'
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>{escape(made.model.name)}</title>
 <style>body{{font:16px sans-serif;max-width:60em;margin:2em auto}}td{{padding:.2em .8em}}</style>
@@ -155,7 +182,8 @@ def _page(made: Program, *, exchange: bool) -> str:
 <p>Its own step is {made.solver.step:g} s ({escape(type(made.solver).__name__)}); the importer's
 steps must be multiples of it. Numbers are in SI units. In model exchange joints are drawn together
 by Baumgarte's terms of {BAUMGARTE:g} 1/s.</p>
-<table><tr><th>variable</th><th>unit</th><th>causality</th><th>what it is</th></tr>
+{image if picture else ""}<table>
+<tr><th>variable</th><th>unit</th><th>causality</th><th>what it is</th></tr>
 {rows}</table></body></html>
 """
 

@@ -62,8 +62,8 @@ class Program:
             "#include <math.h>\n",
             self.constants.text,
             f"static const jo_solver solver = {{{solver}}};\n",
-            array("q0", m.q0) if m.nq else "static const double q0[1] = {0.0};\n",
-            array("v0", m.v0) if m.nv else "static const double v0[1] = {0.0};\n",
+            array("q0", m.q0) if m.nq else "static const jo_real q0[1] = {0.0};\n",
+            array("v0", m.v0) if m.nv else "static const jo_real v0[1] = {0.0};\n",
         ]
         rows = {}
         for kind, found in (

@@ -58,6 +58,43 @@ def hosted() -> set[str]:
     return {path.stem for path in (folder() / HOST).iterdir()} | {"plant"}
 
 
+OUTSIDE = re.compile(
+    r"^(?!static|typedef|return|else|#)[A-Za-z_][\w *]*?\b(jo_\w+)(?:\(| ?\[|;| =)",
+    flags=re.MULTILINE,
+)
+
+
+def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
+    """Return files that compile files of C once more, with complex numbers and other names.
+
+    Parameters
+    ----------
+    files : dict
+        Sources and headers by name, in one folder.
+    plant : str
+        Name of the constants.
+
+    Returns
+    -------
+    dict
+        ``twice.h``, which renames what files have for one another, and a file for each source,
+        which includes it.
+    """
+    names = {name for text in files.values() for name in OUTSIDE.findall(text)}
+    lines = [f"#define {name} z_{name}" for name in sorted({*names, plant})]
+    head = (
+        "/* twice.h - names of the build with complex numbers, beside that with real ones. */\n"
+        "#ifndef JO_TWICE_H\n#define JO_TWICE_H\n#define JO_COMPLEX\n"
+    )
+    made = {"twice.h": head + "\n".join(lines) + "\n#endif\n"}
+    made |= {
+        f"complex_{name}": f'#include "twice.h"\n#include "{name}"\n'
+        for name in files
+        if name.endswith(".c")
+    }
+    return made
+
+
 INCLUDE = re.compile(r'^#include "([^"]+)".*$', flags=re.MULTILINE)
 STATIC = re.compile(r"^static [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
 TYPE = re.compile(r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);)", flags=re.MULTILINE)

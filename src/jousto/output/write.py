@@ -87,7 +87,7 @@ def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
 @overload
 def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None = ..., damping: float | Sequence[float] = ..., invariants: bool = ..., stress: bool = ...) -> Path: ...  # noqa: E501
 @overload
-def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
+def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., derivatives: bool = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: Monitor, path: File, *, name: str = ...) -> Path: ...
 @overload
@@ -122,7 +122,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         load path         .csv                loads, stability and sensors
         compiled model    .c .zip             a program of C99: `solver`, `state`, `name`
                           .fmu                the same and `version` (2, 3), platforms `on`, `stop`,
-                                              further `documents` by their place in it
+                                              further `documents` by their place in it,
+                                              directional `derivatives`
                           .html               a page in which it runs: `solver`, `state`, `ranges`
                                               of inputs
         monitor           .c .zip             its twin as a program of C99: `name`

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from jousto.base.errors import JoustoError
 
 if TYPE_CHECKING:
     from jousto.measurement.monitor.monitor import Monitor
@@ -45,9 +48,13 @@ def write_fmu(
     on: Iterable[str] = ("here",),
     stop: float = 1.0,
     documents: dict[str, bytes] | None = None,
+    derivatives: bool = False,
 ) -> Path:
-    """Write a functional mock-up unit, see `jousto.export.fmu.write_fmu`."""
-    from jousto.export.fmu import write_fmu as write
+    """Write a functional mock-up unit with its picture, see `jousto.export.fmu.write_fmu`."""
+    from jousto.export.fmu import PICTURES, write_fmu as write
+
+    pictures = dict.fromkeys(PICTURES.get(version, ()), picture(model, state))
+    documents = {**{k: v for k, v in pictures.items() if v}, **(documents or {})}
 
     return write(
         model,
@@ -59,4 +66,18 @@ def write_fmu(
         on=on,
         stop=stop,
         documents=documents,
+        derivatives=derivatives,
     )
+
+
+def picture(model: Model, state: State | None = None) -> bytes:
+    """Return a machine at its start as a PNG; empty if there is nothing to see."""
+    from jousto.output.scenes.animate import still
+    from jousto.scene.machine import at_state
+
+    with tempfile.TemporaryDirectory(prefix="jousto-picture-") as folder:
+        try:
+            made = still(at_state(model, state), Path(folder) / "model.png", times=[0.0])
+        except JoustoError:
+            return b""
+        return made.read_bytes()
