@@ -215,8 +215,16 @@ def _robots(made: Made, folder: Path) -> list[Call]:
     tree, robot = made["tree"], made["robot"]
     path = folder / "robot.urdf"
     path.write_text(ROBOT, encoding="utf-8")
+    mjcf, sdf = folder / "robot.xml", folder / "robot.sdf"
+    mjcf.write_text("<mujoco/>", encoding="utf-8")
+    sdf.write_text('<sdf><model name="m"><static>1</static></model></sdf>', encoding="utf-8")
     return [
         (jo.robots.read_urdf, {"path": path}),
+        (jo.robots.read_robot, {"path": path}),
+        (jo.robots.read_mjcf, {"path": mjcf}),
+        (jo.robots.read_sdf, {"path": sdf}),
+        (jo.robots.from_dh, {"rows": [(1.0, 0.0, 0.0, 0.0)], "convention": "standard"}),
+        (jo.robots.DHRow, {"a": 1.0, "alpha": 0.0}),
         (jo.robots.mechanism, {"robot": robot}),
         (jo.robots.Tree, {"machine": robot}),
         (

@@ -367,6 +367,7 @@ def robots(_: Objects, folder: Path) -> Objects:
         "robot": robot,
         "link": robot.links[1],
         "robot joint": robot.joints[0],
+        "row": jo.robots.DHRow(1.0, 0.0),
         "mimic": jo.robots.Mimic("j"),
         "tree": tree,
         "frame": tree.pose("arm", [0.0]),

@@ -106,3 +106,68 @@ GRIPPER = """
     <origin xyz="-0.1 0 0.1" rpy="0 0.3 0"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="6" effort="10"/></joint>
 </robot>
 """
+
+CREATURE = """
+<mujoco model="creature">
+  <compiler angle="degree" eulerseq="zyx"/>
+  <option gravity="0.1 0 -9.7"/>
+  <default>
+    <geom density="800"/>
+    <joint damping="0.1" armature="0.02"/>
+    <default class="thin"><geom type="capsule" size="0.03" density="500"/>
+      <default class="finger"><joint type="slide" axis="0 1 0" range="-0.1 0.1" armature="0"/></default></default>
+  </default>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="trunk" pos="0 0 1" euler="10 20 30">
+      <freejoint name="root"/>
+      <geom type="box" size="0.2 0.1 0.15" pos="0.02 0 0"/>
+      <geom type="sphere" size="0.08" pos="0 0 0.2" mass="1.5"/>
+      <site name="eye" pos="0.1 0 0.2" axisangle="0 1 0 45"/>
+      <body name="leg" pos="0.1 0.1 -0.1" quat="0.9 0.1 -0.2 0.3" childclass="thin">
+        <joint name="hip" type="ball" pos="0 0.01 0.02"/>
+        <geom fromto="0 0 0 0.05 0 -0.4"/>
+        <body name="foot" pos="0.05 0 -0.4" xyaxes="1 0.1 0 0 1 0">
+          <joint name="roll" axis="1 0 0" range="-40 30" pos="0 0 0.02"/>
+          <joint name="pitch" axis="0 1 0.2" range="-50 60"/>
+          <geom type="ellipsoid" size="0.1 0.05 0.03" pos="0.05 0 -0.02" euler="5 0 0"/>
+        </body>
+      </body>
+      <body name="arm" pos="0 -0.2 0.1" zaxis="0 1 1">
+        <joint name="shoulder" type="hinge" axis="1 2 0" springref="20" stiffness="3"/>
+        <inertial pos="0.1 0.02 0" euler="0 0 40" mass="2" diaginertia="0.02 0.03 0.04"/>
+        <frame pos="0.3 0 0" euler="0 90 0">
+          <body name="left" childclass="finger"><joint name="lf"/><geom size="0.02 0.1"/></body>
+          <body name="right"><joint name="rf" class="finger"/><geom class="thin" type="cylinder" size="0.02 0.1"/></body>
+        </frame>
+        <body name="plate" pos="0.1 0 0"><geom type="box" fromto="0 0 0 0 0.2 0.1" size="0.01"/></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+SCARA_SDF = """
+<sdf version="1.9"><world name="w"><gravity>0 0 -9.81</gravity><model name="scara">
+  <frame name="column"><pose>0 0 0.4 0 0 0</pose></frame>
+  <link name="upper"><pose relative_to="column">0 0 0 0 0 0</pose>
+    <inertial><pose>0.2 0 0 0 0 0</pose><mass>6</mass><inertia><ixx>0.02</ixx><iyy>0.09</iyy><izz>0.1</izz></inertia></inertial></link>
+  <link name="fore"><pose relative_to="upper">0.4 0 0.05 0 0 0</pose>
+    <inertial><pose degrees="true">0.14 0 0.02 0 5.729577951308232 0</pose><mass>4</mass>
+    <inertia><ixx>0.01</ixx><iyy>0.05</iyy><izz>0.055</izz><ixz>0.004</ixz></inertia></inertial></link>
+  <link name="quill"><pose>0.68 0 0.45 0 0 0.5</pose>
+    <inertial><pose rotation_format="quat_xyzw">0 0 -0.1 0 0 -0.24740395925452294 0.9689124217106447</pose><mass>1.1</mass>
+    <inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.0006</izz></inertia></inertial></link>
+  <link name="spindle"><pose relative_to="lift">0 0 -0.2 0 0 0</pose>
+    <inertial><pose>0.02 0 -0.02 0 0 0</pose><mass>0.6</mass><inertia><ixx>0.0006</ixx><iyy>0.0007</iyy><izz>0.0004</izz></inertia></inertial>
+    <visual name="v"><pose>0 0 -0.1 0 0 0</pose><geometry><cylinder><radius>0.01</radius><length>0.2</length></cylinder></geometry></visual></link>
+  <frame name="tip" attached_to="spindle"><pose>0 0 -0.2 0 0 0</pose></frame>
+  <joint name="shoulder" type="revolute"><parent>world</parent><child>upper</child><axis><xyz>0 0 1</xyz>
+    <limit><lower>-2.4</lower><upper>2.4</upper><effort>100</effort></limit></axis></joint>
+  <joint name="elbow" type="revolute"><parent>upper</parent><child>fore</child><pose>0 0 0.3 0 1.2 0</pose>
+    <axis><xyz expressed_in="__model__">0 0 1</xyz></axis></joint>
+  <joint name="lift" type="prismatic"><parent>fore</parent><child>quill</child><pose>0 0 0 0 0 -0.5</pose><axis><xyz>0 0 -1</xyz>
+    <limit><lower>0</lower><upper>0.2</upper></limit></axis></joint>
+  <joint name="spin" type="continuous"><parent>quill</parent><child>spindle</child><axis><xyz>0 0 1</xyz></axis></joint>
+</model></world></sdf>
+"""

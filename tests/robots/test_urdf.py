@@ -15,8 +15,7 @@ from scipy.spatial.transform import Rotation
 
 import jousto as jo
 from jousto.robots import Tree, mechanism, read_urdf
-from robots.damage import damaged, watched
-from robots.machines import ARM, GRIPPER, SCARA
+from robots.machines import ARM
 
 BALL = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 HINGE = '<joint name="h" type="continuous"><parent link="a"/><child link="b"/>{}</joint>'
@@ -228,28 +227,3 @@ def test_no_entities_and_no_files_from_elsewhere(write: Write, tmp_path: Path) -
         )
         with pytest.warns(jo.JoustoWarning, match="lies outside the folder of the robot"):
             read_urdf(path)
-
-
-@pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("count", [200, pytest.param(10_000, marks=pytest.mark.slow)])
-def test_damaged_files_are_told_in_sentences(count: int, tmp_path: Path) -> None:
-    """Files with flipped, lost and doubled letters, numbers, elements: an error of ours or none."""
-    path = tmp_path / "robot.urdf"
-    rng = np.random.default_rng(count)
-    path.write_text(ARM, encoding="utf-8")
-    Tree(mechanism(read_urdf(path)))  # loads what is loaded on first use
-    refused = 0
-    with watched() as seen:
-        for i in range(count):
-            data = damaged((ARM, SCARA, GRIPPER)[i % 3], rng)
-            path.write_bytes(data)
-            try:
-                robot = read_urdf(path, fixed_base=bool(i % 2))
-                tree = Tree(robot)
-                assert np.isfinite(tree.mass_matrix(tree.initial)).all()
-                mechanism(robot)
-            except jo.InputError as error:
-                refused += 1
-                assert all(problem.message for problem in error.problems)
-    assert {name for name in seen if Path(name).parent != tmp_path} == set()
-    assert 0.2 * count < refused < count

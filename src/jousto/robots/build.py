@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.errors import Problems, suggest, warn
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.mechanism.bodies.body import RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.loads import Gravity
@@ -26,7 +27,7 @@ from jousto.mechanism.sensors.readings import CoordinateSensor
 from jousto.mechanism.signals.piecewise import Table
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
 from jousto.robots.parts import OF_ROBOT, zero_poses
-from jousto.robots.tree import EARTH, Tree
+from jousto.robots.tree import Tree
 
 SHARE = 1e-6  # of what it carries, for a link without mass
 STOP_FREQUENCY = 50.0  # Hz, of what moves against a stop
@@ -39,7 +40,7 @@ DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full
 def mechanism(
     robot: Robot,
     *,
-    gravity: ArrayLike = EARTH,
+    gravity: ArrayLike | None = None,
     at: Mapping[str, float] | None = None,
     stops: bool | float = True,
     losses: bool = True,
@@ -62,8 +63,8 @@ def mechanism(
     ----------
     robot : Robot
         What `read_urdf` or another reader returns.
-    gravity : (3,) array_like
-        Acceleration of free fall, m/s2.
+    gravity : (3,) array_like, optional
+        Acceleration of free fall, m/s2; None for that of the robot, (0, 0, -9.81) in most files.
     at : dict of str to float, optional
         Where joints start, rad or m; zero elsewhere.
     stops : bool or float
@@ -99,11 +100,14 @@ def mechanism(
     )
     items += (Initial(coordinates[name], value=x) for name, x in given["at"].items())
     tables = limit_tables(robot, stops)
+    weight = Gravity(robot.gravity if gravity is None else gravity)
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), tables, losses=losses)
-        items += rotor(joint, coordinates)
+        items += rotor(joint, coordinates, weight.acceleration)
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
-    return Mechanism(*items, Gravity(gravity), name=robot.name)
+    return Mechanism(
+        *items, Gravity(robot.gravity if gravity is None else gravity), name=robot.name
+    )
 
 
 def check_joints(
@@ -134,6 +138,9 @@ def make_bodies(robot: Robot) -> dict[str, RigidBody]:
             mass, inertia = 1.0, np.eye(3)  # held by the ground
         elif mass == 0.0:
             whole = carried[link.name]
+            if whole.mass == 0.0:
+                message = "neither it nor what it carries has a mass, which a mechanism needs"
+                raise InputError(Problem(f"link {link.name!r}", message))
             mass = SHARE * whole.mass
             moment = float(np.linalg.eigvalsh(whole.inertia)[-1])
             inertia, center = SHARE * moment * np.eye(3), np.zeros(3)
@@ -275,8 +282,11 @@ def joint_forces(
     return [Spring(name, s, **values)] if active else []
 
 
-def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate]) -> list[Any]:
-    """Return a wheel or a mass on the ground that moves with a joint as its rotor."""
+def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate], g: Array) -> list[Any]:
+    """Return a wheel or a mass on the ground that moves with a joint as its rotor.
+
+    A mass slides across the direction of gravity g, so that its weight does no work.
+    """
     if joint.armature == 0.0:
         return []
     if joint.name not in coordinates:
@@ -285,6 +295,8 @@ def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate]) -> list[Any]
     s, J = coordinates[joint.name], joint.armature
     body = RigidBody(f"{joint.name} rotor".replace(".", "_"), J, (J, J, J))
     kind = Revolute if joint.kind == "revolute" else Prismatic
-    made = kind(f"{joint.name} bearing", ground["origin"], body["origin"])
+    across = np.cross(g, np.eye(3)[np.argmin(np.abs(g))])
+    axis = across if across.any() else None
+    made = kind(f"{joint.name} bearing", ground["origin"], body["origin"], axis=axis)
     own = made.coordinates[0]
     return [body, made, Coupling(f"{joint.name} gearing", [s, own], [-1.0, 1.0], 0.0)]

@@ -188,6 +188,8 @@ class Robot:
         What is odd in the file but can be run; it was warned of.
     source : Path or None
         The file.
+    gravity : (3,) array
+        Acceleration of free fall, m/s2.
     """
 
     name: str
@@ -196,6 +198,7 @@ class Robot:
     fixed_base: bool = True
     odd: tuple[Problem, ...] = ()
     source: Path | None = None
+    gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
 
     def __repr__(self) -> str:
         moving = sum(joint.kind != "fixed" for joint in self.joints)

@@ -55,7 +55,7 @@ class Folders:
         head, mark, rest = name.partition("://")
         if not name.strip() or "\x00" in name:
             return None, "has no name"
-        if mark and head == "package":
+        if mark and head in ("package", "model"):
             package, _, inner = rest.partition("/")
             folder = self.packages.get(package)
             if folder is None and package == self.home.name:

@@ -18,8 +18,6 @@ from jousto.robots.chain import grown, independent
 from jousto.robots.description import Frame, Robot
 from jousto.robots.parts import Parts, of_mechanism, of_robot
 
-EARTH = (0.0, 0.0, -9.81)
-
 
 class _Motion(NamedTuple):
     """Steps in the world: axes and origins, Jacobians of origins and turns, and at v: biases."""
@@ -62,8 +60,7 @@ class Tree:
         Rigid bodies; revolute, prismatic, cylindrical, screw, universal, planar, spherical and
         fixed joints.
     gravity : (3,) array_like, optional
-        Acceleration of free fall, m/s2; None for that of the mechanism, and (0, 0, -9.81) for a
-        robot.
+        Acceleration of free fall, m/s2; None for that of the machine.
     limits : dict of str to (float, float), optional
         Lower and upper limits of coordinates by name, beside those of a robot.
 
@@ -125,7 +122,7 @@ class Tree:
         g = None if gravity is None else problems.array("Tree", "gravity", gravity, (3,))
         problems.raise_if_any()
         if isinstance(machine, Robot):
-            parts = of_robot(machine, np.array(EARTH) if g is None else g)
+            parts = of_robot(machine, machine.gravity if g is None else g)
         elif isinstance(machine, Mechanism):
             parts = of_mechanism(machine)
         else:

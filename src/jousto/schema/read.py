@@ -14,6 +14,8 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
+from jousto.robots.build import mechanism as robot_mechanism
+from jousto.robots.files import SUFFIXES, read_robot
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.model import ModelEntry
 from jousto.schema.entries.parts import ReducedEntry
@@ -89,12 +91,13 @@ def read_model(
     progress: Any = None,
     parameters: Mapping[str, float] | None = None,
 ) -> ModelFile:
-    """Read a YAML or JSON model file.
+    """Read a YAML or JSON model file, or a robot (URDF, MJCF, SDF) as a mechanism.
 
     Parameters
     ----------
     path : str or Path
-        The file; file names in it are relative to its folder.
+        The file; file names in it are relative to its folder. What ends with .urdf, .mjcf, .sdf
+        or .xml is read by `jo.robots.read_robot`, which has more options.
     rigid : bool
         Whether flexible bodies are made rigid, with the mass and inertia of their parts: to see
         what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
@@ -117,6 +120,8 @@ def read_model(
     JoustoWarning
         What the constructors warn about, with lines; parameters that nothing uses.
     """
+    if Path(path).suffix.lower() in SUFFIXES:
+        return ModelFile(robot_mechanism(read_robot(path)))
     document = read_document(path)
     return build_model(document, rigid=rigid, trust=trust, progress=progress, parameters=parameters)
 
