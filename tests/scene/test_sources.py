@@ -135,6 +135,27 @@ def test_a_damaged_file_is_a_sentence(saved, tmp_path, place):
     assert place.rpartition("/")[2] in str(error.value)
 
 
+@pytest.mark.parametrize("place", ["symbols/bodies", "symbols/nodes", "symbols/ends"])
+@pytest.mark.parametrize("value", [-7, 9999])
+def test_symbols_of_bodies_and_nodes_that_there_are_not(saved, tmp_path, place, value):
+    broken = tmp_path / "broken.h5"
+    broken.write_bytes(saved.read_bytes())
+    spoil(broken, place, value)
+
+
+@pytest.mark.parametrize("place", ["bodies", "kinds", "ends"])
+def test_connections_of_older_versions_that_are_damaged(saved, tmp_path, place):
+    spoil(older(saved, tmp_path / "old.h5"), f"connections/{place}", 99)
+
+
+def spoil(path, place, value):
+    """Set the numbers of a file to a value, and see it refused in a sentence."""
+    with h5py.File(path, "r+") as file:
+        file[place][...] = value
+    with pytest.raises(InputError, match=rf"{path.name}: damaged: "):
+        make_scene(jo.load(path))
+
+
 def test_no_instant_is_a_sentence(tmp_path):
     model = jo.compile(jo.Mechanism(ball("one")))
     run = jo.simulate(model, 1.0, output_step=0.5)

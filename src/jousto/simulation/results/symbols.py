@@ -37,6 +37,27 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
     }
 
 
+def checked(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
+    """Return symbols of which every point is one of the bodies of their file.
+
+    Raises
+    ------
+    ValueError
+        Naming the first that is not.
+    """
+    known = [(len(body["nodes"]), int(body.attrs["modes"])) for body in bodies.values()]
+    for one in found:
+        for point in one.points:
+            if not -1 <= point.body < len(known):
+                raise ValueError(f"symbol '{one.name}' is on body {point.body} of {len(known)}")
+            nodes, modes = known[point.body] if point.body >= 0 else (0, 0)
+            if not -1 <= point.node < max(nodes, 1):
+                raise ValueError(f"symbol '{one.name}' is at node {point.node} of {nodes}")
+            if point.modes is not None and point.modes.shape != (3, modes):
+                raise ValueError(f"symbol '{one.name}' does not move with {modes} modes")
+    return found
+
+
 def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
     """Return the symbols of their HDF5 group."""
     arrays = {name: group[name][()] for name in group}
@@ -52,6 +73,8 @@ def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
         )
     words = json.loads(arrays["words"].tobytes().decode())
     ends = np.concatenate([[0], arrays["ends"]])
+    if (np.diff(ends) < 0).any() or ends[-1] != len(points):
+        raise ValueError(f"{GROUP}/ends does not part {len(points)} points")
     found = []
     for k, texts in enumerate(zip(*words, strict=True)):
         axis = arrays["axes"][k]
