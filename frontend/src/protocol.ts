@@ -53,6 +53,8 @@ export interface Body {
   known: Block<Uint8Array> | null;
   nodes: Block<Uint32Array> | null;
   damage: Block<Float32Array> | null;
+  /** s; infinite without end. */
+  life: Block<Float32Array> | null;
   mass: number | null;
   about: string;
   rings: Rings | null;

@@ -19,6 +19,7 @@ function bar(): Scene {
     known: null,
     nodes: block("u4", [2], Uint32Array.of(7, 9)),
     damage: block("f4", [2], Float32Array.of(0, 0.5)),
+    life: block("f4", [2], Float32Array.of(Infinity, 20)),
     rings: null,
   };
   const sensors = [{ name: "tip", unit: "N", units: ["N", "N m"], components: ["x", "m"], description: "", side: null, arrow: null, columns: null }];

@@ -269,7 +269,9 @@ def test_damage_lies_over_the_nodes_of_its_body(saved):
     for node in range(5):
         worst = field.damage[field.nodes == node].max()
         assert set(arm.damage[arm.nodes == node + 1]) == {worst}
-    assert {"damage", "life"} < set(scene.measures)
+        shortest = field.life[field.nodes == node].min()
+        assert set(arm.life[arm.nodes == node + 1]) == {shortest}
+    assert "damage" in scene.measures
     other = dataclasses.replace(field, body="leg")
     with pytest.raises(InputError, match="there is no body 'leg'"):
         make_scene(run, damage=other)

@@ -32,6 +32,7 @@ export function mountProbe(kit: Kit): void {
       }
       if (Number.isFinite(shift) && shift > 0) lines.push(["displacement", quantity(shift, "m")]);
       if (found.damage !== null) lines.push(["damage", quantity(found.damage, "1", 3)]);
+      if (found.life !== null) lines.push(["life", quantity(found.life, "s", 3)]);
       lines.push(["x, y, z", `${found.position.map((x) => fixed(x, 4)).join(", ")} m`]);
       figures.replaceChildren(...lines.flatMap(([term, text]) => [h("dt", { text: term }), h("dd", { text })]));
     } catch {

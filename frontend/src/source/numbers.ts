@@ -22,7 +22,6 @@ export function probe(scene: Scene, row: ArrayLike<number>, body: number, vertex
   const at = scene.bodies[body];
   const s = stress(at, vertex, row);
   const damage = at.damage ? at.damage.data[vertex] : null;
-  const length = scene.window[1] - scene.window[0];
   return {
     node: at.nodes ? at.nodes.data[vertex] : vertex + 1,
     position: Array.from(position(at, vertex, row)) as Vec3,
@@ -31,7 +30,7 @@ export function probe(scene: Scene, row: ArrayLike<number>, body: number, vertex
     "von-mises": s && vonMises(s),
     principal: s && principal(s),
     damage,
-    life: damage === null ? null : damage > 0 ? length / damage : Infinity,
+    life: at.life && Number.isFinite(at.life.data[vertex]) ? at.life.data[vertex] : null,
   };
 }
 

@@ -13,9 +13,9 @@ from jousto.scene.scene import Body
 
 
 def damaged(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[Body, ...]:
-    """Return the bodies with damage at their vertices; nan where none was worked out.
+    """Return the bodies with damage and life at their vertices; nan where none was worked out.
 
-    A vertex has the largest damage of the places at its node.
+    A vertex has the largest damage and the shortest life of the places at its node.
 
     Raises
     ------
@@ -32,10 +32,13 @@ def damaged(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[Body
             raise InputError(
                 Problem("damage", f"of '{one.body}' is at places that are no nodes of the body")
             )
-        at = np.full(int(max(body.nodes.max(), one.nodes.max() + 1)), np.nan)
+        count = int(max(body.nodes.max(), one.nodes.max() + 1))
         there = one.nodes >= 0
-        at_nodes = np.full(len(at), -np.inf)
-        np.maximum.at(at_nodes, one.nodes[there], one.damage[there])
-        at[np.isfinite(at_nodes)] = at_nodes[np.isfinite(at_nodes)]
-        found[one.body] = replace(body, damage=at[body.nodes - 1])
+        damage, life = np.full(count, -np.inf), np.full(count, np.inf)
+        np.maximum.at(damage, one.nodes[there], one.damage[there])
+        np.minimum.at(life, one.nodes[there], one.life[there])
+        damage[~np.isfinite(damage)] = np.nan
+        life[np.isnan(damage)] = np.nan
+        at = body.nodes - 1
+        found[one.body] = replace(body, damage=damage[at], life=life[at])
     return tuple(found[body.name] for body in bodies)

@@ -192,5 +192,5 @@ def measures_of(bodies: Sequence[Body]) -> tuple[str, ...]:
     if any(body.modes for body in bodies):
         found.append("displacement")
     if any(body.damage is not None for body in bodies):
-        found += ["damage", "life"]
+        found.append("damage")  # life spreads over decades, which colours do not show
     return tuple(found)

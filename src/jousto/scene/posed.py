@@ -167,6 +167,7 @@ def picked(body: Body, which: Index) -> Body:
         known=None if body.known is None else body.known[which],
         nodes=None if body.nodes is None else body.nodes[which],
         damage=some(body.damage),
+        life=some(body.life),
         section=None if body.section is None else body.section[which],
         rings=rings,
     )

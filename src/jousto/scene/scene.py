@@ -92,6 +92,8 @@ class Body:
         Numbers of the nodes of the model, from 1.
     damage : (nv,) array or None
         Damage at the vertices; nan where it is not known.
+    life : (nv,) array or None
+        Life at the vertices, s; inf without end, nan where it is not known.
     mass : float or None
         kg.
     about : str
@@ -116,6 +118,7 @@ class Body:
     known: NDArray[np.bool_] | None = None
     nodes: Index | None = None
     damage: Array | None = None
+    life: Array | None = None
     mass: float | None = None
     about: str = ""
     rings: Rings | None = None

@@ -273,7 +273,7 @@ def values_at(point: Point, row: Array, scene: Scene) -> dict[str, Any]:
 
 def life_of(body: Body, vertex: int) -> float | None:
     """Return the life at a vertex, s; None where it is not known or without end."""
-    life = getattr(body, "life", None)
+    life = body.life
     return None if life is None or not np.isfinite(life[vertex]) else float(life[vertex])
 
 

@@ -42,8 +42,6 @@ def worst(scene: Scene, measure: str, count: int) -> list[dict[str, Any]]:
     """
     if measure == "damage":
         return _damaged(scene, count)
-    if measure == "life":
-        raise InputError(Problem("worst", "of life are the places with the largest damage"))
     if measure == "displacement":
         return _moved(scene, count)
     run = _run_of(scene, measure)
@@ -69,9 +67,9 @@ def extent(scene: Scene, measure: str) -> tuple[float, float]:
     known = scene.limits.get(measure)
     if known is not None:
         return float(known[0]), float(known[1])
-    if measure in ("damage", "life"):
-        known_ones = [getattr(body, measure, None) for body in scene.bodies]
-        values = np.concatenate([np.zeros(0), *(x for x in known_ones if x is not None)])
+    if measure == "damage":
+        known_ones = [body.damage for body in scene.bodies if body.damage is not None]
+        values = np.concatenate([np.zeros(0), *known_ones])
         values = values[np.isfinite(values)]
         if not len(values):
             raise InputError(Problem("extent", f"{measure} is not known in this run"))

@@ -29,6 +29,7 @@ TYPES = {
     "known": "u1",
     "nodes": "u4",
     "damage": "f4",
+    "life": "f4",
     "places": "u4",
     "ends": "f8",
     "element": "u4",

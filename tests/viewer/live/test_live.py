@@ -17,9 +17,13 @@ from websockets.sync.client import ClientConnection, connect
 
 import jousto as jo
 from jousto.simulation.live.hand import placed
+from jousto.simulation.live.machine import LiveMachine
+from jousto.simulation.live.runner import Runner
 from jousto.viewer import server as server_module
 from jousto.viewer.container import pack, unpack
+from jousto.viewer.live.desk import LiveDesk
 from jousto.viewer.live.live import Live, live
+from jousto.viewer.live.opened import Opened
 
 PATIENCE = 60.0  # s, for machines that are busy
 
@@ -307,3 +311,31 @@ def test_a_page_that_reads_nothing_does_not_slow_the_machine(running: Live) -> N
     assert 0 < waits < 4 * len(picture)  # some of one or two pictures
     page.close()
     deaf.close()
+
+
+def test_damage_grows_as_in_a_run_of_the_same_steps() -> None:
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.025), 4, jo.Material(E=2e11, nu=0.3, rho=7850))
+    arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(interfaces=("start",), modes=3)))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["start"], (0, 1, 0))
+    stress = jo.StressSensor("stress", arm, "e1.a.top")
+    steel = jo.SN(100e6, 1e6, 5.0, "elementary")
+    worn = jo.mechanism.DamageSensor(
+        "worn", stress, steel, residue="half", components=("e1.a.top:s11",)
+    )
+    gravity = jo.Gravity((0, 0, -9.81))
+    model = jo.compile(jo.Mechanism(arm, pin, gravity, stress, worn, name="falling"))
+    solver = jo.GeneralizedAlpha(step=1e-3)
+    machine = LiveMachine(model, solver)
+    runner = Runner(machine, speed=0, playing=False)
+    desk = LiveDesk(Opened(model, solver), runner, step=None, ranges={}, record=Path("no.h5"))
+    grown = []
+    for _ in range(30):
+        runner.step()
+        (found,) = desk.live(runner.glance)["damage"]
+        grown.append(found["value"])
+    runner.close()
+    run = jo.simulate(model, 0.3, solver=solver, output_step=0.01)
+    assert found["name"].startswith("worn")
+    assert grown[-1] > grown[5] > 0.0
+    # the hand adds forces that are zero: the same numbers, to the rounding of one step in 300
+    np.testing.assert_allclose(grown, run["worn"][1:, 0], rtol=1e-6)
