@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.export.program import program
+from jousto.export.program import Program, program
 from jousto.export.project import flat
 from jousto.export.toolchain import build, here, platforms
 from jousto.export.work import Work, work_of
@@ -141,13 +141,24 @@ def realtime(
         binary = Path(folder) / "timing"
         flags = (*NO_ALLOCATION, "-g")  # its lines say whose the instructions are
         build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
-        line = [str(binary), str(int(steps)), *(["urgent"] if urgent else [])]
-        try:
-            done = subprocess.run(line, capture_output=True, text=True, timeout=SECONDS)
-        except subprocess.TimeoutExpired:
-            message = f"{steps} steps took more than {SECONDS:g} s; time fewer"
-            raise InputError(Problem("realtime", message)) from None
-        work = None if done.returncode else work_of(model, binary, Path(folder))
+        found = timed(made, binary, int(steps), urgent=urgent)
+        return replace(found, work=work_of(model, binary, Path(folder)))
+
+
+def timed(made: Program, binary: Path, steps: int, *, urgent: bool) -> StepTimes:
+    """Return the times of the steps of a program made of timing.c; its work is not counted.
+
+    Raises
+    ------
+    InputError
+        If it takes too long, or the motion diverges.
+    """
+    line = [str(binary), str(steps), *(["urgent"] if urgent else [])]
+    try:
+        done = subprocess.run(line, capture_output=True, text=True, timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        message = f"{steps} steps took more than {SECONDS:g} s; time fewer"
+        raise InputError(Problem("realtime", message)) from None
     if done.returncode:
         raise InputError(
             Problem("realtime", "the motion of the machine diverges; simulate it first")
@@ -157,7 +168,7 @@ def realtime(
     asked = tuple((what, bool(int(allowed) & bit)) for what, bit in ASKED.items())
     table = np.array([[float(x) for x in row.split()] for row in rest])
     return StepTimes(
-        model.name,
+        made.model.name,
         made.solver.step,
         int(count),
         1e-9 * float(total) / int(count),
@@ -166,5 +177,4 @@ def realtime(
         table[:, 1],
         int(size),
         asked if urgent else (),
-        work,
     )

@@ -12,6 +12,7 @@ import pytest
 
 import jousto as jo
 from exported import CC, WARNINGS
+from measurement.twin.crane import boom
 
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
@@ -84,7 +85,8 @@ def build(monitor: jo.monitor.Monitor, folder: Path) -> Path:
 
 def table(path: Path, twin: jo.twin.Observer | None, t: np.ndarray, e: np.ndarray) -> Path:
     rows = np.column_stack([t, e])
-    names = ["time [s]", *(f"g{k} [m/m]" for k in range(e.shape[1]))]
+    first = 1 if twin is not None and twin.gauge_names[0] == "g1" else 0
+    names = ["time [s]", *(f"g{first + k} [m/m]" for k in range(e.shape[1]))]
     if twin is not None and twin.reference is not None:
         motion = [np.concatenate(twin.reference.at(s)) for s in t]
         rows = np.column_stack([rows, motion])
@@ -139,6 +141,31 @@ def test_an_observer_tells_in_c_what_it_tells_in_python(
     program = build(watch, tmp_path)
     t, e = record(rod, twin.B)
     compare(program, tmp_path, watch, twin, t, e)
+
+
+def test_loads_that_balance_a_moving_boom(tmp_path: Path) -> None:
+    """The floating boom of the crane, whose loads support its weight and inertia."""
+    part = boom(False)
+    rows = stress_rows(part, "e2.a.top e2.a.left e3.a.bottom e3.a.right e5.a.top_left e7.a.left")
+    loads = [
+        jo.twin.UnknownLoad("start", "fx fy fz mz", rate=2e4, size=3e4, smooth=True),
+        jo.twin.UnknownLoad("node4", "fx fz", rate=3e4, size=5e4, smooth=True),
+        jo.twin.UnknownLoad("end", "fx fy fz mx my mz", rate=2e4, size=2e4, smooth=True),
+    ]
+    given = {"noise": 2e-6, "discrepancy": 3e-6, "balance": jo.twin.Balance(60.0, 40.0)}
+    reference = moving(part)
+    twin = jo.twin.Observer(part, rows, loads=loads, step=0.01, reference=reference, **given)
+    t = 0.01 * np.r_[0:30, 33:60]
+    e = 1e-4 * np.sin(np.outer(9.0 * t, np.arange(1, 7)))
+    e[20:25, 3] = np.nan
+    watch = jo.monitor.Monitor(twin, part, SPOTS, criterion="s11", sn=CURVE, every=0.1)
+    compare(build(watch, tmp_path), tmp_path, watch, twin, t, e)
+
+
+def stress_rows(part: jo.ReducedPart, sites: str) -> np.ndarray:
+    assert part.stress is not None
+    index = [part.stress.labels.index(site) for site in sites.split()]
+    return part.stress.modes[index, 0] / 2.1e11
 
 
 @pytest.mark.parametrize("prior", [None, 1e-3])
