@@ -15,6 +15,9 @@ typedef struct {
     double start;           /* value at the beginning; 0 of outputs, which are computed */
 } jo_port;
 
+/* a parameter that stands for several tunable numbers: tunable[place] = offset + factor value */
+typedef struct { int parameter, place; double factor, offset; } jo_link;
+
 typedef struct {
     const char *name;
     const jo_model *model;
@@ -24,6 +27,8 @@ typedef struct {
     const jo_real *tunable; /* (ntunable) gravity, and data of forces, frictions and signals: copied for each machine */
     int ninput, noutput, nparameter;
     const jo_port *input, *output, *parameter;
+    int nlink;
+    const jo_link *link;
 } jo_plant;
 
 typedef struct jo_machine jo_machine;

@@ -28,8 +28,11 @@ static void lean(jo_machine *k, jo_slope_ref at, jo_real by)
     const int nq = p->model->nq;
     if (at.kind == JO_SLOPE_TIME) *jo_data_time(d) += by;
     else if (at.kind == JO_SLOPE_INPUT) jo_data_input(d)[p->input[at.index].place] += by;
-    else if (at.kind == JO_SLOPE_PARAMETER) jo_machine_tunable(k)[p->parameter[at.index].place] += by;
-    else if (at.index < nq) jo_data_q(d)[at.index] += by;
+    else if (at.kind == JO_SLOPE_PARAMETER) {
+        jo_machine_tunable(k)[p->parameter[at.index].place] += by;
+        for (int i = 0; i < p->nlink; i++)
+            if (p->link[i].parameter == at.index) jo_machine_tunable(k)[p->link[i].place] += p->link[i].factor * by;
+    } else if (at.index < nq) jo_data_q(d)[at.index] += by;
     else jo_data_v(d)[at.index - nq] += by;
 }
 

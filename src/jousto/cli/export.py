@@ -134,10 +134,8 @@ def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
     write(found.monitor.monitor(reference_run(found, file, True)), output)
 
 
-def machine_of(
-    file: Path, step: float | None, trust: bool
-) -> tuple[CompiledModel, Any, Any, float | None]:
-    """Return a compiled model file, its method with a step in s, its start and its end."""
+def machine_of(file: Path, step: float | None, trust: bool) -> tuple[CompiledModel, Any, Any, Any]:
+    """Return a compiled model file, its method with a step in s, its start, and the file."""
     from dataclasses import replace
 
     from jousto.schema.read import read_model
@@ -149,8 +147,7 @@ def machine_of(
     solver: Any = given.get("solver") or ROS2()
     if step is not None:
         solver = replace(solver, step=step)
-    end = None if found.simulation is None else found.simulation.t_end
-    return model, solver, given.get("state"), end
+    return model, solver, given.get("state"), found
 
 
 def _machine(
@@ -163,12 +160,15 @@ def _machine(
     trust: bool,
 ) -> None:
     """Write a machine with the method, the start and the end of its model file."""
+    from jousto.export.named import named_constants
     from jousto.output.write import write
 
-    model, solver, state, end = machine_of(file, step, trust)
+    model, solver, state, found = machine_of(file, step, trust)
+    named = named_constants(found, model)
     if output.suffix.lower() != ".fmu":
-        write(model, output, solver=solver, state=state)
+        write(model, output, solver=solver, state=state, named=named)
         return
+    end = None if found.simulation is None else found.simulation.t_end
     places = () if on == ["none"] else tuple(on or ("here",))
     documents = {f"resources/{file.name}": file.read_bytes()}
     write(
@@ -181,14 +181,17 @@ def _machine(
         stop=end or 1.0,
         documents=documents,
         derivatives=derivatives,
+        named=named,
     )
 
 
 def _page(file: Path, output: Path, step: float | None, inputs: list[str], trust: bool) -> None:
     """Write a machine as a page in which it runs."""
+    from jousto.export.named import named_constants
     from jousto.output.write import write
     from jousto.simulation.live.ranges import parse_ranges
 
     ranges = parse_ranges(inputs)
-    model, solver, state, _ = machine_of(file, step, trust)
-    write(model, output, solver=solver, state=state, ranges=ranges)
+    model, solver, state, found = machine_of(file, step, trust)
+    named = named_constants(found, model)
+    write(model, output, solver=solver, state=state, ranges=ranges, named=named)

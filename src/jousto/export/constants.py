@@ -32,11 +32,14 @@ class Constants:
     places : dict
         Where the numbers of an object begin in `tunable`, by struct and index; gravity is
         ``("gravity", 0)``.
+    fixed : str
+        What it may not change: the text without `tunable`.
     """
 
     text: str
     tunable: NDArray[np.float64]
     places: dict[tuple[str, int], int]
+    fixed: str = ""
 
     @property
     def bytes(self) -> int:
@@ -44,9 +47,17 @@ class Constants:
         return len(self.text)
 
 
-def constants(model: Model, engine: Engine) -> Constants:
-    """Return the constants of a model in C, from the structs that an engine of it has filled."""
-    return _Writer(model, engine).written()
+def constants(model: Model, engine: Engine, more: Sequence[float] = ()) -> Constants:
+    """Return the constants of a model in C, from the structs that an engine of it has filled.
+
+    Parameters
+    ----------
+    model, engine
+        The model, and an engine of it.
+    more : sequence of float
+        Tunable numbers behind those of the engine: ``("named", 0)`` and on.
+    """
+    return _Writer(model, engine, list(more)).written()
 
 
 def number(x: float) -> str:
@@ -101,6 +112,7 @@ def text(value: str) -> str:
 class _Writer:
     model: Model
     engine: Engine
+    more: list[float]
     pieces: list[str] = field(default_factory=list)
     known: dict[tuple[int, int], str] = field(default_factory=dict)
     tunable: list[float] = field(default_factory=list)
@@ -124,9 +136,10 @@ class _Writer:
                 fields.append((name, self._array(name, about.type.item, value, lengths[name])))
         body = ",\n".join(f"    .{name} = {value}" for name, value in fields)
         self.pieces.append(f"static const jo_model model = {{\n{body}\n}};\n")
-        tunable = np.array(self.tunable)
-        first = array("tunable", tunable)
-        return Constants("\n".join([first, *self.pieces]), tunable, self.places)
+        self.places |= {("named", k): len(self.tunable) + k for k in range(len(self.more))}
+        tunable = np.array(self.tunable + self.more)
+        first, fixed = array("tunable", tunable), "\n".join(self.pieces)
+        return Constants(f"{first}\n{fixed}", tunable, self.places, fixed)
 
     def _tuned(self, native: Any) -> dict[str, str]:
         """Collect the tunable numbers, then write the structs that point to them."""

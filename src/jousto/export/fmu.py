@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from xml.etree import ElementTree as xml
@@ -15,6 +15,7 @@ from jousto.base.version import __version__
 from jousto.export import sources
 from jousto.export.constants import number, text
 from jousto.export.description import description, token, variables
+from jousto.export.ports import Named
 from jousto.export.program import Program, program
 from jousto.export.project import flat
 from jousto.export.toolchain import build, platforms
@@ -40,6 +41,7 @@ def write_fmu(
     stop: float = 1.0,
     documents: dict[str, bytes] | None = None,
     derivatives: bool = False,
+    named: Sequence[Named] = (),
 ) -> Path:
     """Write a functional mock-up unit (FMI 2.0 or 3.0) of a model.
 
@@ -73,7 +75,9 @@ def write_fmu(
 
     derivatives : bool
         Whether it provides directional derivatives of outputs and rates, by complex steps; its
-        binaries are then three times as large.
+        binaries are then larger.
+    named : sequence of Named
+        Named constants that become parameters, from `named_constants`.
 
     Returns
     -------
@@ -92,7 +96,7 @@ def write_fmu(
     problems.raise_if_any()
     out = Path(path)
     chosen = platforms(on)
-    made = program(model, solver, state=state, name=name or out.stem)
+    made = program(model, solver, state=state, name=name or out.stem, named=named)
     exchange = not why_not_exchanged(model)
     code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
     if derivatives:

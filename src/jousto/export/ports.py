@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from jousto.base.errors import InputError, Problem
@@ -47,15 +47,38 @@ class Port:
 
 
 @dataclass(frozen=True)
+class Named:
+    """A named constant of a model file that a running machine may change.
+
+    Attributes
+    ----------
+    name, unit : str
+        As the file has them.
+    value : float
+        Its value, SI.
+    bounds : (float, float) or None
+        Smallest and largest value that make sense.
+    links : tuple of (int, float, float)
+        The tunable numbers that it stands for: place, factor and offset of each.
+    """
+
+    name: str
+    unit: str
+    value: float
+    bounds: tuple[float, float] | None
+    links: tuple[tuple[int, float, float], ...]
+
+
+@dataclass(frozen=True)
 class Ports:
-    """The inputs, outputs and parameters of a program."""
+    """The inputs, outputs and parameters of a program; of the parameters the named come first."""
 
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
     parameters: tuple[Port, ...]
 
 
-def ports(model: Model, found: Constants) -> Ports:
+def ports(model: Model, found: Constants, named_ones: Sequence[Named] = ()) -> Ports:
     """Return the ports of a model.
 
     Inputs are its external inputs, outputs the components of its sensors, damage included,
@@ -88,7 +111,11 @@ def ports(model: Model, found: Constants) -> Ports:
             if sensor.resolved_in not in ("", "world"):
                 text += f", resolved in {sensor.resolved_in}"
             outputs.append(("output", name, unit, text, sensor.offset + k, 0.0))
-    parameters = [("parameter", *row) for row in _parameters(model, found)]
+    parameters = [
+        ("parameter", x.name, x.unit, "named constant", found.places["named", k], x.value)
+        for k, x in enumerate(named_ones)
+    ]
+    parameters += [("parameter", *row) for row in _parameters(model, found)]
     return Ports(_unique(inputs), _unique(outputs), _unique(parameters))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.version import __version__
 from jousto.export import sources
 from jousto.export.constants import Constants, array, constants, number, text
-from jousto.export.ports import Port, Ports, identifier, ports, refuse
+from jousto.export.ports import Named, Port, Ports, identifier, ports, refuse
 from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
@@ -50,6 +51,7 @@ class Program:
     ports: Ports
     bytes: int
     fields: dict[str, Any]
+    named: tuple[Named, ...] = ()
 
     @property
     def source(self) -> str:
@@ -76,6 +78,14 @@ class Program:
                 lines = ",\n".join(f"    {_port(x)}" for x in found)
                 pieces.append(f"static const jo_port {kind}[{len(found)}] = {{\n{lines}\n}};\n")
                 rows[kind] = kind
+        links = [
+            f"    {{{k}, {place}, {number(factor)}, {number(offset)}}}"
+            for k, one in enumerate(self.named)
+            for place, factor, offset in one.links
+        ]
+        if links:
+            body = ",\n".join(links)
+            pieces.append(f"static const jo_link links[{len(links)}] = {{\n{body}\n}};\n")
         pieces.append(
             f"const jo_plant {self.name}_plant = {{\n"
             f"    .name = {text(m.name)},\n"
@@ -84,7 +94,8 @@ class Program:
             f"    .ninput = {len(p.inputs)}, .noutput = {len(p.outputs)}, "
             f".nparameter = {len(p.parameters)},\n"
             f"    .input = {rows['inputs']}, .output = {rows['outputs']}, "
-            f".parameter = {rows['parameters']}\n}};\n"
+            f".parameter = {rows['parameters']},\n"
+            f"    .nlink = {len(links)}, .link = {'links' if links else '0'}\n}};\n"
         )
         return "\n".join(pieces)
 
@@ -118,7 +129,12 @@ class Program:
 
 
 def program(
-    model: Model, solver: Solver | None = None, *, state: State | None = None, name: str = ""
+    model: Model,
+    solver: Solver | None = None,
+    *,
+    state: State | None = None,
+    name: str = "",
+    named: Sequence[Named] = (),
 ) -> Program:
     """Return a model as a program of C.
 
@@ -132,6 +148,8 @@ def program(
         Where it starts: its positions and velocities; None is the initial state of the model.
     name : str
         What the names in C begin with; empty is that of the mechanism.
+    named : sequence of Named
+        Named constants that become parameters, from `named_constants`.
 
     Raises
     ------
@@ -154,16 +172,17 @@ def program(
         model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
     native = prepared(engine, chosen, chosen.step)
     fields = {key: getattr(native, key) for key in FIELDS}
-    found = constants(model, engine)
+    found = constants(model, engine, [one.value for one in named])
     size = _bytes(engine, found)
     return Program(
         _own_name(identifier(name or model.name)),
         model,
         chosen,
         found,
-        ports(model, found),
+        ports(model, found, named),
         size,
         fields,
+        tuple(named),
     )
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from jousto.base.files import written
 from jousto.base.version import __version__
 from jousto.export import sources
+from jousto.export.ports import Named
 from jousto.export.program import Program, program
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
@@ -157,6 +159,7 @@ def write_program(
     *,
     state: State | None = None,
     name: str = "",
+    named: Sequence[Named] = (),
 ) -> Path:
     """Write a model as a program of C99 that needs no files, no allocation and no Python.
 
@@ -173,6 +176,8 @@ def write_program(
         Where it starts; None is the initial state of the model.
     name : str
         What the names in C begin with; empty is the name of the file.
+    named : sequence of Named
+        Named constants that become parameters, from `named_constants`.
 
     Returns
     -------
@@ -186,7 +191,7 @@ def write_program(
         cannot be written.
     """
     out = Path(path)
-    made = program(model, solver, state=state, name=name or out.stem)
+    made = program(model, solver, state=state, name=name or out.stem, named=named)
     if out.suffix.lower() == ".zip":
         with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as file:
             for key, text in sorted(project(made).items()):

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
+    from jousto.export.ports import Named
     from jousto.fatigue.miner.damage_field import DamageField
     from jousto.measurement.monitor.monitor import Monitor
     from jousto.mesh.mesh import Mesh
@@ -87,7 +88,7 @@ def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
 @overload
 def write(thing: ReducedPart, path: File, *, nodes: Sequence[str | int] | None = ..., damping: float | Sequence[float] = ..., invariants: bool = ..., stress: bool = ...) -> Path: ...  # noqa: E501
 @overload
-def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., derivatives: bool = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
+def write(thing: Model, path: File, *, solver: Solver | None = ..., state: State | None = ..., name: str = ..., version: int = ..., on: Iterable[str] = ..., stop: float = ..., documents: dict[str, bytes] | None = ..., derivatives: bool = ..., named: Sequence[Named] = ..., ranges: Mapping[str, tuple[float, float]] | None = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: Monitor, path: File, *, name: str = ...) -> Path: ...
 @overload
@@ -120,7 +121,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         hot spots         .vtu                worst values and ranks; the run
         damage field      .vtu                damage, life and safety; the run
         load path         .csv                loads, stability and sensors
-        compiled model    .c .zip             a program of C99: `solver`, `state`, `name`
+        compiled model    .c .zip             a program of C99: `solver`, `state`, `name`,
+                                              `named` constants
                           .fmu                the same and `version` (2, 3), platforms `on`, `stop`,
                                               further `documents` by their place in it,
                                               directional `derivatives`

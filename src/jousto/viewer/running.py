@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.files import written
+from jousto.export.ports import Named
 from jousto.export.program import Program, program
 from jousto.export.web import web_module
 from jousto.model.model import Model
@@ -33,6 +34,7 @@ def write_running(
     solver: Solver | None = None,
     state: State | None = None,
     ranges: Mapping[str, tuple[float, float]] | None = None,
+    named: Sequence[Named] = (),
 ) -> Path:
     """Write a compiled model as a page in which it runs, opened from disk.
 
@@ -48,6 +50,8 @@ def write_running(
         Where it starts; None is the initial state of the model.
     ranges : dict of str to (float, float), optional
         Ranges of inputs in SI; others follow from what they act on.
+    named : sequence of Named
+        Named constants that become parameters, from `named_constants`.
 
     Raises
     ------
@@ -57,7 +61,7 @@ def write_running(
     """
     out = Path(path)
     inputs = input_ranges(model, ranges)
-    made = program(model, solver, state=state, name="machine")
+    made = program(model, solver, state=state, name="machine", named=named)
     title = model.name or "machine"
     _, scene = scene_at(model, state, title)
     data = gzip.compress(pack(contents(made, scene, inputs)), 9, mtime=0)
@@ -72,9 +76,16 @@ def contents(made: Program, scene: Scene, inputs: tuple[InputRange, ...]) -> dic
     model = made.model
     header = scene_header(_without_resultants(scene, model.nq), None, half=False)
     header["inputs"] = inputs_header(inputs, {})
+    bounds = {k: one.bounds for k, one in enumerate(made.named) if one.bounds is not None}
     header["parameters"] = [
-        {"name": x.name, "value": x.start, "unit": x.unit, "low": None, "high": None}
-        for x in made.ports.parameters
+        {
+            "name": x.name,
+            "value": x.start,
+            "unit": x.unit,
+            "low": bounds[k][0] if k in bounds else None,
+            "high": bounds[k][1] if k in bounds else None,
+        }
+        for k, x in enumerate(made.ports.parameters)
     ]
     step = made.solver.step
     return {

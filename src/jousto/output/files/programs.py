@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jousto.base.errors import JoustoError
 
 if TYPE_CHECKING:
+    from jousto.export.ports import Named
     from jousto.measurement.monitor.monitor import Monitor
     from jousto.model.model import Model
     from jousto.simulation.solvers.explicit import Solver
@@ -23,11 +24,12 @@ def write_program(
     solver: Solver | None = None,
     state: State | None = None,
     name: str = "",
+    named: Sequence[Named] = (),
 ) -> Path:
     """Write a compiled model as C99, see `jousto.export.project.write_program`."""
     from jousto.export.project import write_program as write
 
-    return write(model, path, solver, state=state, name=name)
+    return write(model, path, solver, state=state, name=name, named=named)
 
 
 def write_twin(monitor: Monitor, path: str | Path, *, name: str = "") -> Path:
@@ -49,6 +51,7 @@ def write_fmu(
     stop: float = 1.0,
     documents: dict[str, bytes] | None = None,
     derivatives: bool = False,
+    named: Sequence[Named] = (),
 ) -> Path:
     """Write a functional mock-up unit with its picture, see `jousto.export.fmu.write_fmu`."""
     from jousto.export.fmu import PICTURES, write_fmu as write
@@ -67,6 +70,7 @@ def write_fmu(
         stop=stop,
         documents=documents,
         derivatives=derivatives,
+        named=named,
     )
 
 

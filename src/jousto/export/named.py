@@ -1,0 +1,87 @@
+"""Named constants of a model file that a running machine can change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import InputError
+from jousto.export.constants import Constants, constants
+from jousto.export.ports import Named, refuse
+from jousto.model.compile import compile
+from jousto.model.model import Model
+from jousto.model.native.native import Engine
+
+SHARE = 1e-2  # of its value, by which a constant is changed to see what depends on it
+STRAIGHT = 1e-9  # relative: what lies on a straight line through two other values
+
+
+def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
+    """Return the parameters of a model file that move nothing but tunable numbers.
+
+    Each is changed to both sides of its value: what changes in the machine must be among gravity,
+    data of forces, frictions and signals, and be a straight line of it. A length or a mass, on
+    which positions and inertia depend, is left out, as is one that stands squared.
+
+    Parameters
+    ----------
+    file : ModelFile
+        From `read_model`.
+    model : Model
+        Compiled from its mechanism.
+    """
+    refuse(model)
+    here, kept = constants(model, Engine(model)), dict[Any, Any]()
+    found = []
+    for parameter in file.parameters:
+        step = SHARE * abs(parameter.value) or SHARE
+        sides = []
+        for value in (parameter.value + step, parameter.value - step):
+            other = _variant(file, {parameter.name: value}, kept)
+            if other is not None and _alike(other, model, here):
+                sides.append(other[1].tunable)
+        links = _links(here.tunable, sides, parameter.value, step) if len(sides) == 2 else ()
+        if links:
+            named = (parameter.name, parameter.unit, float(parameter.value), parameter.bounds)
+            found.append(Named(*named, links))
+    return tuple(found)
+
+
+def _variant(
+    file: Any, values: Mapping[str, float], kept: dict[Any, Any]
+) -> tuple[Model, Constants] | None:
+    """Return the machine with other values; None where they make none."""
+    try:
+        model = compile(file.variants.make(values, kept)[0])
+        return model, constants(model, Engine(model))
+    except InputError:
+        return None
+
+
+def _alike(other: tuple[Model, Constants], model: Model, here: Constants) -> bool:
+    """Return whether a variant differs in tunable numbers alone."""
+    there, found = other
+    return (
+        found.fixed == here.fixed
+        and found.places == here.places
+        and np.array_equal(there.q0, model.q0)
+        and np.array_equal(there.v0, model.v0)
+    )
+
+
+def _links(
+    here: NDArray[np.float64], sides: list[NDArray[np.float64]], value: float, step: float
+) -> tuple[tuple[int, float, float], ...]:
+    """Return place, factor and offset of what changes; nothing if it is no straight line."""
+    above, below = sides
+    moved = np.flatnonzero((above != here) | (below != here))
+    factor = (above - below) / (2.0 * step)
+    bent = np.abs(above + below - 2.0 * here)
+    if np.any(
+        bent[moved] > STRAIGHT * np.maximum(np.abs(here[moved]), np.abs(above - below)[moved])
+    ):
+        return ()
+    return tuple((int(i), float(factor[i]), float(here[i] - factor[i] * value)) for i in moved)
