@@ -66,6 +66,8 @@ WIDTHS = {  # pixels
     "crane_twin.png": 1200,
     "robot.png": 1200,
     "robot_still.png": 700,
+    "six_axis_arm.png": 1200,
+    "six_axis_arm_still.png": 600,
     "robot_hose.png": 1200,
     "robot_hose_still.png": 700,
     "lcd_robot_still.png": 800,

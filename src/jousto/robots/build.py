@@ -33,7 +33,8 @@ SHARE = 1e-6  # of what it carries, for a link without mass
 STOP_FREQUENCY = 50.0  # Hz, of what moves against a stop
 YIELD = {"rad": 0.01, "m": 1e-3}  # under the largest effort of the joint
 REACH = 10.0  # rad or m beyond a limit up to which a stop grows
-DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full
+DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full, or faster, so that
+SOON = 2e-3  # it takes so many seconds to come to rest
 
 
 @explained
@@ -56,8 +57,8 @@ def mechanism(
     `CoordinateSensor` of its name.
 
     A limit is a stop: a spring without slack, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)``
-    (1 mm for slides), M being the inertia that moves with the joint at its zero. It gives back
-    what it takes.
+    (1 mm for slides), M being the inertia that moves with the joint at its zero while the others
+    are free. It gives back what it takes.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ def mechanism(
         Whether limits are stops; a number is their stiffness, N m/rad or N/m.
     losses : bool
         Whether damping, dry friction and springs of the joints count. Dry friction is full from
-        0.01 rad/s or 1 mm/s on.
+        0.01 rad/s or 1 mm/s on, later where it would stop the joint in less than 2 ms.
     drives : dict of str to Signal, optional
         Joints that follow a signal, rad or m.
     efforts : dict of str to Signal or float, optional
@@ -99,10 +100,11 @@ def mechanism(
         JointForce(f"{name} motor", coordinates[name], x) for name, x in given["efforts"].items()
     )
     items += (Initial(coordinates[name], value=x) for name, x in given["at"].items())
-    tables = limit_tables(robot, stops)
+    inertias = moving(Tree(robot))
+    tables = limit_tables(robot, stops, inertias)
     weight = Gravity(robot.gravity if gravity is None else gravity)
     for joint in robot.joints:
-        items += joint_forces(joint, joints.get(joint.name), tables, losses=losses)
+        items += joint_forces(joint, joints.get(joint.name), tables, inertias if losses else None)
         items += rotor(joint, coordinates, weight.acceleration)
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
     return Mechanism(
@@ -214,7 +216,16 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
     return found
 
 
-def limit_tables(robot: Robot, stops: bool | float) -> dict[str, Table]:
+def moving(tree: Tree) -> dict[str, float]:
+    """Return what moves with each coordinate while the others are free, at the initial pose."""
+    inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
+    inertia = 1.0 / np.maximum(inverse, 1e-300)
+    return dict(zip(tree.velocities, map(float, inertia), strict=True))
+
+
+def limit_tables(
+    robot: Robot, stops: bool | float, inertias: Mapping[str, float]
+) -> dict[str, Table]:
     """Return the force of the stops over the coordinate, by the names of coordinates.
 
     Raises
@@ -229,7 +240,6 @@ def limit_tables(robot: Robot, stops: bool | float) -> dict[str, Table]:
         problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
         problems.raise_if_any()
     tree = Tree(robot)
-    inertia = np.diag(tree.mass_matrix(tree.initial))
     efforts = {joint.name: joint.effort for joint in robot.joints}
     tables = {}
     for i, name in enumerate(tree.velocities):
@@ -237,7 +247,7 @@ def limit_tables(robot: Robot, stops: bool | float) -> dict[str, Table]:
         if not np.isfinite(ends).any():
             continue
         unit = "rad" if name.endswith(".angle") else "m"
-        k = float(inertia[i]) * (2.0 * np.pi * STOP_FREQUENCY) ** 2
+        k = inertias[name] * (2.0 * np.pi * STOP_FREQUENCY) ** 2
         effort = efforts.get(name.rpartition(".")[0], np.inf)
         k = max(k, effort / YIELD[unit]) if np.isfinite(effort) else k
         tables[name] = stop_table(*ends, k if stops is True else float(stops))
@@ -257,14 +267,17 @@ def stop_table(lower: float, upper: float, k: float) -> Table:
 
 
 def joint_forces(
-    joint: RobotJoint, made: Joint | None, tables: Mapping[str, Table], *, losses: bool
+    joint: RobotJoint,
+    made: Joint | None,
+    tables: Mapping[str, Table],
+    inertias: Mapping[str, float] | None,
 ) -> list[Any]:
-    """Return stop, spring, damping and dry friction of a joint."""
+    """Return stop and, where inertias are given, spring, damping and dry friction of a joint."""
     if made is None:
         return []
     name = f"{joint.name} limits and losses"
     if isinstance(made, Spherical):
-        if not losses or joint.damping == joint.stiffness == 0.0:
+        if inertias is None or joint.damping == joint.stiffness == 0.0:
             return []
         turn = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
         K, D = np.multiply(joint.stiffness, turn), np.multiply(joint.damping, turn)
@@ -273,10 +286,11 @@ def joint_forces(
         return []
     s = made.coordinates[0]
     values: dict[str, Any] = {"table": tables.get(s.name)}
-    if losses:
+    if inertias is not None:
         values |= {"damping": joint.damping, "stiffness": joint.stiffness, "free": joint.rest}
         if joint.friction > 0.0:
-            slow, f = DRY[s.unit], joint.friction
+            f = joint.friction
+            slow = max(DRY[s.unit], f * SOON / inertias.get(s.name, np.inf))
             values["damper_table"] = Table((-slow, slow), (f, -f))
     active = any(value is not None and value != 0.0 for k, value in values.items() if k != "free")
     return [Spring(name, s, **values)] if active else []

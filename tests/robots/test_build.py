@@ -1,0 +1,83 @@
+"""Mechanisms of robots: stops, dry friction and rotors, by closed forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jousto as jo
+from jousto.robots import mechanism, read_urdf
+
+WHEEL = """<robot name="r"><link name="base"/><link name="wheel"><inertial><mass value="2"/>
+<inertia ixx="0.5" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial></link>
+<joint name="axle" type="{}"><parent link="base"/><child link="wheel"/><axis xyz="1 0 0"/>{}</joint>
+</robot>"""
+LIMIT = '<limit lower="-1" upper="0.5" effort="{}" velocity="9"/>'
+
+
+def turning(
+    folder: Path, inner: str, kind: str = "revolute", rate: float = 0.0, t_end: float = 1.0
+) -> jo.Solution:
+    """Run the wheel without weight from a rate."""
+    path = folder / "wheel.urdf"
+    path.write_text(WHEEL.format(kind, inner), encoding="utf-8")
+    machine = mechanism(read_urdf(path), gravity=(0, 0, 0))
+    (axle,) = machine.joints
+    begun = jo.Initial(axle.coordinates[0], rate=rate)
+    speed = jo.RateSensor("speed", axle.coordinates[0])
+    whole = jo.Mechanism(*machine.items, begun, speed)
+    return jo.simulate(jo.compile(whole), t_end, solver=jo.RK4(1e-4))
+
+
+@pytest.mark.parametrize(
+    ("kind", "inertia", "give"), [("revolute", 0.5, 0.01), ("prismatic", 2.0, 1e-3)]
+)
+@pytest.mark.parametrize("effort", [10.0, 1e4])
+def test_a_stop_is_a_spring(
+    kind: str, inertia: float, give: float, effort: float, tmp_path: Path
+) -> None:
+    # the stiffer of 50 Hz, and of the largest effort at 0.01 rad or 1 mm
+    k = max(inertia * (2 * np.pi * 50) ** 2, effort / give)
+    rate, t_end = 2.0, 0.5
+    run = turning(tmp_path, LIMIT.format(effort), kind, rate, t_end)
+    s, speed = run["axle"][:, 0], run["speed"][:, 0]
+    # half a period in the stop, which gives back all: v sqrt(M / k) deep
+    deep, stay = rate * np.sqrt(inertia / k), np.pi * np.sqrt(inertia / k)
+    # instants of 1e-4 s miss the deepest point by (w h / 2)^2 / 2 of it, 1.3e-3 at most
+    assert s.max() - 0.5 == pytest.approx(deep, rel=2e-3)
+    # a step over the kink of the force misses up to k v h^2 / M of the speed, here 1e-3
+    assert speed[-1] == pytest.approx(-rate, rel=2e-3)
+    assert s[-1] == pytest.approx(0.5 - rate * (t_end - 0.25 - stay), abs=1e-3)
+
+
+def test_dry_friction_stops_the_wheel(tmp_path: Path) -> None:
+    limits = '<limit lower="-9" upper="9" effort="1" velocity="9"/>'
+    run = turning(tmp_path, f'{limits}<dynamics friction="0.4"/>', rate=0.5)
+    s, speed = run["axle"][:, 0], run["speed"][:, 0]
+    # 0.5 - 0.8 t until 0.01 rad/s, from where it fades
+    i = np.searchsorted(run.time, 0.5)
+    assert speed[i] == pytest.approx(0.5 - 0.8 * 0.5, abs=1e-9)
+    assert s[-1] == pytest.approx(0.5**2 / (2 * 0.8), abs=1e-3)
+    assert abs(speed[-1]) < 1e-3
+
+
+def test_a_rotor_adds_its_inertia(tmp_path: Path) -> None:
+    path = tmp_path / "wheel.urdf"
+    path.write_text(WHEEL.format("continuous", '<dynamics armature="0.3"/>'), encoding="utf-8")
+    robot = read_urdf(path)
+    machine = mechanism(robot, efforts={"axle": 2.0})
+    run = jo.simulate(jo.compile(machine), 1.0, solver=jo.RK4(1e-3))
+    assert run["axle"][-1, 0] == pytest.approx(0.5 * 2.0 / 0.8, rel=1e-10)
+    assert jo.robots.Tree(robot).mass_matrix([0.0])[0, 0] == pytest.approx(0.8, rel=1e-14)
+
+
+def test_wrong_names_and_stiffness_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "wheel.urdf"
+    path.write_text(WHEEL.format("continuous", ""), encoding="utf-8")
+    robot = read_urdf(path)
+    with pytest.raises(jo.InputError, match=r"at\['axl'\]: no such joint; did you mean 'axle'"):
+        mechanism(robot, at={"axl": 0.1})
+    with pytest.raises(jo.InputError, match="stops is -1 N/m or N m/rad, must be a positive"):
+        mechanism(robot, stops=-1.0)
