@@ -13,14 +13,14 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     const int known = d->fresh || d->control.known;
     const jo_real time = d->time[0];
     const jo_work work = d->work;
-    for (int i = 0; i < m->nq; i++) d->q1[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) d->v1[i] = d->v[i];
+    for (int i = 0; i < d->ny; i++) d->q1[i] = d->y[i];
+    for (int i = 0; i < d->nw; i++) d->v1[i] = d->w[i];
     for (int i = 0; i < m->nrow; i++) d->lam1[i] = d->lam[i];
     jo_interpolate(m, d, (t - d->control.from) / d->control.length);
     d->time[0] = t;
     d->fresh = d->current = 0;
     int status = JO_OK;
-    if (s->projection && m->njoint) {
+    if (s->projection && m->njoint && !d->tree.on) {
         jo_project(m, d, &jo_now);   /* with the factors of the end of the step; with those of this state if they differ too much */
         if (jo_most(jo_joint_residual(m, d)) > 1e-12 * m->size || jo_most(jo_joint_residual_rate(m, d)) > 1e-10 * m->size) {
             status = jo_accelerations(m, d);
@@ -28,12 +28,13 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
         }
     }
     if (status == JO_OK) status = jo_write_row(m, d, row);
-    for (int i = 0; i < m->nq; i++) d->q[i] = d->q1[i];
-    for (int i = 0; i < m->nv; i++) d->v[i] = d->v1[i];
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->v1[i];
+    d->tree.mirrored = JO_MIRROR_NONE;
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
     d->work = work;
     d->time[0] = time;
-    jo_recall_stage(m, d, 1);
+    jo_recall_stage(d, 1);
     d->control.known = known;
     return status;
 }
@@ -67,6 +68,8 @@ static double fastest(const jo_model *m, const jo_data *d)
  * mechanism in the time of the run, against that. */
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
+    jo_real *const defect[2] = {d->lag, d->sum};
+    if (d->tree.on) jo_tree_defects(m, d, defect[0], defect[1]);
     const double size = size_of(m), top = jo_larger(fastest(m, d), size / d->control.duration);
     double error = 0.0;
     for (int i = 0; i < m->nbody; i++) {
@@ -77,9 +80,9 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
             const int at = k * m->nv + b->iv;
-            e[3 * k] = jo_defect(m, d, at, 3);
-            e[3 * k + 1] = jo_defect(m, d, at + 3, 3);
-            e[3 * k + 2] = jo_defect(m, d, at + 6, b->n);
+            e[3 * k] = d->tree.on ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
+            e[3 * k + 1] = d->tree.on ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
+            e[3 * k + 2] = d->tree.on ? 0.0 : jo_defect(d, at + 6, b->n);
         }
         scale[0] = jo_larger(s->tolerance * size, s->absolute);
         scale[1] = scale[0] / size;
@@ -143,13 +146,14 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
 }
 
 /* back to the start of a step that is not taken */
-static void withdraw(const jo_model *m, jo_data *d, double shorter)
+static void withdraw(jo_data *d, double shorter)
 {
-    for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
-    for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i];
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i];
+    d->tree.mirrored = JO_MIRROR_NONE;
     d->work = d->control.work;
     d->time[0] = d->control.from;
-    jo_recall_stage(m, d, 0);
+    jo_recall_stage(d, 0);
     d->control.next = shorter;
     d->control.shortened = 1;
     d->counts.rejected++;
@@ -191,15 +195,15 @@ static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s
 static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
 {
     jo_control *c = &d->control;
-    if (jo_increments(m, d->dq, d->q0, d->q) > 2.0 * JO_TURN) {
-        withdraw(m, d, 0.5 * x->h);
+    if ((d->tree.on ? jo_tree_turned(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
+        withdraw(d, 0.5 * x->h);
         return 0;
     }
     *error = step_error(m, d, s);
     const double plain = 0.9 / pow(jo_larger(*error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
     if (!(*error <= 1.0)) {
         c->status = JO_OK;
-        withdraw(m, d, x->h * (plain > 0.2 ? plain : 0.2));
+        withdraw(d, x->h * (plain > 0.2 ? plain : 0.2));
         return 0;
     }
     double factor = plain * pow(c->error, 0.04);   /* proportional and integral */
@@ -228,7 +232,9 @@ static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x,
     if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
     if (x->broken) d->fresh = 0;
     d->counts.steps++;
-    if (m->nturn) jo_count_turns(m, d);
+    if (m->nturn && d->tree.on) jo_tree_count_turns(m, d);
+    else if (m->nturn) jo_count_turns(m, d);
+    jo_mirror(m, d, JO_MIRROR_STATE);   /* an event may have shortened the step */
     remember_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
     c->measured = 0;
@@ -247,13 +253,15 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     int status = d->fresh || c->known ? JO_OK : jo_accelerations(m, d);
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
+    jo_mirror(m, d, JO_MIRROR_STATE);
     attempt x = attempted(m, d, s, end);
     status = jo_step_dopri(m, d, s, x.h, x.seen);
     if (status != JO_OK) {
         c->status = status;
-        withdraw(m, d, 0.25 * x.h);
+        withdraw(d, 0.25 * x.h);
         return JO_OK;
     }
+    jo_mirror(m, d, JO_MIRROR_STATE);
     double error;
     return passes(m, d, s, &x, &error) ? finish(m, d, s, &x, error) : JO_OK;
 }
@@ -268,6 +276,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
+    jo_mirror(m, d, JO_MIRROR_ALL);
     for (int i = 0; i < 3 * m->nbody; i++) d->extent[i] = 0.0;
     remember_extent(m, d);
     c->start = JO_RE(d->time[0]);
@@ -331,8 +340,10 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
 {
     *written = 0;
     d->logged = 0;
-    int status = *count == 0 ? begin(m, d, s, last) : JO_OK;
+    int status = m->nlink ? jo_tree_enter(m, d) : JO_OK;
+    if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
     if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
+    jo_tree_leave(m, d);
     d->left = JO_RE(d->time[0]);
     return status;
 }

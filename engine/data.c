@@ -41,6 +41,9 @@ static void lay_state(const jo_model *m, arena *a, jo_data *d)
     d->end_lam = reals(a, m->nrow);
     d->end_time = reals(a, 1);
     d->started = take(a, sizeof(int));
+    d->tree.x = reals(a, m->nx + m->nu);
+    d->tree.u = d->tree.x + m->nx;
+    d->tree.ud = reals(a, m->nu);
     d->state_bytes = a->used - state;
     d->kept.state = take(a, jo_watched(m) ? d->state_bytes : 0);   /* the same once more */
 }
@@ -158,6 +161,20 @@ static void lay_friction(const jo_model *m, arena *a, jo_data *d)
     }
 }
 
+/* links of a tree, with the ground, and what forces need of it */
+static void lay_tree(const jo_model *m, arena *a, jo_data *d)
+{
+    jo_tree *t = &d->tree;
+    jo_real **along[3] = {&t->tau, &t->stiffness, &t->damping};
+    for (int i = 0; i < 3; i++) *along[i] = reals(a, m->nu);
+    t->pull = reals(a, m->nlink);
+    t->link = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_bytes() : 0);
+    t->constants = take(a, (size_t)m->nlink * jo_link_constant_bytes());
+    t->marker = take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
+    t->coordinate = take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);
+    t->body = take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);
+}
+
 /* what events and damage meters watch */
 static void lay_watch(const jo_model *m, arena *a, jo_data *d, jo_sensor **watched, jo_sensor **metered)
 {
@@ -187,6 +204,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     lay_joints(m, a, d);
     lay_newton(m, a, d);
     lay_friction(m, a, d);
+    lay_tree(m, a, d);
     lay_watch(m, a, d, watched, metered);
     lay_bodies(m, a, d);
     lay_markers(m, a, d);
@@ -215,6 +233,8 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
         d->q[m->body[i].iq + 3] = jo_same(1.0);
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
+    jo_use_core(m, d, 0);
+    if (m->nlink) jo_tree_setup(m, d);
     jo_beam_setup(m, d);
     jo_marker_setup(m, d, 0);
     jo_joint_plan(m, d);
@@ -265,6 +285,7 @@ jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 double *jo_data_memory(jo_data *d) { return d->memory; }
 double *jo_data_bent(jo_data *d) { return d->bent; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
+jo_real *jo_data_joint(jo_data *d) { return d->tree.x; }
 jo_counts *jo_data_counts(jo_data *d) { return &d->counts; }
 const double *jo_data_log(const jo_data *d) { return d->log; }
 int jo_data_logged(const jo_data *d) { return d->logged; }

@@ -26,7 +26,7 @@ static const double DENSE[JO_STAGES] = {-12715105075.0 / 11282082432.0, 0.0, 874
                                         -10690763975.0 / 1880347072.0, 701980252875.0 / 199316789632.0,
                                         -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0};
 
-static int width(const jo_model *m) { return 2 * m->nv + 3; }
+static int width(const jo_data *d) { return 2 * d->nw + 3; }
 
 /* sum of the first `count` stages at place i */
 static jo_real blend(const jo_data *d, const double *weight, int count, int nk, int i)
@@ -68,24 +68,24 @@ double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_
 }
 
 /* what follows the increments and the velocities of a stage or a change */
-static jo_work *work_of(const jo_model *m, jo_real *x) { return (jo_work *)(x + 2 * m->nv); }
+static jo_work *work_of(const jo_data *d, jo_real *x) { return (jo_work *)(x + 2 * d->nw); }
 
-static void keep_stage(const jo_model *m, jo_data *d, int k, const jo_real *rate)
+static void keep_stage(jo_data *d, int k, const jo_real *rate)
 {
-    jo_real *x = d->stages + k * width(m);
-    for (int i = 0; i < m->nv; i++) {
+    jo_real *x = d->stages + k * width(d);
+    for (int i = 0; i < d->nw; i++) {
         x[i] = rate[i];
-        x[m->nv + i] = d->a[i];
+        x[d->nw + i] = d->wd[i];
     }
-    *work_of(m, x) = d->power;
+    *work_of(d, x) = d->power;
 }
 
 /* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
-void jo_recall_stage(const jo_model *m, jo_data *d, int last)
+void jo_recall_stage(jo_data *d, int last)
 {
-    jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(m);
-    for (int i = 0; i < m->nv; i++) d->a[i] = x[m->nv + i];
-    d->power = *work_of(m, x);
+    jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(d);
+    for (int i = 0; i < d->nw; i++) d->wd[i] = x[d->nw + i];
+    d->power = *work_of(d, x);
     d->fresh = d->current = 0;
     d->control.known = 1;
 }
@@ -93,7 +93,7 @@ void jo_recall_stage(const jo_model *m, jo_data *d, int last)
 /* one step of length h; forces that jump at its end are `seen` as they are at that time */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
 {
-    const int nv = m->nv, nk = width(m);
+    const int nv = d->nw, nk = width(d);
     const jo_real t0 = d->time[0];
     jo_control *c = &d->control;
     if (!d->fresh && !c->known) {
@@ -101,43 +101,44 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         if (status != JO_OK) return status;
     }
     c->known = 0;
-    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < nv; i++) d->v0[i] = d->v[i];
+    for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
+    for (int i = 0; i < nv; i++) d->v0[i] = d->w[i];
     c->work = d->work;
     c->from = JO_RE(t0);
     c->length = h;
-    keep_stage(m, d, 0, d->v);
+    keep_stage(d, 0, d->w);
     for (int k = 1; k < JO_STAGES; k++) {
         for (int i = 0; i < nv; i++) {
             d->dq[i] = h * blend(d, WEIGHT[k], k, nk, i);
-            d->v[i] = d->v0[i] + h * blend(d, WEIGHT[k], k, nk, nv + i);
+            d->w[i] = d->v0[i] + h * blend(d, WEIGHT[k], k, nk, nv + i);
         }
-        jo_displace(m, d->q, d->q0, d->dq);
+        jo_move(m, d, d->dq);
         d->time[0] = k < 5 ? t0 + NODE[k] * h : seen + (t0 - JO_RE(t0));
         d->fresh = d->current = 0;
         if (k == JO_STAGES - 1) {   /* the new state */
             int status = jo_check(m, d);
             if (status != JO_OK) return status;
-            if (s->projection) {
+            if (s->projection && !d->tree.on) {
                 jo_project(m, d, &jo_now);
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
-            jo_increments(m, d->dq, d->q0, d->q);
+            if (d->tree.on) jo_tree_drives_end(m, d);
+            else jo_increments(m, d->dq, d->q0, d->q);
         }
         const int status = jo_evaluate(m, d, &jo_now);
         if (status != JO_OK) return status;
-        jo_increment_rate(m, d->rate, d->dq, d->v);
-        keep_stage(m, d, k, d->rate);
+        jo_move_rate(m, d, d->rate, d->dq);
+        keep_stage(d, k, d->rate);
     }
     for (int i = 2 * nv; i < nk; i++) d->change[i] = blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, i);
-    jo_add_work(&d->work, h, work_of(m, d->change));
+    jo_add_work(&d->work, h, work_of(d, d->change));
     for (int i = 0; i < nv; i++) {
         d->change[i] = d->dq[i];
-        d->change[nv + i] = d->v[i] - d->v0[i];
+        d->change[nv + i] = d->w[i] - d->v0[i];
     }
-    *work_of(m, d->change) = d->work;
-    jo_add_work(work_of(m, d->change), -1.0, &c->work);
+    *work_of(d, d->change) = d->work;
+    jo_add_work(work_of(d, d->change), -1.0, &c->work);
     d->time[0] = t0 + h;
     d->fresh = 1;
     return JO_OK;
@@ -155,24 +156,34 @@ static jo_real changed(const jo_data *d, double u, int nk, int i)
 /* the state at the part `u` of the last step */
 void jo_interpolate(const jo_model *m, jo_data *d, double u)
 {
-    const int nv = m->nv, nk = width(m);
+    const int nv = d->nw, nk = width(d);
     const jo_work *start = &d->control.work;
     for (int i = 0; i < nv; i++) {
         d->dq[i] = changed(d, u, nk, i);
-        d->v[i] = d->v0[i] + changed(d, u, nk, nv + i);
+        d->w[i] = d->v0[i] + changed(d, u, nk, nv + i);
     }
     d->work.damping = start->damping + changed(d, u, nk, 2 * nv);
     d->work.friction = start->friction + changed(d, u, nk, 2 * nv + 1);
     d->work.forces = start->forces + changed(d, u, nk, 2 * nv + 2);
-    jo_displace(m, d->q, d->q0, d->dq);
+    jo_move(m, d, d->dq);
+}
+
+/* estimated errors of increments and velocities of the bodies, from those of a tree */
+void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity)
+{
+    jo_real *const out[2] = {increment, velocity};
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < d->nw; i++) d->rate[i] = d->control.length * blend(d, ERROR, JO_STAGES, width(d), k * d->nw + i);
+        jo_tree_spread(m, d, d->rate, out[k]);
+    }
 }
 
 /* length of the estimated error of n entries from place i on */
-double jo_defect(const jo_model *m, const jo_data *d, int i, int n)
+double jo_defect(const jo_data *d, int i, int n)
 {
     double sum = 0.0;
     for (int j = i; j < i + n; j++) {
-        const double e = JO_RE(blend(d, ERROR, JO_STAGES, width(m), j));
+        const double e = JO_RE(blend(d, ERROR, JO_STAGES, width(d), j));
         sum += e * e;
     }
     return fabs(d->control.length) * sqrt(sum);

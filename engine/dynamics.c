@@ -66,6 +66,7 @@ static int solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
+    if (d->tree.on) return jo_tree_evaluate(m, d, stage);
     d->power = none;
     d->counts.evaluations++;
     int status = load(m, d, stage);
@@ -125,11 +126,12 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
         jo_close_work(d);
-    } else if (!d->current) {
+    } else if (!d->current && !(demanding && d->tree.on)) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
         d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
     }
+    jo_mirror(m, d, demanding ? JO_MIRROR_ALL : JO_MIRROR_STATE);
     return JO_OK;
 }
 

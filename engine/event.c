@@ -52,6 +52,7 @@ static void bring_back(jo_data *d)
     d->fresh = k->fresh;
     d->restart = k->restart;
     d->current = 0;
+    d->tree.mirrored = JO_MIRROR_NONE;
 }
 
 /* -- what is watched ------------------------------------------------------------------------ */

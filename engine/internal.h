@@ -192,12 +192,35 @@ typedef struct {
     int worst;              /* body with the largest error */
 } jo_control;
 
+/* Rigid trees in joint coordinates, see tree.c. While `on` the state is x and u; q and v, then also a and lam, follow when somebody
+ * needs them. */
+typedef struct jo_link_work jo_link_work;
+typedef struct jo_link_constants jo_link_constants;
+typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_STATE = 1, JO_MIRROR_ALL = 2 } jo_mirrored;
+typedef struct {
+    int on;
+    jo_mirrored mirrored;
+    int summed;             /* the links have all accelerations and loads of the last evaluation */
+    jo_real *x, *u, *ud;    /* (nx), (nu) coordinates, rates, accelerations */
+    jo_real *tau;           /* (nu) force along each of them */
+    jo_real *stiffness, *damping;   /* (nu) that are implicit in ROS2 */
+    jo_real *pull;          /* (nlink) force of each drive */
+    jo_link_work *link;     /* (nlink + 1), the ground first */
+    jo_link_constants *constants;   /* (nlink) */
+    int *marker, *coordinate, *body;   /* that forces need at every evaluation */
+    int nmarker, ncoordinate, nbody;
+    int direct;             /* all counted angles are joint coordinates */
+} jo_tree;
+
 struct jo_data {
     jo_real time[1];
     jo_work work, power;    /* so far, and the rates at the last evaluation */
     jo_work power0;         /* rates at the start of the last step, whose half is not yet in work */
     double waiting;         /* length of that step, or 0 */
     jo_real *q, *v, *a, *lam;
+    jo_tree tree;
+    jo_real *y, *w, *wd;    /* what is integrated: q, v and a, or x, u and ud */
+    int ny, nw;             /* how many positions and velocities these are */
     jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
     jo_real *acc;           /* (nv) first stage of ROS2 */
     jo_real *stages;        /* (7 x (2 nv + 3)) rates of increments, velocities and work in an adaptive step */
@@ -343,6 +366,8 @@ void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time);
 
 /* coordinate.c */
+void jo_coordinate_place(const jo_model *m, jo_data *d, int coordinate);   /* value, gradient */
+void jo_coordinate_move(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
 void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
@@ -388,7 +413,26 @@ void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
 void jo_beam_accept(const jo_model *m, jo_data *d);
 void jo_beam_forget(jo_data *d);
 
+/* tree_place.c */
+void jo_tree_setup(const jo_model *m, jo_data *d);
+void jo_tree_kinematics(const jo_model *m, jo_data *d);
+void jo_tree_read(const jo_model *m, jo_data *d);     /* x and u from q and v */
+void jo_tree_spread(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v);   /* (nv) of the bodies at (nu) of the joints */
+
+/* tree_mirror.c */
+int jo_tree_stands(const jo_model *m, jo_data *d);    /* whether q and v are those of x and u, to the last digit */
+void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how);
+
+/* tree_move.c */
+void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
+void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u);
+int jo_tree_check(const jo_model *m, jo_data *d);
+double jo_tree_turned(const jo_model *m, jo_data *d);   /* largest turn of a body by the increments dq, about */
+
 /* state.c */
+void jo_use_core(const jo_model *m, jo_data *d, int tree);   /* what is integrated */
+void jo_move(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
+void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
 void jo_refresh(const jo_model *m, jo_data *d);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
@@ -456,11 +500,26 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 /* energy.c */
 void jo_close_work(jo_data *d);
 
+/* tree_force.c */
+int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* tree.c */
+size_t jo_link_bytes(void);
+size_t jo_link_constant_bytes(void);
+void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
+int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
+
+/* tree_enter.c */
+int jo_tree_enter(const jo_model *m, jo_data *d);     /* the state of the caller becomes x and u */
+void jo_tree_leave(const jo_model *m, jo_data *d);    /* and is the caller's again */
+void jo_tree_count_turns(const jo_model *m, jo_data *d);
+void jo_tree_drives_end(const jo_model *m, jo_data *d);   /* what is prescribed at the end of a step, and dq */
 
 /* friction_switch.c */
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
@@ -483,9 +542,10 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 /* dopri.c */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
 double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
-void jo_recall_stage(const jo_model *m, jo_data *d, int last);   /* the first or the last stage of the step */
+void jo_recall_stage(jo_data *d, int last);   /* the first or the last stage of the step */
 void jo_interpolate(const jo_model *m, jo_data *d, double u);
-double jo_defect(const jo_model *m, const jo_data *d, int i, int n);
+double jo_defect(const jo_data *d, int i, int n);
+void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
 
 /* step.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */

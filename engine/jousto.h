@@ -49,7 +49,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 10 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 11 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -166,6 +166,7 @@ typedef struct {
     int a, b;               /* markers */
     int axis_a, axis_b;     /* AXES, ALONG */
     int turn;               /* ANGLE: its place among the counted turns, else -1 */
+    int link;               /* whose joint coordinate it is, up to the sign; -1: of none */
 } jo_coordinate;
 
 /* One row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; optional joints hold the offsets of jo_data_held(). */
@@ -190,6 +191,25 @@ typedef struct {
     int lock;               /* the rows exist only while jo_data_locked()[lock] is not 0; -1: always */
     int release;            /* the rows exist only until this event has happened; -1: always */
 } jo_joint;
+
+/* A tree of rigid bodies in joint coordinates, see tree.c: a link moves against the one before it, which may be the ground, in the
+ * frame of a marker of that one's body. Its own frame is that of its inner marker; a hinge turns about z and a slide moves along it.
+ * A joint of two motions has a link without a body for the first one: slide, then hinge of a cylindrical joint; of a universal joint
+ * hinge about z, then about what was x. */
+typedef enum { JO_LINK_FIXED = 0, JO_LINK_HINGE = 1, JO_LINK_SLIDE = 2, JO_LINK_BALL = 3, JO_LINK_FREE = 4 } jo_link_type;
+typedef struct {
+    int type;               /* jo_link_type; BALL: (4) quaternion, (3) angular velocity against the parent, local;
+                             * FREE: [R e] and [R' w_local] of the body */
+    int parent;             /* a link before it; -1: ground */
+    int body;               /* -1: none, its only child has the body of the joint */
+    int outer;              /* marker on the body of the parent; -1: the frame of the parent, which has no body; ground: of FREE */
+    int crossed;            /* outer -1: y, z, x of the parent are its x, y, z */
+    int inner;              /* marker on its body; -1: none, or FREE */
+    int joint;              /* whose reaction it bears; -1: none */
+    int reversed;           /* its body has side 0 of the joint: the coordinates of the joint are the opposite of its own */
+    int x, u;               /* first of its coordinates and of their rates */
+    int drive, driven;      /* joint of one line that prescribes it, and its line; -1: none */
+} jo_link;
 
 /* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */
 typedef struct {
@@ -310,6 +330,7 @@ typedef struct {
     int nbeam;
     int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
+    int nlink, nx, nu;      /* joint coordinates and rates of a tree; 0: everything runs in q and v */
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
                              * -1: never, a singular position is an error */
     double size;            /* m, of the mechanism: measure of what is small */
@@ -337,6 +358,7 @@ typedef struct {
     const jo_sensor *sensor;
     const jo_meter *meter;  /* DAMAGE: object is the first of count / 2 meters, values damage and closed cycles of each */
     const jo_real *breaks;  /* (nbreak) s, ascending: adaptive steps end there */
+    const jo_link *link;    /* parents first */
 } jo_model;
 
 typedef struct {
@@ -386,11 +408,13 @@ int *jo_data_happened(jo_data *d);               /* (nevent) how often each even
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
+jo_real *jo_data_joint(jo_data *d);              /* (nx + nu) joint coordinates and rates, as q and v have them after a call */
 jo_counts *jo_data_counts(jo_data *d);
 void jo_data_count_turns(const jo_model *m, jo_data *d);   /* angles of the present state are accepted */
 int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
+int jo_tree_accelerations(const jo_model *m, jo_data *d);     /* the same by the recursion of a tree, which the model has to have */
 int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot);   /* the same with Baumgarte's terms; q' (nq) */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
@@ -407,7 +431,8 @@ int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam jo_diagnostics sensors turn locked slip held direction happened input memory].
+ * [time q v lam jo_diagnostics sensors turn locked slip held direction happened input memory
+ * joint].
  * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,

@@ -66,6 +66,12 @@ static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
     act(m, d, c->a, F, Ta);
 }
 
-void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f) { both_ends(m, d, coordinate, f, jo_push); }
+/* on a tree a force along a joint coordinate needs no bodies */
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
+{
+    const int link = m->coordinate[coordinate].link;
+    if (!d->tree.on || link < 0) both_ends(m, d, coordinate, f, jo_push);
+    else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
+}
 
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { both_ends(m, d, coordinate, f, push_change); }

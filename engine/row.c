@@ -6,7 +6,7 @@ enum { JO_DIAGNOSTICS = sizeof(jo_diagnostics) / sizeof(jo_real) };
 int jo_row_size(const jo_model *m)
 {
     return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
-           + m->nevent + m->ninput + m->nmemory;
+           + m->nevent + m->ninput + m->nmemory + m->nx + m->nu;
 }
 
 static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
@@ -36,6 +36,8 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_close_work(d);
+    jo_mirror(m, d, JO_MIRROR_ALL);
+    if (m->nlink && !d->tree.on && !jo_tree_stands(m, d)) jo_tree_read(m, d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
@@ -51,13 +53,17 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     for (int i = 0; i < m->nevent; i++) *row++ = jo_same(d->happened[i]);
     for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
     for (int i = 0; i < m->nmemory; i++) *row++ = jo_same(d->memory[i]);
+    for (int i = 0; i < m->nx + m->nu; i++) *row++ = d->tree.x[i];
     return JO_OK;
 }
 
 int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     d->current = d->fresh = 0;
-    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    int status = m->nlink && jo_tree_stands(m, d) ? jo_tree_enter(m, d) : JO_OK;
+    if (status == JO_OK && m->nlock) status = jo_friction_settle(m, d);
     if (status == JO_OK) status = jo_measure(m, d);
-    return status == JO_OK ? jo_write_row(m, d, row) : status;
+    if (status == JO_OK) status = jo_write_row(m, d, row);
+    jo_tree_leave(m, d);
+    return status;
 }

@@ -15,11 +15,19 @@ static void enter(jo_data *d)
     if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
 }
 
+/* what is integrated: a tree in joint coordinates, unless the method is implicit */
+static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    return m->nlink && s->method != JO_ALPHA ? jo_tree_enter(m, d) : JO_OK;
+}
+
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     enter(d);
-    int status = step(m, d, s);
+    int status = choose(m, d, s);
+    if (status == JO_OK) status = step(m, d, s);
     if (status == JO_OK) status = jo_measure(m, d);
+    jo_tree_leave(m, d);
     d->left = JO_COMMON(d->time[0]);
     return status;
 }
@@ -66,7 +74,9 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
 {
     *written = 0;
     enter(d);
-    const int status = run(m, d, s, nsteps, every, count, written, rows);
+    int status = choose(m, d, s);
+    if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
+    jo_tree_leave(m, d);
     d->left = JO_COMMON(d->time[0]);
     d->grid.valid = status == JO_OK;
     d->grid.count = *count;

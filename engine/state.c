@@ -6,9 +6,33 @@
 
 #define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
 
+void jo_use_core(const jo_model *m, jo_data *d, int tree)
+{
+    d->tree.on = tree;
+    d->y = tree ? d->tree.x : d->q;
+    d->w = tree ? d->tree.u : d->v;
+    d->wd = tree ? d->tree.ud : d->a;
+    d->ny = tree ? m->nx : m->nq;
+    d->nw = tree ? m->nu : m->nv;
+}
+
+void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
+{
+    d->tree.mirrored = JO_MIRROR_NONE;
+    if (d->tree.on) jo_tree_displace(m, d->y, d->q0, increment);
+    else jo_displace(m, d->q, d->q0, increment);
+}
+
+void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
+{
+    if (d->tree.on) jo_tree_increment_rate(m, rate, x, d->w);
+    else jo_increment_rate(m, rate, x, d->v);
+}
+
 /* poses and velocities of the bodies and positions of the markers at q, v */
 void jo_refresh(const jo_model *m, jo_data *d)
 {
+    jo_mirror(m, d, JO_MIRROR_STATE);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_body_pose(b, &d->body[i], d->q + b->iq);
@@ -66,6 +90,7 @@ void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const
 
 int jo_check(const jo_model *m, jo_data *d)
 {
+    if (d->tree.on) return jo_tree_check(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_real sum = {0.0};

@@ -11,19 +11,19 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
     const double h = s->step;
     const jo_real t0 = d->time[0];
     const int baumgarte = jo_stabilised(stage);
-    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) {
-        d->v0[i] = d->v[i];
+    for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->v0[i] = d->w[i];
         d->dq[i] = d->dv[i] = d->rate[i] = d->acc[i] = jo_same(0.0);
     }
     for (int k = 0; k < 4; k++) {
         if (k) {   /* rate and acc hold the previous stage */
             const double c = node[k] * h;
-            for (int i = 0; i < m->nv; i++) {
+            for (int i = 0; i < d->nw; i++) {
                 d->rate[i] *= c;
-                d->v[i] = d->v0[i] + c * d->acc[i];
+                d->w[i] = d->v0[i] + c * d->acc[i];
             }
-            jo_displace(m, d->q, d->q0, d->rate);
+            jo_move(m, d, d->rate);
             d->time[0] = t0 + c;
         }
         if (k || !d->fresh || baumgarte) {
@@ -32,16 +32,16 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
             if (!k && d->again && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
         d->again = 0;
-        jo_increment_rate(m, d->rate, d->rate, d->v);
-        for (int i = 0; i < m->nv; i++) {
-            d->acc[i] = d->a[i];
+        jo_move_rate(m, d, d->rate, d->rate);
+        for (int i = 0; i < d->nw; i++) {
+            d->acc[i] = d->wd[i];
             d->dq[i] += weight[k] * h * d->rate[i];
-            d->dv[i] += weight[k] * h * d->a[i];
+            d->dv[i] += weight[k] * h * d->wd[i];
         }
         jo_add_work(&d->work, weight[k] * h, &d->power);
     }
-    jo_displace(m, d->q, d->q0, d->dq);
-    for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i] + d->dv[i];
+    jo_move(m, d, d->dq);
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i] + d->dv[i];
     return JO_OK;
 }
 
@@ -85,12 +85,12 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
         no_extra(m, d);
         return status;
     }
-    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) {
-        d->v0[i] = d->v[i];
-        d->acc[i] = d->a[i];
-        d->dq[i] = h * (d->v[i] + gh * d->a[i]);
-        d->v[i] += h * d->a[i];
+    for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->v0[i] = d->w[i];
+        d->acc[i] = d->wd[i];
+        d->dq[i] = h * (d->w[i] + gh * d->wd[i]);
+        d->w[i] += h * d->wd[i];
     }
     jo_close_work(d);
     d->waiting = h;
@@ -98,7 +98,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     d->power0.forces -= d->drive;
     d->work.friction += 0.5 * h * d->power.friction;
     d->work.forces += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
-    jo_displace(m, d->q, d->q0, d->dq);
+    jo_move(m, d, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
         const jo_body *b = &m->body[i];
@@ -114,12 +114,12 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     if (status != JO_OK) return status;
     d->work.friction += 0.5 * h * d->power.friction;
     d->work.forces += 0.5 * h * d->drive;
-    jo_increment_rate(m, d->rate, d->dq, d->v);
-    for (int i = 0; i < m->nv; i++) {
-        d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->a[i] - d->acc[i]));
-        d->v[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->a[i]);
+    jo_move_rate(m, d, d->rate, d->dq);
+    for (int i = 0; i < d->nw; i++) {
+        d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->wd[i] - d->acc[i]));
+        d->w[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->wd[i]);
     }
-    jo_displace(m, d->q, d->q0, d->dq);
+    jo_move(m, d, d->dq);
     return JO_OK;
 }
 
@@ -136,10 +136,13 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
         d->fresh = d->current = 0;
         if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
+        else if (status == JO_OK && d->tree.on) jo_tree_drives(m, d);   /* nothing else has to be kept */
         else if (status == JO_OK && s->projection) jo_project(m, d, &stage);
     }
     if (status != JO_OK) return status;
-    if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+    if (d->tree.on) {
+        if (m->nturn) jo_tree_count_turns(m, d);
+    } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }

@@ -146,6 +146,73 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     return JO_NO_CONVERGENCE;
 }
 
+/* trees in joint coordinates: they run in q and v */
+size_t jo_link_bytes(void)
+{
+    return 0;
+}
+size_t jo_link_constant_bytes(void)
+{
+    return 0;
+}
+void jo_tree_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_tree_enter(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return JO_OK;
+}
+void jo_tree_leave(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+    return JO_NO_CONVERGENCE;
+}
+int jo_tree_accelerations(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return JO_NO_CONVERGENCE;
+}
+void jo_tree_drives(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_tree_read(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_tree_stands(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
+}
+void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
+{
+    (void)m; (void)x; (void)x0; (void)increment;
+}
+void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
+{
+    (void)m; (void)rate; (void)x; (void)u;
+}
+int jo_tree_check(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return JO_OK;
+}
+void jo_tree_count_turns(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how)
+{
+    (void)m; (void)d; (void)how;
+}
+
 /* kinds of force that no other file defines here */
 #define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0};
 JO_FORCES(LEFT_OUT)

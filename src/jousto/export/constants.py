@@ -201,6 +201,7 @@ class _Writer:
             "sensor": m.nsensor,
             "meter": m.nmeter,
             "breaks": m.nbreak,
+            "link": m.nlink,
         }
 
     def _array(self, name: str, item: Any, pointer: Any, count: int) -> str:

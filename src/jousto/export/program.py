@@ -166,6 +166,7 @@ def program(
             )
         )
     refuse(model)
+    model = replace(model, tree=())  # it runs in q and v
     engine = Engine(model)
     if state is not None:
         put(engine, state, "export")

@@ -32,6 +32,7 @@ from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.start import quiet_velocities, started
 from jousto.model.stepped import with_start
 from jousto.model.symbols import symbols
+from jousto.model.tree import with_core
 from jousto.reduction.located import located
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz x
 
 
 @explained
-def compile(mechanism: Mechanism) -> Model:
+def compile(mechanism: Mechanism, *, core: str = "auto") -> Model:
     """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
 
     Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
@@ -58,6 +59,10 @@ def compile(mechanism: Mechanism) -> Model:
     ----------
     mechanism : Mechanism
         A checked mechanism.
+    core : str
+        How RK4, ROS2 and DormandPrince run it: "joint" in the joint coordinates of a tree of rigid
+        bodies, "maximal" in the positions of all bodies, which any mechanism can; "auto" is
+        "maximal" at present.
 
     Returns
     -------
@@ -68,7 +73,7 @@ def compile(mechanism: Mechanism) -> Model:
     ------
     InputError
         If a body's mass matrix is singular, joints, couplings and drives contradict each other, or
-        a start cannot be met.
+        a start cannot be met; if it is to run in joint coordinates and cannot.
 
     Warns
     -----
@@ -140,6 +145,7 @@ def compile(mechanism: Mechanism) -> Model:
         return _consistent(begun)
 
     made = with_start(model, finished, mechanism.initials) if is_stepping() else finished(model)
+    made = with_core(made, core)
     log.info(
         "%s: %d velocities, %d constraint rows%s",
         *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),

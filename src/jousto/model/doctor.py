@@ -26,6 +26,7 @@ from jousto.model.rank.redundancy import (
     repeated_rows,
     unit_rows,
 )
+from jousto.model.tree import JOINT, core_of
 
 LARGE = 2000  # velocities above which the mobility of flexible bodies made rigid is not told
 
@@ -58,6 +59,8 @@ class Diagnosis:
         Why the mechanism cannot be assembled, none if it can.
     warnings : tuple of str
         Further things to look at.
+    core : str
+        What is integrated, and why it is not the joint coordinates if it is not (`compile`).
     """
 
     name: str
@@ -71,6 +74,7 @@ class Diagnosis:
     redundancy: Redundancy | None = None
     problems: tuple[Problem, ...] = ()
     warnings: tuple[str, ...] = ()
+    core: str = ""
 
     def _facts(self) -> str:
         if self.problems:
@@ -105,6 +109,8 @@ class Diagnosis:
             out.append(("cannot move", ", ".join(self.still)))
         if self.redundancy is not None:
             out.append(("repeated rows", self.redundancy.sentence))
+        if self.core.startswith(JOINT):
+            out.append(("runs in", self.core))
         out += [("problem", str(problem)) for problem in self.problems]
         out += [("warning", text) for text in self.warnings]
         return out
@@ -153,7 +159,12 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     )
     mobility = model.nv - model.permanent + (found.count if found else 0)
     diagnosis = Diagnosis(
-        model.name, rows=model.permanent, mobility=mobility, redundancy=found, warnings=said
+        model.name,
+        rows=model.permanent,
+        mobility=mobility,
+        redundancy=found,
+        warnings=said,
+        core=core_of(model),
     )
     return _with_motions(diagnosis, model)
 

@@ -190,6 +190,45 @@ class JointModel:
         return 3 * self.coincident + len(self.perpendicular) + len(self.lines)
 
 
+POSITIONS = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 4, "free": 7}
+RATES = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 3, "free": 6}
+
+
+@dataclass(frozen=True)
+class LinkModel:
+    """A link of a tree in joint coordinates, as in jousto.h; kinds "fixed", "hinge", "slide" ...
+
+    Attributes
+    ----------
+    coordinates : tuple of int
+        Coordinates of the model that its position is, with the opposite sign if `reversed`.
+    """
+
+    kind: str
+    parent: int
+    body: int
+    outer: int = -1
+    inner: int = -1
+    crossed: int = 0
+    joint: int = -1
+    reversed: int = 0
+    x: int = 0
+    u: int = 0
+    drive: int = -1
+    driven: int = -1
+    coordinates: tuple[int, ...] = ()
+
+    @property
+    def positions(self) -> int:
+        """Number of its coordinates."""
+        return POSITIONS[self.kind]
+
+    @property
+    def rates(self) -> int:
+        """Number of its rates."""
+        return RATES[self.kind]
+
+
 @described
 @dataclass(frozen=True, eq=False)
 class SignalModel:
@@ -359,6 +398,8 @@ class Model:
         Where joints, forces, sensors and named points are, for pictures.
     fmus : tuple of FmuModel
         Models of other programs, which `simulate` runs beside it.
+    tree : tuple of LinkModel
+        Links of a rigid tree that runs in joint coordinates; empty for one that runs in q and v.
     """
 
     name: str
@@ -384,6 +425,7 @@ class Model:
     beams: tuple[BeamModel, ...] = ()
     symbols: tuple[SymbolShape, ...] = ()
     fmus: tuple[FmuModel, ...] = ()
+    tree: tuple[LinkModel, ...] = ()
 
     @cached_property
     def nq(self) -> int:
@@ -394,6 +436,16 @@ class Model:
     def nv(self) -> int:
         """Number of velocity coordinates."""
         return sum(6 + body.n for body in self.bodies)
+
+    @property
+    def nx(self) -> int:
+        """Number of joint coordinates of a tree."""
+        return sum(link.positions for link in self.tree)
+
+    @property
+    def nu(self) -> int:
+        """Number of their rates."""
+        return sum(link.rates for link in self.tree)
 
     @cached_property
     def nrow(self) -> int:

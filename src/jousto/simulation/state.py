@@ -42,6 +42,8 @@ class State:
         Energy lost to damping and friction and work done so far, J; None starts from zero.
     meters : array, optional
         What the damage meters remember; None starts them anew.
+    joint : array, optional
+        Joint coordinates and their rates, of models that run in them; None takes them from q and v.
     """
 
     q: Array
@@ -57,6 +59,7 @@ class State:
     inputs: Mapping[str, float] | None = None
     work: Array | None = None
     meters: Array | None = None
+    joint: Array | None = None
 
     def __repr__(self) -> str:
         return f"<State: at {self.time:g} s, {len(self.q)} positions, {len(self.v)} velocities>"
@@ -72,6 +75,7 @@ MEMORY = {
     "happened": ("1", "how often each event has happened"),
     "input": ("1", "values of the external inputs"),
     "meters": ("1", "memory of the damage meters"),
+    "joint": ("m, rad, 1, m/s, rad/s", "joint coordinates, then their rates"),
 }
 
 
@@ -89,6 +93,8 @@ def put(engine: Engine, state: State, where: str) -> None:
         ("velocities", state.v, engine.v),
     ]
     for name in MEMORY:
+        if name == "joint" and state.joint is not None and len(state.joint) != len(engine.joint):
+            continue  # of a model that runs otherwise: q and v say it
         if name != "input" and getattr(state, name) is not None:
             pairs.append((name, getattr(state, name), getattr(engine, name)))
     if state.work is not None:
@@ -143,4 +149,5 @@ def memory_sizes(model: Model) -> dict[str, int]:
         "happened": len(model.events),
         "input": len(model.inputs),
         "meters": sum(meter_size(meter.rule) for meter in model.meters),
+        "joint": model.nx + model.nu,
     }

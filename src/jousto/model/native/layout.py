@@ -188,6 +188,9 @@ class Layout:
             "nv": m.nv,
             "nrow": m.nrow,
             "nout": m.nout,
+            "nlink": len(m.tree),
+            "nx": m.nx,
+            "nu": m.nu,
         }
         for name, size in sizes.items():
             setattr(model, name, size)
@@ -221,6 +224,7 @@ class Layout:
         model.event = self._copied("jo_event", m.events)
         model.sensor = self._sensors()
         model.meter = self._meters()
+        model.link = self._copied("jo_link", m.tree)
         return model
 
     def _copied(self, kind: str, objects: Sequence[Any]) -> Any:
@@ -315,8 +319,12 @@ class Layout:
         turn = 0
         for s, coordinate in zip(structs, self._source.coordinates, strict=False):
             s.turn = -1
+            s.link = -1
             if coordinate.kind == "angle":
                 s.turn, turn = turn, turn + 1
+        for i, link in enumerate(self._source.tree):
+            for place in link.coordinates:
+                structs[place].link = i
         return structs
 
     def _lines(self) -> Any:

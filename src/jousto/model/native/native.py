@@ -119,6 +119,7 @@ class Engine:
         self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
         bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
         self.bent = bent.reshape(-1, 2)
+        self.joint = self._view(self._library.jo_data_joint(data), model.nx + model.nu)
         self.counts = self._library.jo_data_counts(data)
         self.row_size = int(self._library.jo_row_size(self._model))
         self._count = self._ffi.new("long long *", 0)
@@ -134,6 +135,11 @@ class Engine:
     def accelerations(self) -> tuple[Scalars, Scalars]:
         """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
         self._check(self._library.jo_accelerations(self._model, self._data))
+        return self.a, self.lam
+
+    def tree_accelerations(self) -> tuple[Scalars, Scalars]:
+        """Compute the same in joint coordinates, of a model that runs in them."""
+        self._check(self._library.jo_tree_accelerations(self._model, self._data))
         return self.a, self.lam
 
     def assemble(self, iterations: int = 100) -> None:

@@ -1,0 +1,347 @@
+/* tree.c - accelerations of a tree of rigid bodies in joint coordinates, by articulated inertias.
+ *
+ * Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7, here with vectors resolved in the world about the points of the
+ * joints. Outward: positions, velocities, accelerations that velocities alone cause and the forces that these need. Inward: each
+ * joint passes on what the inertia beyond it resists, less what the joint gives way to. Outward again: accelerations of the joints.
+ * What is prescribed passes on all, its acceleration is one of those without joints.
+ */
+#include "tree.h"
+
+#define JO_LEAST 1e-14      /* of the inertia along a joint before it is reduced */
+
+size_t jo_link_bytes(void) { return sizeof(jo_link_work); }
+size_t jo_link_constant_bytes(void) { return sizeof(jo_link_constants); }
+
+/* ---- outward: motion and bias ------------------------------------------------------------------ */
+
+void jo_tree_drives(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        if (k->driven < 0) continue;
+        const jo_line_data *line = m->line[k->driven].data;
+        const jo_signal_work s = jo_signal_at(m, d, m->line[k->driven].signal, d->time[0]);
+        const jo_real factor = jo_link_sign(k) * line->factor[0];
+        d->tree.x[k->x] = (s.value + line->offset) / factor;
+        d->tree.u[k->u] = s.rate / factor;
+        d->tree.ud[k->u] = s.second / factor;
+    }
+}
+
+/* orientation at zero of the link, then turned about z */
+static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real angle)
+{
+    const jo_real c = jo_cos(angle), s = jo_sin(angle);
+    const jo_vec x = jo_vec_mix(p->A, K), y = jo_vec_mix(p->A, K + 3);
+    w->A[0] = jo_vec_with(jo_vec_scale(c, x), s, y);
+    w->A[1] = jo_vec_less(jo_vec_scale(c, y), jo_vec_scale(s, x));
+    w->A[2] = jo_vec_mix(p->A, K + 6);
+}
+
+/* orientation at zero times that of a quaternion */
+static void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_real *K, const jo_real *e)
+{
+    jo_real R[9];
+    jo_vec B[3];
+    jo_rotation(R, e);
+    for (int i = 0; i < 3; i++) B[i] = jo_vec_mix(p->A, K + 3 * i);
+    for (int i = 0; i < 3; i++) {
+        const jo_real column[3] = {R[i], R[3 + i], R[6 + i]};
+        w->A[i] = jo_vec_mix(B, column);
+    }
+}
+
+/* what body and velocities need: inertia of the body and the force for the accelerations w0, v0 */
+static inline void bias(const jo_link_constants *c, jo_link_work *w)
+{
+    jo_vec T[3], rows[3];
+    const jo_vec S = jo_vec_mix(w->A, c->S);
+    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->J + 3 * i);
+    jo_vec_transpose(rows, w->A);
+    for (int i = 0; i < 3; i++) w->J[i] = w->own_J[i] = jo_vec_times(T, rows[i]);
+    w->S = S;
+    const jo_real x = jo_vec_at(S, 0), y = jo_vec_at(S, 1), z = jo_vec_at(S, 2), m = c->mass;
+    w->M[0] = jo_vec_of(m, 0.0, 0.0);
+    w->M[1] = jo_vec_of(0.0, m, 0.0);
+    w->M[2] = jo_vec_of(0.0, 0.0, m);
+    w->H[0] = jo_vec_of(0.0, -z, y);   /* -S~ */
+    w->H[1] = jo_vec_of(z, 0.0, -x);
+    w->H[2] = jo_vec_of(-y, x, 0.0);
+    const jo_vec wS = jo_vec_cross(w->w, S), Jw = jo_vec_times(w->own_J, w->w);
+    jo_vec f = jo_vec_with(jo_vec_cross(w->w0, S), m, w->v0);
+    f = jo_vec_add(f, jo_vec_cross(w->w, wS));
+    jo_vec t = jo_vec_add(jo_vec_times(w->own_J, w->w0), jo_vec_cross(w->w, Jw));
+    w->f = w->own_f = f;
+    w->t = w->own_t = jo_vec_add(t, jo_vec_cross(S, w->v0));
+}
+
+static void no_inertia(jo_link_work *w)
+{
+    const jo_vec zero = jo_vec_zero();
+    for (int i = 0; i < 3; i++) w->M[i] = w->H[i] = w->J[i] = w->own_J[i] = zero;
+    w->S = w->f = w->t = w->own_f = w->own_t = zero;
+}
+
+/* motion of a link from that of its parent */
+static inline void move(const jo_model *m, jo_data *d, int i)
+{
+    const jo_link *k = &m->link[i];
+    const jo_link_constants *c = &d->tree.constants[i];
+    const jo_link_work *p = &d->tree.link[k->parent + 1];
+    jo_link_work *w = &d->tree.link[i + 1];
+    const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u;
+    const jo_real given = k->driven < 0 ? 0.0 : d->tree.ud[k->u];
+    w->l = jo_vec_mix(p->A, c->l);
+    w->w = p->w;
+    w->w0 = p->w0;
+    jo_vec extra = jo_vec_zero();
+    switch (k->type) {
+    case JO_LINK_HINGE: {
+        turn(w, p, c->K, x[0]);
+        const jo_vec rate = jo_vec_scale(u[0], w->A[2]);
+        w->w = jo_vec_add(p->w, rate);
+        w->w0 = jo_vec_add(p->w0, jo_vec_cross(p->w, rate));
+        if (k->driven >= 0) w->w0 = jo_vec_with(w->w0, given, w->A[2]);
+        break;
+    }
+    case JO_LINK_SLIDE:
+        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mix(p->A, c->K + 3 * j);
+        w->l = jo_vec_with(w->l, x[0], w->A[2]);
+        extra = jo_vec_with(jo_vec_scale(given, w->A[2]), 2.0 * u[0], jo_vec_cross(p->w, w->A[2]));
+        break;
+    case JO_LINK_BALL: {
+        turn_freely(w, p, c->K, x);
+        const jo_vec rate = jo_vec_mix(w->A, u);
+        w->w = jo_vec_add(p->w, rate);
+        w->w0 = jo_vec_add(p->w0, jo_vec_cross(p->w, rate));
+        break;
+    }
+    case JO_LINK_FREE:
+        turn_freely(w, p, c->K, x + 3);
+        w->w = jo_vec_mix(w->A, u + 3);
+        w->l = jo_vec_load(x);
+        break;
+    default:
+        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mix(p->A, c->K + 3 * j);
+        break;
+    }
+    w->v0 = p->v0;
+    if (k->type == JO_LINK_FREE) return;
+    w->v0 = jo_vec_add(jo_vec_add(w->v0, extra), jo_vec_cross(p->w0, w->l));
+    w->v0 = jo_vec_add(w->v0, jo_vec_cross(p->w, jo_vec_cross(p->w, w->l)));
+}
+
+static void outward(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        move(m, d, i);
+        if (m->link[i].body < 0) no_inertia(&d->tree.link[i + 1]);
+        else bias(&d->tree.constants[i], &d->tree.link[i + 1]);
+    }
+}
+
+/* ---- inward: articulated inertias ------------------------------------------------------------- */
+
+/* the inertia of a link, as seen from the origin of its parent */
+static inline void shift(const jo_link_work *w, jo_vec *H, jo_vec *J)
+{
+    const jo_real x = jo_vec_at(w->l, 0), y = jo_vec_at(w->l, 1), z = jo_vec_at(w->l, 2);
+    const jo_vec N[3] = {   /* M l~ */
+        jo_vec_less(jo_vec_scale(z, w->M[1]), jo_vec_scale(y, w->M[2])),
+        jo_vec_less(jo_vec_scale(x, w->M[2]), jo_vec_scale(z, w->M[0])),
+        jo_vec_less(jo_vec_scale(y, w->M[0]), jo_vec_scale(x, w->M[1]))};
+    jo_vec P[3], Q[3];
+    for (int i = 0; i < 3; i++) {
+        H[i] = jo_vec_less(w->H[i], N[i]);
+        P[i] = jo_vec_cross(w->l, jo_vec_with(w->H[i], -0.5, N[i]));
+    }
+    jo_vec_transpose(Q, P);
+    for (int i = 0; i < 3; i++) J[i] = jo_vec_add(w->J[i], jo_vec_add(P[i], Q[i]));
+}
+
+static inline void add_force(jo_link_work *p, jo_vec f, jo_vec t)
+{
+    p->f = jo_vec_add(p->f, f);
+    p->t = jo_vec_add(p->t, t);
+}
+
+static inline void pass_all(const jo_link_work *w, jo_link_work *p)
+{
+    jo_vec H[3], J[3];
+    shift(w, H, J);
+    for (int i = 0; i < 3; i++) {
+        p->M[i] = jo_vec_add(p->M[i], w->M[i]);
+        p->H[i] = jo_vec_add(p->H[i], H[i]);
+        p->J[i] = jo_vec_add(p->J[i], J[i]);
+    }
+    add_force(p, w->f, jo_vec_add(w->t, jo_vec_cross(w->l, w->f)));
+}
+
+/* what is left of it by a hinge or a slide, whose Uf, Ut, D and rest are known */
+static inline void pass_one(const jo_link_work *w, jo_link_work *p)
+{
+    jo_vec H[3], J[3];
+    const jo_real r = 1.0 / w->D, share = w->rest * r;
+    shift(w, H, J);
+    const jo_vec Us = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
+    const jo_vec Rf = jo_vec_scale(-r, w->Uf), Rs = jo_vec_scale(-r, Us);
+    for (int i = 0; i < 3; i++) {
+        const jo_real s = jo_vec_at(Us, i);
+        p->M[i] = jo_vec_add(p->M[i], jo_vec_with(w->M[i], jo_vec_at(w->Uf, i), Rf));
+        p->H[i] = jo_vec_add(p->H[i], jo_vec_with(H[i], s, Rf));
+        p->J[i] = jo_vec_add(p->J[i], jo_vec_with(J[i], s, Rs));
+    }
+    const jo_vec t = jo_vec_add(w->t, jo_vec_cross(w->l, w->f));
+    add_force(p, jo_vec_with(w->f, share, w->Uf), jo_vec_with(t, share, Us));
+}
+
+/* inverse of a symmetric matrix by its adjoint; its determinant */
+static inline jo_real invert(jo_vec *y, const jo_vec *a)
+{
+    const jo_vec c0 = jo_vec_cross(a[1], a[2]), c1 = jo_vec_cross(a[2], a[0]), c2 = jo_vec_cross(a[0], a[1]);
+    const jo_real det = jo_vec_dot(a[0], c0), r = 1.0 / det;
+    y[0] = jo_vec_scale(r, c0);
+    y[1] = jo_vec_scale(r, c1);
+    y[2] = jo_vec_scale(r, c2);
+    return det;
+}
+
+/* a ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left */
+static inline int free_turns(jo_link_work *w)
+{
+    jo_vec T[3];
+    const double scale = JO_RE(jo_vec_at(w->J[0], 0)) + JO_RE(jo_vec_at(w->J[1], 1)) + JO_RE(jo_vec_at(w->J[2], 2));
+    if (!(JO_RE(invert(w->inverse, w->J)) > JO_LEAST * scale * scale * scale)) return 0;
+    for (int i = 0; i < 3; i++) w->X[i] = jo_vec_times(w->H, w->inverse[i]);
+    jo_vec_transpose(T, w->H);
+    for (int i = 0; i < 3; i++) w->M[i] = jo_vec_less(w->M[i], jo_vec_times(w->X, T[i]));
+    w->f = jo_vec_less(w->f, jo_vec_times(w->X, w->t));
+    return 1;
+}
+
+static inline void pass_force(const jo_link_work *w, jo_link_work *p)
+{
+    const jo_vec zero = jo_vec_zero();
+    jo_link_work rest;
+    for (int i = 0; i < 3; i++) {
+        rest.M[i] = w->M[i];
+        rest.H[i] = rest.J[i] = zero;
+    }
+    rest.l = w->l;
+    rest.f = w->f;
+    rest.t = zero;
+    pass_all(&rest, p);
+}
+
+/* inertia along a hinge or a slide and the force that is left to accelerate it; 0 where there is none */
+static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w)
+{
+    const jo_vec a = w->A[2];
+    const int hinge = k->type == JO_LINK_HINGE;
+    w->Uf = jo_vec_times(hinge ? w->H : w->M, a);
+    w->Ut = hinge ? jo_vec_times(w->J, a) : jo_vec_across(w->H, a);
+    w->D = jo_vec_dot(a, hinge ? w->Ut : w->Uf);
+    w->rest = d->tree.tau[k->u] - jo_vec_dot(a, hinge ? w->t : w->f);
+    if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
+    return JO_RE(w->D) > 0.0;
+}
+
+static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    for (int i = m->nlink - 1; i >= 0; i--) {
+        const jo_link *k = &m->link[i];
+        jo_link_work *w = &d->tree.link[i + 1], *p = &d->tree.link[k->parent + 1];
+        int sound = 1;
+        if (k->type == JO_LINK_FIXED || k->driven >= 0) {
+            if (k->parent >= 0) pass_all(w, p);
+        } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
+            sound = along(d, stage, k, w);
+            if (k->parent >= 0) pass_one(w, p);
+        } else {
+            sound = free_turns(w);
+            if (k->parent >= 0) pass_force(w, p);
+        }
+        if (!sound) {
+            d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
+            return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
+        }
+    }
+    return JO_OK;
+}
+
+/* ---- outward: accelerations ---------------------------------------------------------------------- */
+
+static void accelerate(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_link_work *p = &d->tree.link[k->parent + 1];
+        jo_link_work *w = &d->tree.link[i + 1];
+        jo_real *ud = d->tree.ud + k->u;
+        w->aw = p->aw;
+        w->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
+        if (k->driven >= 0 || k->type == JO_LINK_FIXED) continue;
+        if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
+            ud[0] = (w->rest - jo_vec_dot(w->Uf, w->av) - jo_vec_dot(w->Ut, w->aw)) / w->D;
+            if (k->type == JO_LINK_HINGE) w->aw = jo_vec_with(w->aw, ud[0], w->A[2]);
+            else w->av = jo_vec_with(w->av, ud[0], w->A[2]);
+            continue;
+        }
+        if (k->type == JO_LINK_FREE) {
+            jo_vec inverse[3];
+            invert(inverse, w->M);
+            w->av = jo_vec_scale(-1.0, jo_vec_times(inverse, w->f));
+            jo_vec_store(ud, w->av);
+            ud += 3;
+        }
+        w->aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_across(w->X, w->av)));
+        jo_vec_store(ud, jo_vec_across(w->A, k->type == JO_LINK_FREE ? w->aw : jo_vec_less(w->aw, p->aw)));
+    }
+}
+
+/* the forces of what is prescribed, from all that it passes on, and their power */
+static void drive(const jo_model *m, jo_data *d)
+{
+    jo_real power = 0.0;
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_link_work *w = &d->tree.link[i + 1];
+        if (k->driven < 0) continue;
+        const int hinge = k->type == JO_LINK_HINGE;
+        jo_vec need = hinge ? jo_vec_across(w->H, w->av) : jo_vec_times(w->M, w->av);
+        need = jo_vec_add(need, jo_vec_times(hinge ? w->J : w->H, w->aw));
+        need = jo_vec_add(need, hinge ? w->t : w->f);
+        d->tree.pull[i] = jo_vec_dot(need, w->A[2]) - d->tree.tau[k->u];
+        power += d->tree.pull[i] * d->tree.u[k->u];
+    }
+    d->drive = power;
+    d->power.forces += power;
+}
+
+static void stand_on_ground(const jo_model *m, jo_data *d)
+{
+    jo_link_work *ground = d->tree.link;
+    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_of(i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0);
+    ground->p = ground->w = ground->v = ground->w0 = ground->av = ground->aw = jo_vec_zero();
+    ground->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));
+}
+
+/* accelerations of the joints at time, x, u */
+int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    static const jo_work none = {0.0, 0.0, 0.0};
+    d->power = none;
+    d->counts.evaluations++;
+    d->current = 0;
+    d->tree.mirrored = JO_MIRROR_NONE;
+    d->tree.summed = 0;
+    stand_on_ground(m, d);
+    jo_tree_drives(m, d);
+    outward(m, d);
+    int status = jo_tree_forces(m, d, stage);
+    if (status == JO_OK) status = inward(m, d, stage);
+    if (status != JO_OK) return status;
+    accelerate(m, d);
+    drive(m, d);
+    return JO_OK;
+}

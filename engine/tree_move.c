@@ -1,0 +1,67 @@
+/* tree_move.c - the state of a tree in joint coordinates is moved, and watched. */
+#include "tree.h"
+
+#define JO_LARGEST 1e15     /* as in state.c */
+
+void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_real *from = x0 + k->x, *by = increment + k->u;
+        jo_real *to = x + k->x;
+        switch (k->type) {
+        case JO_LINK_HINGE:
+        case JO_LINK_SLIDE: to[0] = from[0] + by[0]; break;
+        case JO_LINK_FREE:
+            for (int j = 0; j < 3; j++) to[j] = from[j] + by[j];
+            to += 3, from += 3, by += 3;
+            /* fall through */
+        case JO_LINK_BALL:
+            for (int j = 0; j < 4; j++) to[j] = from[j];
+            jo_rotate(to, by);
+            break;
+        default: break;
+        }
+    }
+}
+
+void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const int at = k->u;
+        switch (k->type) {
+        case JO_LINK_HINGE:
+        case JO_LINK_SLIDE: rate[at] = u[at]; break;
+        case JO_LINK_FREE:
+            jo_set3(rate + at, u + at);
+            jo_rotation_rate(rate + at + 3, x + at + 3, u + at + 3);
+            break;
+        case JO_LINK_BALL: jo_rotation_rate(rate + at, x + at, u + at); break;
+        default: break;
+        }
+    }
+}
+
+int jo_tree_check(const jo_model *m, jo_data *d)
+{
+    double sum = 0.0;
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const int next_x = i + 1 < m->nlink ? k[1].x : m->nx, next_u = i + 1 < m->nlink ? k[1].u : m->nu;
+        for (int j = k->x; j < next_x; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
+        for (int j = k->u; j < next_u; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
+        if (sum < JO_LARGEST) continue;
+        d->error_index = k->body >= 0 ? k->body : k[1].body;
+        return JO_NOT_FINITE;
+    }
+    return JO_OK;
+}
+
+double jo_tree_turned(const jo_model *m, jo_data *d)
+{
+    double turn = 0.0;
+    jo_tree_spread(m, d, d->dq, d->lag);
+    for (int i = 0; i < m->nbody; i++) turn = jo_larger(turn, jo_length(d->lag + m->body[i].iv + 3, 3));
+    return turn;
+}

@@ -1,0 +1,294 @@
+"""Tree: which mechanisms run in joint coordinates, and their links in the engine's order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem
+from jousto.base.rotations import rotation_matrix
+from jousto.model.model import JointModel, LinkModel, Model
+
+AUTOMATIC = False
+"""Whether "auto" takes joint coordinates where it can."""
+
+JOINT = "joint coordinates"
+CORES = ("auto", "joint", "maximal")
+PARALLEL = {(0, 2), (1, 2)}
+NO_TURN = {(0, 2), (1, 2), (0, 1)}
+ALIGNED = 0.5  # least cosine between axes of a and b that a joint keeps together
+JUMP = 1e-9  # of the values and rates of a signal: what counts as continuous
+KINDS = "revolute, prismatic, cylindrical, universal, spherical and fixed"
+# axes of the angles of a universal joint in columns: (z, x, y) and (y, x, -z)
+Z_FIRST = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+Y_FIRST_BACK = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+
+
+class _Unfit(Exception):
+    """Why a mechanism cannot run in joint coordinates."""
+
+
+def with_core(model: Model, core: str) -> Model:
+    """Return the model with the core that runs it: "auto", "joint" or "maximal".
+
+    Raises
+    ------
+    InputError
+        If it cannot run in joint coordinates but is to.
+    """
+    if core not in CORES:
+        known = ", ".join(repr(name) for name in CORES[:-1])
+        problem = f"core is {core!r}, must be {known} or {CORES[-1]!r}"
+        raise InputError(Problem(f"mechanism {model.name!r}", problem))
+    if core == "maximal" or (core == "auto" and not AUTOMATIC):
+        return replace(model, tree=()) if model.tree else model
+    try:
+        return replace(model, tree=_Tree(model).links())
+    except _Unfit as reason:
+        if core == "joint":
+            where = f"mechanism {model.name!r}"
+            remedy = "take core='maximal', or leave core out"
+            raise InputError(
+                Problem(where, f"cannot run in joint coordinates: {reason}; {remedy}")
+            ) from None
+        return model
+
+
+def core_of(model: Model) -> str:
+    """Return which core runs a model and, if it is not the joint coordinates, why not."""
+    if model.tree:
+        return f"{JOINT} ({sum(link.rates for link in model.tree)} of a tree)"
+    try:
+        _Tree(model).links()
+    except _Unfit as reason:
+        return f"positions of the bodies: {reason}"
+    return "positions of the bodies; core='joint' would run it in joint coordinates"
+
+
+@dataclass(eq=False)
+class _Tree:
+    model: Model
+    made: list[LinkModel] = field(default_factory=list)
+    of_body: dict[int, int] = field(default_factory=dict)
+    drives: dict[int, int] = field(default_factory=dict)  # joint of the drive by coordinate
+
+    def links(self) -> tuple[LinkModel, ...]:
+        """Return the links, parents first; _Unfit if there are none."""
+        self._check_items()
+        joints = self._joints()
+        near: dict[int, list[int]] = {}
+        for k in joints:
+            for body in self._ends(k):
+                near.setdefault(body, []).append(k)
+        self._grow(-1, near)
+        heavy = sorted(range(len(self.model.bodies)), key=lambda i: -self._mass(i))
+        for body in heavy:
+            if body not in self.of_body:
+                self._add(LinkModel("free", -1, body))
+                self.of_body[body] = len(self.made) - 1
+                self._grow(body, near)
+        if self.drives:
+            name = self.model.joints[next(iter(self.drives.values()))].name
+            raise _Unfit(f"drive '{name}' is not along a coordinate of its joints")
+        return tuple(self.made)
+
+    def _mass(self, body: int) -> float:
+        return float(np.real(self.model.bodies[body].mass[0]))
+
+    def _check_items(self) -> None:
+        m = self.model
+        if m.beams:
+            raise _Unfit(f"'{m.beams[0].body}' is an exact beam")
+        for body in m.bodies:
+            if body.n:
+                raise _Unfit(f"body '{body.name}' is flexible")
+        if not m.bodies:
+            raise _Unfit("it has no bodies")
+        if m.frictions:
+            raise _Unfit(f"friction '{m.frictions[0].name}' needs the reactions at every step")
+        if m.redundant:
+            raise _Unfit("its joints repeat one another")
+        for joint in m.joints:
+            if joint.release >= 0:
+                event = m.events[joint.release].name
+                raise _Unfit(f"event '{event}' releases '{joint.name}'")
+
+    def _ends(self, joint: int) -> tuple[int, int]:
+        a, b = self.model.joints[joint].sides[:2]
+        return self.model.markers[a].body, self.model.markers[b].body
+
+    def _joints(self) -> list[int]:
+        """Return the joints that connect bodies; note the drives."""
+        found = []
+        roots = list(range(-1, len(self.model.bodies)))
+
+        def root(body: int) -> int:
+            while roots[body + 1] != body:
+                body = roots[body + 1]
+            return body
+
+        for k, joint in enumerate(self.model.joints):
+            if not joint.coincident and not joint.perpendicular:
+                self._note_drive(k, joint)
+                continue
+            a, b = (root(body) for body in self._ends(k))
+            if a == b:
+                raise _Unfit(f"joint '{joint.name}' closes a loop")
+            roots[max(a, b) + 1] = min(a, b)
+            found.append(k)
+        return found
+
+    def _note_drive(self, k: int, joint: JointModel) -> None:
+        line = joint.lines[0]
+        if len(joint.lines) != 1 or len(line.coordinates) != 1 or line.signal < 0:
+            raise _Unfit(f"'{joint.name}' couples coordinates or holds one")
+        if not self._smooth(line.signal):
+            raise _Unfit(f"the speed of drive '{joint.name}' may jump")
+        if self.drives.setdefault(line.coordinates[0], k) != k:
+            raise _Unfit(f"drive '{joint.name}' moves what another one moves")
+
+    def _smooth(self, place: int) -> bool:
+        """Whether value and rate of a signal are continuous."""
+        signal = self.model.signals[place]
+        if signal.kind in ("sum", "product"):
+            return all(self._smooth(child) for child in signal.children)
+        if signal.kind == "pieces":
+            return _smooth_pieces(np.real(signal.data), signal.count, signal.degree)
+        return signal.kind in ("constant", "harmonic", "speed")
+
+    def _grow(self, start: int, near: dict[int, list[int]]) -> None:
+        """Add all bodies that hang on a body, or on the ground, branch after branch."""
+        waiting = [(k, start) for k in reversed(near.get(start, []))]
+        while waiting:
+            k, parent = waiting.pop()
+            a, b = self._ends(k)
+            body = b if a == parent else a
+            if body in self.of_body or body < 0:
+                continue  # the joint that it came by
+            self._hang(k, parent, body, body == a)
+            waiting += [(j, body) for j in reversed(near[body]) if j != k]
+
+    def _hang(self, k: int, parent: int, body: int, reversed_: bool) -> None:
+        joint = self.model.joints[k]
+        kind = self._kind(joint)
+        outer, inner = joint.sides[::-1] if reversed_ else joint.sides
+        above = self.of_body[parent] if parent >= 0 else -1
+        link = LinkModel(
+            kind, above, body, outer=outer, inner=inner, joint=k, reversed=int(reversed_)
+        )
+        if kind in ("cylindrical", "universal"):
+            first = "slide" if kind == "cylindrical" else "hinge"
+            crossed = int(kind == "universal")
+            self._add(replace(link, kind=first, body=-1, inner=-1, joint=-1), joint, kind)
+            above = len(self.made) - 1
+            link = replace(link, kind="hinge", parent=above, outer=-1, crossed=crossed)
+        self._add(link, joint, kind)
+        self.of_body[body] = len(self.made) - 1
+
+    def _add(self, link: LinkModel, joint: JointModel | None = None, kind: str = "") -> None:
+        """Append a link with its places and the coordinates that are its own."""
+        last = self.made[-1] if self.made else None
+        if last is not None:
+            link = replace(link, x=last.x + last.positions, u=last.u + last.rates)
+        if joint is not None:
+            link = replace(link, coordinates=self._own(link, joint, kind))
+        for coordinate in link.coordinates:
+            if coordinate in self.drives:
+                drive = self.drives.pop(coordinate)
+                if link.drive >= 0:
+                    name = self.model.joints[drive].name
+                    raise _Unfit(f"drive '{name}' moves what another one moves")
+                line = sum(len(other.lines) for other in self.model.joints[:drive])
+                link = replace(link, drive=drive, driven=line)
+        self.made.append(link)
+
+    def _own(self, link: LinkModel, joint: JointModel, kind: str) -> tuple[int, ...]:
+        """Coordinates that the position of a link is, up to the sign."""
+        a, b = joint.sides[:2]
+        pairs = {"hinge": ("angle", a, b), "slide": ("along", a, b)}
+        found = []
+        for i, c in enumerate(self.model.coordinates):
+            if kind == "universal":
+                mine = not link.reversed and c.kind == "angle" and self._crossed(link, joint, i)
+            else:
+                mine = (c.kind, c.a, c.b) == pairs.get(link.kind) and (
+                    c.kind == "angle" or c.axis_a == 2
+                )
+            if mine:
+                found.append(i)
+        return tuple(found)
+
+    def _crossed(self, link: LinkModel, joint: JointModel, place: int) -> bool:
+        """Whether an angle is that of the first or the second hinge of a universal joint."""
+        a, b = joint.sides[:2]
+        c = self.model.coordinates[place]
+        if link.body < 0:
+            return c.a == a and self._turned(c.b, b, Z_FIRST)
+        return self._turned(c.a, b, Y_FIRST_BACK) and self._turned(c.b, a, Z_FIRST)
+
+    def _turned(self, place: int, origin: int, axes: Array) -> bool:
+        """Whether a marker is another one with reordered axes."""
+        one, other = self.model.markers[place], self.model.markers[origin]
+        return (
+            one.body == other.body
+            and np.array_equal(one.u0, other.u0)
+            and float(np.abs(one.A0 - other.A0 @ axes).max()) < 1e-14
+        )
+
+    def _kind(self, joint: JointModel) -> str:
+        """Return what a joint is as links, _Unfit where it is none of them."""
+        rows, sliding = set(joint.perpendicular), self._slides(joint)
+        kinds = {
+            (True, False, frozenset(PARALLEL)): "hinge",
+            (True, False, frozenset(NO_TURN)): "fixed",
+            (True, False, frozenset({(2, 2)})): "universal",
+            (True, False, frozenset()): "ball",
+            (False, True, frozenset(NO_TURN)): "slide",
+            (False, True, frozenset(PARALLEL)): "cylindrical",
+        }
+        kind = kinds.get((joint.coincident, sliding, frozenset(rows)))
+        if kind is None or (joint.coincident and joint.lines):
+            raise _Unfit(f"joint '{joint.name}' is none of the kinds {KINDS}")
+        if kind in ("ball", "universal"):
+            return kind
+        axes = (2,) if rows == PARALLEL else (0, 1, 2)
+        A, B = (self._axes(side) for side in joint.sides[:2])
+        if any(float(A[:, i] @ B[:, i]) < ALIGNED for i in axes):
+            raise _Unfit(f"the axes of joint '{joint.name}' point in opposite directions")
+        return kind
+
+    def _slides(self, joint: JointModel) -> bool:
+        """Whether the lines of a joint hold x and y of b in the axes of a at zero."""
+        held = set()
+        for line in joint.lines:
+            c = self.model.coordinates[line.coordinates[0]]
+            plain = len(line.coordinates) == 1 and line.factors[0] == 1.0 and line.offset == 0.0
+            if plain and line.signal < 0 and c.kind == "along" and (c.a, c.b) == joint.sides[:2]:
+                held.add(c.axis_a)
+        return held == {0, 1} and len(joint.lines) == 2
+
+    def _axes(self, side: int) -> Array:
+        """Return the axes of a marker at the start, in columns."""
+        marker = self.model.markers[side]
+        local = np.real(marker.A0)
+        if marker.body < 0:
+            return np.asarray(local)
+        iq = self.model.bodies[marker.body].iq
+        return np.asarray(rotation_matrix(np.real(self.model.q0[iq + 3 : iq + 7])) @ local)
+
+
+def _smooth_pieces(data: Array, count: int, degree: int) -> bool:
+    """Whether polynomials go on where they meet, and rest at both ends."""
+    t, c = data[:count], data[count:].reshape(-1, degree + 1)
+    width = np.diff(t)[:, None]
+    powers = width ** np.arange(degree + 1)
+    order = np.arange(degree + 1)
+    end = (c * powers).sum(axis=1)
+    rate = (c[:, 1:] * order[1:] * powers[:, :-1]).sum(axis=1)
+    begin = c[:, 1] if degree else np.zeros(len(c))
+    jumps = np.abs(end[:-1] - c[1:, 0])
+    kinks = np.abs(np.concatenate([[begin[0]], begin[1:] - rate[:-1], [rate[-1]]]))
+    sizes = float(np.abs(c[:, 0]).max()) or 1.0, float(np.abs(rate).max(initial=0.0)) or 1.0
+    return bool(jumps.max(initial=0.0) <= JUMP * sizes[0] and kinks.max() <= JUMP * sizes[1])
