@@ -15,8 +15,11 @@ sys.path[0:1] = [str(ROOT / "tests"), str(ROOT / "examples")]
 warnings.simplefilter("ignore")
 
 import link_arm
+import numpy as np
+from PIL import Image
 
 import jousto as jo
+from jousto.output.scenes.film import Palette
 from viewer.browser import chromium, opened
 
 SIZE = {"width": 1280, "height": 800}
@@ -48,6 +51,16 @@ def take(browser: Any, thing: Any, path: Path, theme: str) -> None:
         page.wait_for_timeout(2500)
         page.screenshot(path=str(path))
     view.close()
+    shrink(path)
+
+
+def shrink(path: Path) -> None:
+    """Leave 256 colours, those of paper, ink and the ends of scales exactly."""
+    with Image.open(path) as image:
+        picture = image.convert("RGB")
+    pixels = np.asarray(picture)
+    palette = Palette([pixels], 256).index(pixels[:1, :1])
+    picture.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG).save(path, optimize=True)
 
 
 if __name__ == "__main__":

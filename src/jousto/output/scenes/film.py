@@ -74,9 +74,11 @@ class Palette:
     ----------
     frames : list of (h, w, 3) arrays
         Some frames of the film.
+    count : int
+        Colours, 256 at most.
     """
 
-    def __init__(self, frames: list[Pixels]) -> None:
+    def __init__(self, frames: list[Pixels], count: int = COLORS) -> None:
         packed = np.concatenate(frames).reshape(-1, 3).astype(np.intp) @ np.array([65536, 256, 1])
         codes, counts = np.unique(packed, return_counts=True)
         codes = codes[np.argsort(-counts, kind="stable")]
@@ -85,9 +87,9 @@ class Palette:
         # what there is, so that no thin line loses its colour
         _, first = np.unique(self._cell(colors), return_index=True)
         colors = colors[np.sort(first)]
-        chosen, wanted = list(range(min(len(colors), COLORS // 2))), colors.astype(np.float64)
+        chosen, wanted = list(range(min(len(colors), count // 2))), colors.astype(np.float64)
         away = np.min([((wanted - wanted[k]) ** 2).sum(axis=1) for k in chosen], axis=0)
-        while len(chosen) < min(COLORS, len(colors)):
+        while len(chosen) < min(count, len(colors)):
             chosen.append(int(away.argmax()))
             away = np.minimum(away, ((wanted - wanted[chosen[-1]]) ** 2).sum(axis=1))
         self.colors = colors[chosen]
