@@ -120,3 +120,10 @@ def test_each_place_shows_the_body_that_is_nearest(tmp_path: Path, film: bool) -
         tints = [np.array(to_rgb(body_color(k))) for k in range(3)]
         alike = [seen @ tint / np.linalg.norm(tint) for tint in tints]
         assert int(np.argmax(alike)) == body, place
+
+
+def test_postscript_has_triangles_since_it_knows_no_transparency(tmp_path: Path) -> None:
+    path = jo.still(crossed(), tmp_path / "a.eps", times=2, view=View((1.0, -2.0, 1.5)))
+    text = path.read_text(encoding="latin-1")
+    assert "colorimage" not in text and "shfill" in text
+    assert len(text) < 1_000_000

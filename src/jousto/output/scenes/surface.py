@@ -167,10 +167,22 @@ class Skin(Artist):
         self.stale = True
 
     def draw(self, renderer: Any) -> None:
-        """Draw onto a canvas; in files of lines it is a picture of their resolution."""
+        """Draw onto a canvas; in files of lines it is a picture of their resolution.
+
+        PostScript knows no transparent pictures: there it is triangles, the farthest first.
+        """
         if not self.get_visible() or not len(self.corners):
             return
         axes: Any = self.axes
+        if axes.figure.canvas.get_default_filetype() == "ps":
+            order = np.argsort(self.corners[:, :, 2].mean(axis=1), kind="stable")
+            gc = renderer.new_gc()
+            self._set_gc_clip(gc)  # type: ignore[attr-defined]
+            renderer.draw_gouraud_triangles(
+                gc, self.corners[order, :, :2], self.shades[order], axes.transData.frozen()
+            )
+            gc.restore()
+            return
         corners = self.corners.copy()
         corners[:, :, :2] = axes.transData.transform(corners[:, :, :2].reshape(-1, 2)).reshape(
             -1, 3, 2
