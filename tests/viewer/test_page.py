@@ -170,7 +170,7 @@ def test_keys_play_step_and_show_help(shown: Any) -> None:
     shown.mouse.click(500, 350)
     shown.keyboard.press("Space")
     assert shown.evaluate(state, "playing") is True
-    shown.wait_for_timeout(400)
+    shown.wait_for_function("() => window.jousto.app.store.state.time > 0")
     shown.keyboard.press("Space")
     assert shown.evaluate(state, "playing") is False
     time = shown.evaluate(state, "time")

@@ -5,6 +5,7 @@ Of a run only the columns and instants that a question needs are read from its f
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +57,7 @@ class Answers:
         self.scenes = tuple(scenes)
         self.titles = list(titles) or [scene.title for scene in scenes]
         self._page, self._watched = page, watched
-        self._said = ""
+        self._said, self._one = "", threading.Lock()
         self._made, self._shown = 0, dict[int, int]()  # how often anew; that which a page has
         self._windows: dict[tuple[int, int], Frames] = {}
         self._known: dict[tuple[Any, ...], dict[str, Any]] = {}  # what takes long, by what it is
@@ -83,7 +84,8 @@ class Answers:
             If it shows what is no longer in its files.
         """
         asked = Asked(request)
-        self._renew(asked, request.get("ask") == "scene")
+        with self._one:
+            self._renew(asked, request.get("ask") == "scene")
         known: dict[str, Callable[[Asked, int], dict[str, Any]]] = {
             "scene": self._scene,
             "rows": self._rows,
