@@ -10,6 +10,7 @@ import pytest
 
 import jousto as jo
 from exported import CC, FLAGS, compiled
+from jousto.export import named
 from jousto.export.named import named_constants
 from jousto.export.program import program
 from jousto.export.project import flat
@@ -84,6 +85,31 @@ def test_constants_that_move_forces_alone_are_found(cart: Path) -> None:
     assert sorted(factor for _, factor, _ in found["k"].links) == pytest.approx([0.5, 1.0])
     assert [factor for _, factor, _ in found["g"].links] == pytest.approx([-1.0])
     assert max(factor for _, factor, _ in found["share"].links) == pytest.approx(100.0)
+
+
+def test_what_parts_are_made_of_is_not_tried(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A mesh may take minutes to reduce; a name of the crane's file that no part has is tried."""
+    text = (Path(__file__).parents[2] / "examples" / "crane_live.yaml").read_text()
+    path = tmp_path / "crane.yaml"
+    path.write_text(
+        text.replace("parameters:", "parameters:\n  l: 4 m\n  k: 140 kN m/rad", 1)
+        .replace("length: 4 m", 'length: "${l}"', 1)
+        .replace("kp: 140 kN m/rad", 'kp: "${k}"', 1)
+    )
+    file = jo.read_model(path)
+    model = jo.compile(file.mechanism)
+    tried: list[str] = []
+    variant = named._variant
+
+    def seen(file: object, values: dict[str, float], kept: dict[object, object]) -> object:
+        tried.extend(values)
+        return variant(file, values, kept)
+
+    monkeypatch.setattr(named, "_variant", seen)
+    assert [x.name for x in named_constants(file, model)] == ["k"]
+    assert set(tried) == {"load", "k"}
 
 
 @pytest.mark.skipif(CC is None or sys.platform == "win32", reason="no C compiler")

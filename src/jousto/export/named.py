@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,7 +25,8 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
 
     Each is changed to both sides of its value: what changes in the machine must be among gravity,
     data of forces, frictions and signals, and be a straight line of it. A length or a mass, on
-    which positions and inertia depend, is left out, as is one that stands squared.
+    which positions and inertia depend, is left out, as is one that stands squared. What a part is
+    made of is not tried: parts would be reduced anew.
 
     Parameters
     ----------
@@ -36,7 +38,10 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
     refuse(model)
     here, kept = constants(model, Engine(model)), dict[Any, Any]()
     found = []
+    made_of = in_parts(file.variants.document.data)
     for parameter in file.parameters:
+        if parameter.name in made_of:
+            continue
         step = SHARE * abs(parameter.value) or SHARE
         sides = []
         for value in (parameter.value + step, parameter.value - step):
@@ -48,6 +53,30 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
             named = (parameter.name, parameter.unit, float(parameter.value), parameter.bounds)
             found.append(Named(*named, links))
     return tuple(found)
+
+
+def in_parts(data: Mapping[str, Any]) -> set[str]:
+    """Return the names in expressions of the parts of a file, and what those names are made of.
+
+    Examples
+    --------
+    >>> parts = {"rod": {"length": "${2 * l}"}}
+    >>> sorted(in_parts({"parameters": {"l": "${a + 1 m}", "a": 1.0, "k": 2.0}, "parts": parts}))
+    ['a', 'l', 'm']
+    """
+    parameters = data.get("parameters") or {}
+    found: set[str] = set()
+    new = _names(data.get("parts"))
+    while new:
+        found |= new
+        new = {x for name in new for x in _names(parameters.get(name))} - found
+    return found
+
+
+def _names(value: Any) -> set[str]:
+    """Return the names in the expressions of a value."""
+    inside = re.findall(r"\$\{([^}]*)\}", str(value))
+    return {name for text in inside for name in re.findall(r"[A-Za-z_]\w*", text)}
 
 
 def _variant(

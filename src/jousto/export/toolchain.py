@@ -112,7 +112,7 @@ def compiler(platform: Platform) -> tuple[str, ...]:
     if platform is WEB:
         message = (
             "a machine that runs in a page is compiled by the package ziglang, which is not "
-            "installed: pip install 'jousto[cross]'"
+            "installed: pip install ziglang"
         )
         raise InputError(Problem("export", message))
     raise InputError(
