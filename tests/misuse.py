@@ -620,6 +620,10 @@ joints: [{type: prismatic, name: rail, a: ground.origin, b: block.origin, axis: 
 forces: [{type: spring, name: spring, coordinate: rail.displacement, stiffness: "${k}"}]
 """)
     return [
+        (
+            jo.export.named_constants,
+            {"file": spring, "model": jo.compile(spring.mechanism)},
+        ),
         (design.StressLimit, {"body": "boom", "maximum": 1e8, "criterion": "s11"}),
         (design.DisplacementLimit, {"body": "boom", "maximum": 0.1, "node": "tip"}),
         (design.FrequencyLimit, {"minimum": 3.0, "mode": 1}),

@@ -87,6 +87,13 @@ def test_constants_that_move_forces_alone_are_found(cart: Path) -> None:
     assert max(factor for _, factor, _ in found["share"].links) == pytest.approx(100.0)
 
 
+def test_what_is_no_model_file_is_refused(cart: Path) -> None:
+    with pytest.raises(jo.InputError) as found:
+        named_constants(str(cart), jo.read_model(cart).mechanism)  # type: ignore[arg-type]
+    assert "must come from read_model" in str(found.value)
+    assert "must come from compile" in str(found.value)
+
+
 def test_what_parts_are_made_of_is_not_tried(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.errors import InputError
+from jousto.base.errors import InputError, Problems
 from jousto.export.constants import Constants, constants
 from jousto.export.ports import Named, refuse
 from jousto.model.compile import compile
@@ -34,7 +34,18 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
         From `read_model`.
     model : Model
         Compiled from its mechanism.
+
+    Raises
+    ------
+    InputError
+        If these are not a model file and its model, or the model cannot be exported.
     """
+    problems, given = Problems(), dict[str, Any](model=model)
+    if not hasattr(file, "variants") or not hasattr(file, "parameters"):
+        problems.add("named_constants", f"file is {file!r:.80}, must come from read_model")
+    if not isinstance(given["model"], Model):
+        problems.add("named_constants", f"model is {model!r:.80}, must come from compile")
+    problems.raise_if_any()
     refuse(model)
     here, kept = constants(model, Engine(model)), dict[Any, Any]()
     found = []
