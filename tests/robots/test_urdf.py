@@ -119,7 +119,8 @@ def test_masses_that_no_body_has(write: Write) -> None:
         f'<joint name="{i}" type="continuous"><parent link="a"/><child link="{name}"/></joint>'
         for i, name in enumerate(("flat", "minus", "empty"))
     )
-    said = sentences(write(f'{links}<link name="empty"/>{joints}'))
+    ball = '<visual><geometry><sphere radius="1"/></geometry></visual>'
+    said = sentences(write(f'{links}<link name="empty">{ball}</link>{joints}'))
     for part in (
         "link 'flat': inertia breaks the triangle inequality: principal moments 1, 1, 3",
         "link 'minus': inertia is not positive",
@@ -227,3 +228,42 @@ def test_no_entities_and_no_files_from_elsewhere(write: Write, tmp_path: Path) -
         )
         with pytest.warns(jo.JoustoWarning, match="lies outside the folder of the robot"):
             read_urdf(path)
+
+
+def test_inertia_that_counts_is_the_one_that_moves(write: Write) -> None:
+    flat = BALL.replace('izz="1"', 'izz="2.5"').replace('"2"', '"1"', 1)
+    weld = '<joint name="w" type="fixed"><parent link="b"/><child link="c"/></joint>'
+    path = write(f'{LINKS}<link name="c">{flat}</link>{HINGE.format("")}{weld}')
+    # 1 + 1, 1 + 1 and 1 + 2.5 belong to a body, although 1, 1 and 2.5 do not
+    with pytest.warns(jo.JoustoWarning, match="it does not matter, since it is fixed to others"):
+        robot = read_urdf(path)
+    np.testing.assert_allclose(np.diag(robot.links[1].inertia), [2.0, 2.0, 3.5])
+    assert "link 'c': inertia breaks the triangle inequality" in sentences(path, merge=False)
+
+
+def test_inertia_is_repaired_where_that_is_asked_for(write: Write) -> None:
+    flat = BALL.replace('izz="1"', 'izz="3"')
+    path = write(f'<link name="a"/><link name="b">{flat}</link>{HINGE.format("")}')
+    with pytest.warns(jo.JoustoWarning, match="principal moments 1, 1, 3 .*; repaired"):
+        robot = read_urdf(path, repair=True)
+    # second moments (tr J / 2 - J) of 1.5, 1.5 and -0.5: the last becomes a millionth
+    np.testing.assert_allclose(np.diag(robot.links[1].inertia), [1.5, 1.5, 3.0], rtol=1e-5)
+    mechanism(robot)
+
+
+def test_what_moves_nothing_is_held(write: Write) -> None:
+    more = '<joint name="i" type="continuous"><parent link="b"/><child link="c"/></joint>'
+    with pytest.warns(jo.JoustoWarning, match="joint 'i': moves nothing that has a mass"):
+        robot = read_urdf(write(f'{LINKS}<link name="c"/>{HINGE.format("")}{more}'))
+    assert Tree(robot).velocities == ("h.angle",) and "c" in Tree(robot).frames
+
+
+def test_joints_start_within_their_limits(write: Write) -> None:
+    hinge = HINGE.format('<limit lower="0.4" upper="1.2" effort="1" velocity="1"/>')
+    robot = read_urdf(write(LINKS + hinge.replace("continuous", "revolute")))
+    run = jo.simulate(jo.compile(mechanism(robot)), 0.01)
+    assert run["h"][0, 0] == pytest.approx(0.4, abs=1e-12)
+    with pytest.warns(
+        jo.JoustoWarning, match=r"at\['h'\]: 0.1 lies outside the limits 0.4 and 1.2"
+    ):
+        mechanism(robot, at={"h": 0.1})

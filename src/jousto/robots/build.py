@@ -67,7 +67,7 @@ def mechanism(
     gravity : (3,) array_like, optional
         Acceleration of free fall, m/s2; None for that of the robot, (0, 0, -9.81) in most files.
     at : dict of str to float, optional
-        Where joints start, rad or m; zero elsewhere.
+        Where joints start, rad or m; elsewhere at zero, or at the limit that is nearest to it.
     stops : bool or float
         Whether limits are stops; a number is their stiffness, N m/rad or N/m.
     losses : bool
@@ -99,9 +99,11 @@ def mechanism(
     items += (
         JointForce(f"{name} motor", coordinates[name], x) for name, x in given["efforts"].items()
     )
-    items += (Initial(coordinates[name], value=x) for name, x in given["at"].items())
-    inertias = moving(Tree(robot))
-    tables = limit_tables(robot, stops, inertias)
+    tree = Tree(robot)
+    begun = starts(robot, tree, given["at"], set(given["drives"]))
+    items += (Initial(coordinates[name], value=x) for name, x in begun.items())
+    inertias = moving(tree)
+    tables = limit_tables(robot, tree, stops, inertias)
     weight = Gravity(robot.gravity if gravity is None else gravity)
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), tables, inertias if losses else None)
@@ -216,6 +218,25 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
     return found
 
 
+def starts(robot: Robot, tree: Tree, at: Mapping[str, float], driven: set[str]) -> dict[str, float]:
+    """Return where joints start: where they shall, and else within their limits."""
+    found = dict(at)
+    kinds = {joint.name: joint.kind for joint in robot.joints}
+    for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
+        joint = name.rpartition(".")[0]
+        value = at.get(joint, 0.0)
+        if joint in driven or low <= value <= high:
+            continue
+        if joint in at:
+            warn(
+                f"at[{joint!r}]",
+                f"{value:g} lies outside the limits {low:g} and {high:g}: the stop pushes it back",
+            )
+        elif kinds.get(joint) == "prismatic" or abs(np.clip(0.0, low, high)) < np.pi:
+            found[joint] = float(np.clip(0.0, low, high))
+    return found
+
+
 def moving(tree: Tree) -> dict[str, float]:
     """Return what moves with each coordinate while the others are free, at the initial pose."""
     inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
@@ -224,7 +245,7 @@ def moving(tree: Tree) -> dict[str, float]:
 
 
 def limit_tables(
-    robot: Robot, stops: bool | float, inertias: Mapping[str, float]
+    robot: Robot, tree: Tree, stops: bool | float, inertias: Mapping[str, float]
 ) -> dict[str, Table]:
     """Return the force of the stops over the coordinate, by the names of coordinates.
 
@@ -239,7 +260,6 @@ def limit_tables(
     if stops is not True:
         problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
         problems.raise_if_any()
-    tree = Tree(robot)
     efforts = {joint.name: joint.effort for joint in robot.joints}
     tables = {}
     for i, name in enumerate(tree.velocities):

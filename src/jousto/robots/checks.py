@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from jousto.base.errors import Problem, Problems, suggest
-from jousto.mechanism.bodies.inertia import check_inertia
-from jousto.robots.description import Frame, Link, Robot, RobotJoint
-from jousto.robots.markup import Reading
-
-# a radius of gyration that is so many times the size of the robot has its mass in another unit
-ODD_RADIUS = 20.0
-HEAVY = 1e5  # kg
-LONG = 1e3  # m
+from jousto.base.errors import suggest
+from jousto.robots.description import Link, Robot, RobotJoint
+from jousto.robots.markup import Adder, Reading
+from jousto.robots.masses import check_mass, note_sizes, weighed
 
 
 def robot(
@@ -28,6 +22,7 @@ def robot(
     *,
     fixed_base: bool,
     merge: bool,
+    repair: bool = False,
 ) -> Robot:
     """Return the robot of links and joints in any order.
 
@@ -36,8 +31,9 @@ def robot(
     InputError
         With everything that cannot run.
     """
-    add = _Adder(reading)
+    add = Adder(reading)
     links, joints = renamed(add, links, joints)
+    joints = [unfollowed(add, joint) for joint in joints]
     check_names(add, links, joints)
     root = check_tree(add, links, joints)
     check_joints(add, joints)
@@ -45,21 +41,27 @@ def robot(
         moving = {joint.child for joint in joints if joint.kind != "fixed"}
         for link in links:
             if link.name in moving:
-                check_mass(add, link, held=False)
+                check_mass(add, link)
         reading.finish()
     assert root is not None
     ordered_links, ordered_joints = ordered(root, links, joints)
     made = Robot(name, ordered_links, ordered_joints, fixed_base, source=reading.path)
-    check_masses(add, made)
+    made = weighed(add, made, merge=merge, repair=repair)
     if not reading.problems:
         note_sizes(add, made)
-    odd = reading.finish()
-    made = replace(made, odd=odd)
-    return merged(made) if merge else made
+    return replace(made, odd=reading.finish())
+
+
+def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:
+    """Return a joint; one that is fixed follows nothing."""
+    if joint.kind != "fixed" or joint.mimic is None:
+        return joint
+    add.note(joint, f"is fixed, so that it does not follow joint {joint.mimic.joint!r}")
+    return replace(joint, mimic=None)
 
 
 def renamed(
-    add: _Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
+    add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[list[Link], list[RobotJoint]]:
     """Return links and joints with names that bodies and joints of a mechanism may have."""
 
@@ -96,25 +98,7 @@ def renamed(
     return new_links, new_joints
 
 
-class _Adder:
-    """Adds problems under the place of a link or a joint."""
-
-    def __init__(self, reading: Reading) -> None:
-        self.reading = reading
-
-    def __call__(self, thing: Link | RobotJoint | None, message: str) -> None:
-        self.reading.problems.append(Problem(self.where(thing), message))
-
-    def note(self, thing: Link | RobotJoint | None, message: str) -> None:
-        """Note what is odd."""
-        self.reading.odd.append(Problem(self.where(thing), message))
-
-    def where(self, thing: Link | RobotJoint | None) -> str:
-        """Return the place of a thing."""
-        return self.reading.where(None) if thing is None else thing.where or thing.name
-
-
-def check_names(add: _Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> None:
+def check_names(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> None:
     """Note names that are empty or used twice."""
     for word, things in (("link", links), ("joint", joints)):
         times = Counter(thing.name for thing in things)
@@ -126,7 +110,7 @@ def check_names(add: _Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
                 times[thing.name] = 1
 
 
-def check_tree(add: _Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> str | None:
+def check_tree(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> str | None:
     """Return the name of the root, or note why the links are no tree."""
     known = {link.name: link for link in links}
     if not links:
@@ -165,7 +149,7 @@ def check_tree(add: _Adder, links: Sequence[Link], joints: Sequence[RobotJoint])
     return roots[0].name
 
 
-def check_joints(add: _Adder, joints: Sequence[RobotJoint]) -> None:
+def check_joints(add: Adder, joints: Sequence[RobotJoint]) -> None:
     """Note axes without a direction, limits the wrong way round, and impossible mimics."""
     known = {joint.name: joint for joint in joints}
     for joint in joints:
@@ -181,7 +165,7 @@ def check_joints(add: _Adder, joints: Sequence[RobotJoint]) -> None:
         check_mimic(add, joint, known)
 
 
-def check_mimic(add: _Adder, joint: RobotJoint, known: dict[str, RobotJoint]) -> None:
+def check_mimic(add: Adder, joint: RobotJoint, known: dict[str, RobotJoint]) -> None:
     """Note a joint that follows one that is not there, has several coordinates, or itself."""
     if joint.mimic is None:
         return
@@ -217,92 +201,3 @@ def ordered(
         found_links.append(known[joint.child])
         waiting += reversed(below.get(joint.child, []))
     return tuple(found_links), tuple(found_joints)
-
-
-def check_masses(add: _Adder, made: Robot) -> None:
-    """Note inertia that no body has, and links without mass that nothing holds."""
-    carried = dict.fromkeys((link.name for link in made.links), 0.0)
-    fixed_to = {joint.child: joint for joint in made.joints if joint.kind == "fixed"}
-    held = {made.links[0].name} if made.fixed_base else set()
-    for joint in made.joints:  # parents come first
-        if joint.kind == "fixed" and joint.parent in held:
-            held.add(joint.child)
-    for link in made.links:
-        check_mass(add, link, held=link.name in held)
-        carried[link.name] = link.mass
-    parents = {joint.child: joint for joint in made.joints}
-    for link in reversed(made.links[1:]):
-        carried[parents[link.name].parent] += carried[link.name]
-    for link in made.links:
-        carrier = parents.get(link.name)
-        if link.name in held or link.name in fixed_to or carried[link.name] > 0.0:
-            continue
-        if carrier is None or carried[carrier.parent] > 0.0 or carrier.parent in held:
-            what = f"moves with joint {carrier.name!r}" if carrier else "moves freely"
-            add(
-                link,
-                f"{what}, but neither it nor what it carries has a mass; give it one, or make "
-                "the joint fixed",
-            )
-
-
-def check_mass(add: _Adder, link: Link, *, held: bool) -> None:
-    """Note why no body has the mass of a link; it is only odd where nothing moves it."""
-    if link.mass < 0.0:
-        add(link, f"mass is {link.mass:g} kg, must not be negative")
-    elif link.mass == 0.0:
-        if np.any(link.inertia != 0.0):
-            add.note(link, "has inertia but no mass; it counts as a frame without either")
-        return
-    problems = Problems()
-    check_inertia(problems, "", link.inertia)
-    for problem in problems.found:
-        (add.note if held else add)(link, problem.message)
-
-
-def note_sizes(add: _Adder, made: Robot) -> None:
-    """Note masses and lengths that were likely given in other units."""
-    size = extent(made)
-    for link in made.links:
-        if link.mass > HEAVY:
-            add.note(link, f"mass is {link.mass:g} kg; was it given in g?")
-        if link.mass > 0.0:
-            radius = math.sqrt(max(0.0, float(np.trace(link.inertia))) / (2.0 * link.mass))
-            if size > 0.0 and radius > ODD_RADIUS * size:
-                add.note(
-                    link,
-                    f"its radius of gyration is {radius:.3g} m, the robot itself {size:.3g} m "
-                    "long; are mass and inertia in kg and kg m2?",
-                )
-    if size > LONG:
-        add.note(None, f"the robot is {size:.3g} m long; were lengths given in mm?")
-
-
-def extent(made: Robot) -> float:
-    """Return the longest chain of distances between joints and centres of mass, m."""
-    long = {made.links[0].name: 0.0}
-    for joint in made.joints:
-        long[joint.child] = long[joint.parent] + float(np.linalg.norm(joint.origin.r))
-    return max(
-        long[link.name] + (float(np.linalg.norm(link.center)) if link.mass else 0.0)
-        for link in made.links
-    )
-
-
-def merged(made: Robot) -> Robot:
-    """Return the robot with links on fixed joints merged into those that carry them."""
-    place = {made.links[0].name: (made.links[0].name, Frame())}
-    links = {made.links[0].name: made.links[0]}
-    known = {link.name: link for link in made.links}
-    joints = []
-    for joint in made.joints:
-        home, at = place[joint.parent]
-        at = at @ joint.origin
-        if joint.kind == "fixed":
-            place[joint.child] = (home, at)
-            links[home] = links[home].with_link(known[joint.child], at)
-        else:
-            place[joint.child] = (joint.child, Frame())
-            links[joint.child] = known[joint.child]
-            joints.append(replace(joint, parent=home, origin=at))
-    return replace(made, links=tuple(links.values()), joints=tuple(joints))

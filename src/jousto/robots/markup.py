@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from xml.parsers import expat
 
 import numpy as np
@@ -240,6 +241,25 @@ class Reading:
         if text is not None and text.strip().lower().lstrip("+-") in ("inf", "infinity"):
             return -math.inf if text.strip().startswith("-") else math.inf
         return default if text is None else self.number(element, key)
+
+
+class Adder:
+    """Adds problems under the place of a link or a joint."""
+
+    def __init__(self, reading: Reading) -> None:
+        self.reading = reading
+
+    def __call__(self, thing: Any, message: str) -> None:
+        """Note a problem."""
+        self.reading.problems.append(Problem(self.where(thing), message))
+
+    def note(self, thing: Any, message: str) -> None:
+        """Note what is odd."""
+        self.reading.odd.append(Problem(self.where(thing), message))
+
+    def where(self, thing: Any) -> str:
+        """Return the place of a thing."""
+        return self.reading.where(None) if thing is None else thing.where or thing.name
 
 
 def _wanted(count: int) -> str:

@@ -28,7 +28,7 @@ RIGHT = np.pi / 180.0
 
 
 @explained
-def read_mjcf(path: str | Path, *, merge: bool = True) -> Robot:
+def read_mjcf(path: str | Path, *, merge: bool = True, repair: bool = False) -> Robot:
     """Read a tree of rigid bodies from an MJCF file.
 
     Read are bodies with ``pos`` and any of the five orientations, ``hinge``, ``slide``, ``ball``
@@ -46,6 +46,9 @@ def read_mjcf(path: str | Path, *, merge: bool = True) -> Robot:
         The file. Meshes are looked for in its folder and nowhere else.
     merge : bool
         Whether bodies without joints are merged with those that carry them.
+    repair : bool
+        Whether inertia that no body has is replaced by the nearest one that a body can have, with
+        a warning, instead of refused.
 
     Raises
     ------
@@ -69,7 +72,9 @@ def read_mjcf(path: str | Path, *, merge: bool = True) -> Robot:
         world.contents(section, world.links[0], Frame(), "main", moving=False)
     world.equalities()
     name = root.given.get("model", path.stem)
-    made = checks.robot(reading, name, world.links, world.joints, fixed_base=True, merge=merge)
+    made = checks.robot(
+        reading, name, world.links, world.joints, fixed_base=True, merge=merge, repair=repair
+    )
     return replace(made, gravity=world.gravity)
 
 

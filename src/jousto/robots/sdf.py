@@ -39,6 +39,7 @@ def read_sdf(
     packages: Mapping[str, str | Path] | None = None,
     fixed_base: bool = False,
     merge: bool = True,
+    repair: bool = False,
 ) -> Robot:
     """Read a robot from an SDF file: its first model.
 
@@ -57,6 +58,9 @@ def read_sdf(
         Whether links that no joint holds are fixed to the world.
     merge : bool
         Whether links on fixed joints are merged with those that carry them.
+    repair : bool
+        Whether inertia that no body has is replaced by the nearest one that a body can have, with
+        a warning, instead of refused.
 
     Raises
     ------
@@ -87,7 +91,7 @@ def read_sdf(
     reader = _Reader(reading, models[0], root.given.get("version", "1.7"), Folders(path, packages))
     links, joints = reader.parts(fixed_base)
     name = models[0].given.get("name", path.stem)
-    made = checks.robot(reading, name, links, joints, fixed_base=True, merge=merge)
+    made = checks.robot(reading, name, links, joints, fixed_base=True, merge=merge, repair=repair)
     gravity = world.first("gravity")
     if gravity is None:
         return made

@@ -35,6 +35,7 @@ def read_urdf(
     packages: Mapping[str, str | Path] | None = None,
     fixed_base: bool = True,
     merge: bool = True,
+    repair: bool = False,
 ) -> Robot:
     """Read a robot from a URDF file.
 
@@ -54,6 +55,9 @@ def read_urdf(
     merge : bool
         Whether links on fixed joints are merged with those that carry them; their names become
         frames there.
+    repair : bool
+        Whether inertia that no body has is replaced by the nearest one that a body can have, with
+        a warning, instead of refused.
 
     Returns
     -------
@@ -89,7 +93,9 @@ def read_urdf(
         elif element.tag not in QUIET | {"link", "joint"}:
             reading.leave_out(element)
     name = root.given.get("name", path.stem)
-    return checks.robot(reading, name, links, joints, fixed_base=fixed_base, merge=merge)
+    return checks.robot(
+        reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
+    )
 
 
 def read_link(reading: Reading, folders: Folders, element: Element) -> Link:
