@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -205,10 +206,43 @@ def ring() -> Any:
 def test_what_is_no_tree_says_why() -> None:
     with pytest.raises(jo.InputError, match="joint 'three' closes a loop"):
         jo.compile(ring(), core="joint")
-    assert not jo.compile(ring()).tree
+    assert not jo.compile(ring()).links
     assert "closes a loop" in jo.doctor(ring()).core
 
 
 def test_an_unknown_core_is_refused() -> None:
     with pytest.raises(jo.InputError, match="core is 'fast', must be 'auto', 'joint' or 'maximal'"):
         jo.compile(ring(), core="fast")
+
+
+def test_ros2_takes_springs_of_joints_in_its_matrix() -> None:
+    """A hinge spring of 1e5 rad/s at a step of 1 ms: the angle stays where it is held."""
+    rod = jo.RigidBody("rod", 1.0, (0.1, 0.1, 0.1), center=(0.5, 0, 0))
+    pivot = jo.Revolute("pivot", jo.ground.at((0, 0, 0)), rod.at((0, 0, 0)), axis=(0, 0, 1))
+    hold = jo.Spring("hold", pivot.angle, stiffness=3.5e9, free=0.0)
+    mechanism = jo.Mechanism(rod, pivot, hold, jo.Gravity((0, -9.81, 0)))
+    engine = Engine(jo.compile(mechanism, core="joint"))
+    solver = engine.native_solver("ros2", 1e-3, True)
+    for _ in range(100):
+        engine.step(solver)
+    # m g c over the stiffness, to which the L-stable method goes at once
+    assert engine.joint[0] == pytest.approx(-9.81 * 0.5 / 3.5e9, rel=1e-6)
+
+
+def test_a_model_that_was_changed_no_longer_runs_as_its_tree() -> None:
+    model = jo.compile(tree(1), core="joint")
+    assert model.links
+    assert not replace(model, joints=model.joints[:-1]).links
+
+
+def test_a_smooth_drive_moves_a_tree_and_one_that_may_jump_does_not() -> None:
+    rod = jo.RigidBody("rod", 1.0, (0.1, 0.1, 0.1), center=(0.5, 0, 0))
+    pivot = jo.Revolute("pivot", jo.ground.at((0, 0, 0)), rod.at((0, 0, 0)), axis=(0, 0, 1))
+
+    def driven(signal: Any) -> Any:
+        return jo.Mechanism(rod, pivot, jo.Drive("motor", pivot.angle, signal))
+
+    assert jo.compile(driven(jo.SCurve((0.0, 1.0), (0.0, 2.0))), core="joint").links
+    kinked = driven(jo.Ramp(0.0, 1.0, 0.0, 2.0))
+    with pytest.raises(jo.InputError, match="the speed of drive 'motor' may jump"):
+        jo.compile(kinked, core="joint")

@@ -399,7 +399,9 @@ class Model:
     fmus : tuple of FmuModel
         Models of other programs, which `simulate` runs beside it.
     tree : tuple of LinkModel
-        Links of a rigid tree that runs in joint coordinates; empty for one that runs in q and v.
+        Links of a rigid tree that is to run in joint coordinates; empty for what runs in q and v.
+    tree_of : tuple
+        The bodies, markers, joints and coordinates that the links were made for.
     """
 
     name: str
@@ -426,6 +428,7 @@ class Model:
     symbols: tuple[SymbolShape, ...] = ()
     fmus: tuple[FmuModel, ...] = ()
     tree: tuple[LinkModel, ...] = ()
+    tree_of: tuple[Any, ...] = ()
 
     @cached_property
     def nq(self) -> int:
@@ -438,14 +441,25 @@ class Model:
         return sum(6 + body.n for body in self.bodies)
 
     @property
+    def parts_of_tree(self) -> tuple[Any, ...]:
+        """What the links of a tree depend on."""
+        return self.bodies, self.markers, self.joints, self.coordinates
+
+    @property
+    def links(self) -> tuple[LinkModel, ...]:
+        """The links of the tree that runs, none where the model has been changed since."""
+        same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
+        return () if self.beams or self.frictions or self.redundant or not same else self.tree
+
+    @property
     def nx(self) -> int:
         """Number of joint coordinates of a tree."""
-        return sum(link.positions for link in self.tree)
+        return sum(link.positions for link in self.links)
 
     @property
     def nu(self) -> int:
         """Number of their rates."""
-        return sum(link.rates for link in self.tree)
+        return sum(link.rates for link in self.links)
 
     @cached_property
     def nrow(self) -> int:

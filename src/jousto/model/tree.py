@@ -45,7 +45,7 @@ def with_core(model: Model, core: str) -> Model:
     if core == "maximal" or (core == "auto" and not AUTOMATIC):
         return replace(model, tree=()) if model.tree else model
     try:
-        return replace(model, tree=_Tree(model).links())
+        return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
     except _Unfit as reason:
         if core == "joint":
             where = f"mechanism {model.name!r}"
@@ -58,8 +58,8 @@ def with_core(model: Model, core: str) -> Model:
 
 def core_of(model: Model) -> str:
     """Return which core runs a model and, if it is not the joint coordinates, why not."""
-    if model.tree:
-        return f"{JOINT} ({sum(link.rates for link in model.tree)} of a tree)"
+    if model.links:
+        return f"{JOINT} ({model.nu} of a tree)"
     try:
         _Tree(model).links()
     except _Unfit as reason:

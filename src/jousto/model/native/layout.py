@@ -188,7 +188,7 @@ class Layout:
             "nv": m.nv,
             "nrow": m.nrow,
             "nout": m.nout,
-            "nlink": len(m.tree),
+            "nlink": len(m.links),
             "nx": m.nx,
             "nu": m.nu,
         }
@@ -224,7 +224,7 @@ class Layout:
         model.event = self._copied("jo_event", m.events)
         model.sensor = self._sensors()
         model.meter = self._meters()
-        model.link = self._copied("jo_link", m.tree)
+        model.link = self._copied("jo_link", m.links)
         return model
 
     def _copied(self, kind: str, objects: Sequence[Any]) -> Any:
@@ -322,7 +322,7 @@ class Layout:
             s.link = -1
             if coordinate.kind == "angle":
                 s.turn, turn = turn, turn + 1
-        for i, link in enumerate(self._source.tree):
+        for i, link in enumerate(self._source.links):
             for place in link.coordinates:
                 structs[place].link = i
         return structs
