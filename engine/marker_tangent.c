@@ -5,7 +5,7 @@
 static void operator_rate(jo_real *M, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);
-    jo_real f[3], df1, df2, one[3], two[3];
+    jo_real f[3], df1 = 0.0, df2 = 0.0, one[3], two[3];
     jo_sinc(s, f);
     jo_sinc_rate(s, f, &df1, &df2);
     jo_cross(one, theta, x);

@@ -170,7 +170,7 @@ int jo_machine_set_parameter(jo_machine *k, int parameter, double value)
     if (k->tunable[place] == value) return JO_MACHINE_OK;
     k->tunable[place] = value;
     for (int i = 0; i < k->plant->nlink; i++) {
-        const jo_link *link = &k->plant->link[i];
+        const jo_named_link *link = &k->plant->link[i];
         if (link->parameter == parameter) k->tunable[link->place] = link->offset + link->factor * value;
     }
     jo_machine_changed(k);

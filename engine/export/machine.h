@@ -16,7 +16,7 @@ typedef struct {
 } jo_port;
 
 /* a parameter that stands for several tunable numbers: tunable[place] = offset + factor value */
-typedef struct { int parameter, place; double factor, offset; } jo_link;
+typedef struct { int parameter, place; double factor, offset; } jo_named_link;
 
 typedef struct {
     const char *name;
@@ -28,7 +28,7 @@ typedef struct {
     int ninput, noutput, nparameter;
     const jo_port *input, *output, *parameter;
     int nlink;
-    const jo_link *link;
+    const jo_named_link *link;
 } jo_plant;
 
 typedef struct jo_machine jo_machine;

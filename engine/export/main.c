@@ -12,7 +12,10 @@ int main(int argc, char **argv)
     const long rows = argc > 2 ? atol(argv[2]) : 10;
     const jo_plant *plant = &PLANT;
     jo_machine *machine = jo_machine_place(plant, memory.bytes, (long long)sizeof memory.bytes);
-    if (!machine || !(seconds >= 0.0) || rows < 1) return 2;
+    if (!machine || !(seconds >= 0.0) || rows < 1) {
+        fprintf(stderr, "usage: %s [SECONDS [ROWS]], such as 2 100: a time from 0 on, at least one row\n", argv[0]);
+        return 2;
+    }
     const double h = jo_machine_step_size(machine);
     const long long steps = (long long)(seconds / h + 0.5);
     printf("time");

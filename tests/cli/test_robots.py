@@ -8,6 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from jousto.cli.group import app
+from jousto.scene.make import make_scene
+from jousto.viewer.things import read
 from robots.machines import SCARA, SCARA_SDF
 
 runner = CliRunner()
@@ -24,6 +26,10 @@ def test_a_robot_is_checked_and_runs(
     assert "leave 4 free motions" in found.output and f"{name}: ok" in found.output
     found = runner.invoke(app, ["run", name, "--t-end", "0.01", "-q"])
     assert found.exit_code == 0 and Path("a.h5").is_file(), found.output
+    found = runner.invoke(app, ["export", name, "-o", "a.c"])
+    assert found.exit_code == 0 and Path("a.h").is_file(), found.output
+    scene = make_scene(read(Path(name)).mechanism)
+    assert len(scene.bodies) > 3
 
 
 def test_all_that_is_wrong_is_said_at_once(tmp_path: Path) -> None:

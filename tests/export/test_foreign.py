@@ -438,6 +438,8 @@ def test_a_hostile_or_foreign_archive_is_refused(tmp_path: Path, oil: Path) -> N
     bad = pack(tmp_path, "bad", **{"../../evil.txt": b"boom"})
     with pytest.raises(jo.InputError, match="would be written outside of its folder"):
         jo.Fmu(bad)
+    with pytest.raises(jo.InputError, match=r"no such file '.*baad\.fmu'; did you mean 'bad\.fmu'"):
+        jo.Fmu(tmp_path / "baad.fmu")
     (tmp_path / "no.fmu").write_bytes(b"no zip")
     with pytest.raises(jo.InputError, match="is no archive of a functional mock-up unit"):
         jo.Fmu(tmp_path / "no.fmu")

@@ -160,6 +160,8 @@ def test_what_is_odd_is_told(write: Write, tmp_path: Path) -> None:
     <link name="b">{heavy}</link><link name="c.d">{thin}</link>
     <joint name="h" type="revolute"><parent link="a"/><child link="b"/></joint>
     <joint name="i" type="continuous"><parent link="b"/><child link="c.d"/><origin xyz="1 0 0"/></joint>
+    <link name="e">{BALL}</link>
+    <joint name="k" type="revolute"><parent link="b"/><child link="e"/><limit lower="-114" upper="90"/></joint>
     <spaceship/><transmission/>"""
     with pytest.warns(jo.JoustoWarning) as found:
         robot = read_urdf(write(text))
@@ -171,6 +173,7 @@ def test_what_is_odd_is_told(write: Write, tmp_path: Path) -> None:
         "link 'b': mass is 2e+06 kg; was it given in g?",
         "its radius of gyration is 122 m, the robot itself 1 m long",
         "'c.d' is called 'c_d' here",
+        "limits are -114 and 90 rad, 18 turns; were they given in degrees?",
         "a revolute joint has no <limit>; it moves without end",
         "<spaceship> is not read, left out",
     ):

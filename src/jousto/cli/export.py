@@ -15,7 +15,6 @@ from jousto.cli.terminal import say
 if TYPE_CHECKING:
     from jousto.model.model import Model as CompiledModel
 
-MODELS = (".yaml", ".yml", ".json")
 PROGRAMS = (".c", ".zip", ".fmu", ".html")
 KNOWN = {"reduced part": (".vtu", ".fem", ".sid"), "results": (".csv",), "model": PROGRAMS}
 
@@ -76,8 +75,10 @@ def export(
         raise MissingFileError(Problem(str(file), "no such file"))
     kind = hdf5_format(file)
     what = {REDUCED_PART: "reduced part", RESULTS: "results"}.get(kind, "")
-    if not what and file.suffix.lower() in MODELS:
-        what = "model"
+    if not what:
+        from jousto.schema.read import MODELS
+
+        what = "model" if file.suffix.lower() in MODELS else ""
     if not what:
         raise InputError(
             Problem(str(file), "is neither a reduced part, results of jousto nor a model file")

@@ -261,12 +261,13 @@ def check_fields(run: Solution, sn: str | None, residue: str | None) -> list[Dam
 def named_curve(name: str, known: Fatigue | None) -> SN:
     """Return the curve of an option: of the model, a file or the library."""
     from jousto.materials.strength.sn_library import sn_curve
+    from jousto.schema.file.document import DOCUMENTS
     from jousto.schema.make.blocks.fatigue import read_curve
 
     curves = {} if known is None else known.curves
     if name in curves:
         return curves[name]
-    if name.lower().endswith((".yaml", ".yml", ".json")):
+    if name.lower().endswith(DOCUMENTS):
         return read_curve(name)
     try:
         return sn_curve(name)

@@ -49,7 +49,7 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
     refuse(model)
     here, kept = constants(model, Engine(model)), dict[Any, Any]()
     found = []
-    made_of = in_parts(file.variants.document.data)
+    made_of = in_parts(file.variants.document.data) if file.parameters else set()
     for parameter in file.parameters:
         if parameter.name in made_of:
             continue

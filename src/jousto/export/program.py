@@ -85,7 +85,7 @@ class Program:
         ]
         if links:
             body = ",\n".join(links)
-            pieces.append(f"static const jo_link links[{len(links)}] = {{\n{body}\n}};\n")
+            pieces.append(f"static const jo_named_link links[{len(links)}] = {{\n{body}\n}};\n")
         pieces.append(
             f"const jo_plant {self.name}_plant = {{\n"
             f"    .name = {text(m.name)},\n"

@@ -17,6 +17,7 @@ from jousto.robots.markup import Adder
 ODD_RADIUS = 20.0
 HEAVY = 1e5  # kg
 LONG = 1e3  # m
+TURNS, DEGREES = 8.0 * math.pi, 720.0  # rad: limits between them were likely meant as degrees
 THIN = 1e-3  # of the size of the robot: the least radius of gyration that a repair leaves
 
 
@@ -131,7 +132,7 @@ def nearest(link: Link, size: float) -> Array:
 
 
 def note_sizes(add: Adder, made: Robot) -> None:
-    """Note masses and lengths that were likely given in other units."""
+    """Note masses, lengths and angles that were likely given in other units."""
     size = extent(made)
     for link in made.links:
         if link.mass > HEAVY:
@@ -144,6 +145,11 @@ def note_sizes(add: Adder, made: Robot) -> None:
                     f"its radius of gyration is {radius:.3g} m, the robot itself {size:.3g} m "
                     "long; are mass and inertia in kg and kg m2?",
                 )
+    for joint in made.joints:
+        wide = max(abs(joint.lower), abs(joint.upper)) if joint.kind == "revolute" else 0.0
+        if TURNS < wide <= DEGREES:
+            both = f"limits are {joint.lower:g} and {joint.upper:g} rad"
+            add.note(joint, f"{both}, {wide / math.tau:.0f} turns; were they given in degrees?")
     if size > LONG:
         add.note(None, f"the robot is {size:.3g} m long; were lengths given in mm?")
 

@@ -20,7 +20,13 @@ from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.model import ModelEntry
 from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.entries.solids import PartEntry
-from jousto.schema.file.document import Document, Loc, parse_document, read_document
+from jousto.schema.file.document import (
+    DOCUMENTS,
+    Document,
+    Loc,
+    parse_document,
+    read_document,
+)
 from jousto.schema.file.explain import explain, finish
 from jousto.schema.file.parameters import SECTION, expand
 from jousto.schema.make.blocks.fatigue import Fatigue, build_fatigue, flexible_bodies
@@ -41,6 +47,7 @@ from jousto.schema.variants import Variants
 if TYPE_CHECKING:
     from jousto.design.studies.outcomes.requirement import Requirement
 
+MODELS = (*DOCUMENTS, *SUFFIXES)  # endings of what `read_model` reads
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
 
 

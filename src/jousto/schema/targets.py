@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file
-from jousto.schema.file.document import is_hdf5
+from jousto.schema.file.document import DOCUMENTS, is_hdf5
 
 RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
 MONITOR = "jousto monitor"
@@ -19,7 +19,7 @@ WORDS = {
 }
 
 # what may be in the way of a picture and is not to be lost
-DATA = (".yaml", ".yml", ".json", ".h5", ".hdf5")
+DATA = (*DOCUMENTS, ".h5", ".hdf5")
 
 
 def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") -> Path:

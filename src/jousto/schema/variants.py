@@ -13,7 +13,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
-from jousto.schema.file.document import Document, read_document
+from jousto.schema.file.document import DOCUMENTS, Document, read_document
 from jousto.schema.file.parameters import expand
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
             found[name] = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:  # too long for a name, or nothing that can be read
         return found
-    if path.suffix.lower() in (".yaml", ".yml", ".json"):
+    if path.suffix.lower() in DOCUMENTS:
         with suppress(InputError):  # whoever reads it says what is wrong
             contents(read_document(path).data, path.parent, found)
     return found

@@ -10,7 +10,7 @@ from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.fatigue.miner.damage_field import DamageField
 from jousto.reduction.reduced import SID, ReducedPart
 from jousto.schema.file.document import is_hdf5
-from jousto.schema.read import ModelFile
+from jousto.schema.read import MODELS, ModelFile, read_model
 from jousto.schema.targets import DAMAGED, REDUCED_PART, RESULTS, hdf5_format
 from jousto.simulation.results.solution import load
 from jousto.viewer.watched import alike
@@ -18,7 +18,6 @@ from jousto.viewer.watched import alike
 if TYPE_CHECKING:
     from jousto.scene.scene import Scene
 
-MODELS = (".yaml", ".yml", ".json")
 HDF5 = (".h5", ".hdf5")
 CAD = (".step", ".stp", ".brep", ".iges", ".igs")
 SHOWN = (*HDF5, *MODELS)
@@ -96,8 +95,6 @@ def read(path: Path, *, trust: bool = False) -> Any:
         message = "shows nothing: it contains neither results nor a reduced part"
         raise InputError(Problem(str(path), message))
     if suffix in MODELS:
-        from jousto.schema.read import read_model
-
         return read_model(path, trust=trust)
     from jousto.mesh.readers.files import read_mesh
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import check_file
 from jousto.base.names import harmless
 from jousto.base.units import KINDS, UnitError, converted, parse_unit
@@ -140,6 +140,9 @@ def _names(path: Path, where: str) -> list[str]:
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
+    except FileNotFoundError:
+        near = suggest(path.name, [file.name for file in path.parent.glob("*.fmu")])
+        raise InputError(Problem(where, f"no such file '{path}'{near}")) from None
     except (zipfile.BadZipFile, OSError, ValueError) as error:
         message = f"is no archive of a functional mock-up unit: {error}"
         raise InputError(Problem(where, message)) from None

@@ -13,6 +13,8 @@ from jousto.base.errors import InputError, MissingFileError, Problem, Problems
 from jousto.base.files import check_file
 from jousto.schema.file.composer import compose
 
+DOCUMENTS = (".yaml", ".yml", ".json")  # endings of files that people write
+
 Loc: TypeAlias = tuple[int | str, ...]
 
 # entries of a file with its aliases written out
