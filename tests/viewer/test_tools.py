@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -305,15 +306,17 @@ def test_zero_has_no_sign(shown: Any) -> None:
 
 
 @pytest.mark.slow
-def test_three_minutes_of_playing_need_no_more_memory(shown: Any) -> None:
+def test_playing_needs_no_more_memory(shown: Any) -> None:
+    """For a minute, or as many seconds as the variable JOUSTO_PLAY says."""
+    share = 1000.0 * float(os.environ.get("JOUSTO_PLAY", "60")) / 6
     shown.evaluate(STORE, {"loop": True, "speed": 0.2})
     client = shown.context.new_cdp_session(shown)
     shown.evaluate("() => window.jousto.app.player.play()")
     heap = []
-    for _ in range(7):
-        shown.wait_for_timeout(30_000)
+    for _ in range(6):
+        shown.wait_for_timeout(share)
         client.send("HeapProfiler.collectGarbage")
         heap.append(shown.evaluate("() => performance.memory.usedJSHeapSize"))
     shown.evaluate("() => window.jousto.app.player.pause()")
-    # after the first half minute; a leak of a row a picture would be more
+    # after the first sixth; a leak of a row a picture would be more
     assert heap[-1] < 1.02 * heap[0] + 5e5, heap
