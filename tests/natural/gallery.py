@@ -176,6 +176,7 @@ MACHINES: dict[str, Shown] = {
         1e-2,
         jo.simulation.settled,
     ),
+    "crane_drive": Shown(returned("crane_drive", lambda m: m.as_one()), 0.5, 4e-3),
     "crane_life": Shown(
         returned("crane_life", lambda m: m.boom(6e-3, 5e3)), 1.0, 1e-2, jo.simulation.settled
     ),
