@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,11 @@ from robots.damage import damaged, watched
 from robots.machines import ARM, CREATURE, GRIPPER, SCARA, SCARA_SDF
 
 FILES = (ARM, SCARA, GRIPPER, CREATURE, SCARA_SDF)
+MANY = int(os.environ.get("JOUSTO_DAMAGED", "2000"))  # 10,000 take minutes
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("count", [250, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [250, pytest.param(MANY, marks=pytest.mark.slow)])
 def test_damaged_files_are_told_in_sentences(count: int, tmp_path: Path) -> None:
     """Files with lost and doubled letters, foreign numbers and elements."""
     path = tmp_path / "robot.xml"
