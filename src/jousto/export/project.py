@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from jousto.base.files import written
@@ -192,17 +192,48 @@ def write_program(
     """
     out = Path(path)
     made = program(model, solver, state=state, name=name or out.stem, named=named)
+    write_files(
+        out,
+        made.name,
+        project=lambda: project(made),
+        header=lambda: public_header(made),
+        source=lambda: one_file(made, "main.c"),
+    )
+    return out
+
+
+def write_files(
+    out: Path,
+    name: str,
+    *,
+    project: Callable[[], dict[str, str]],
+    header: Callable[[], str],
+    source: Callable[[], str],
+) -> None:
+    """Write a project as an archive if the path ends with ``.zip``, else one file and its header.
+
+    Parameters
+    ----------
+    out : Path
+    name : str
+        Folder in the archive.
+    project : function
+        Returns the files of the project by their names.
+    header, source : function
+        Return the texts of the two files.
+
+    Raises
+    ------
+    InputError
+        If a path cannot be written.
+    """
     if out.suffix.lower() == ".zip":
         with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as file:
-            for key, text in sorted(project(made).items()):
-                entry = zipfile.ZipInfo(f"{made.name}/{key}")  # the same bytes each time
+            for key, text in sorted(project().items()):
+                entry = zipfile.ZipInfo(f"{name}/{key}")  # the same bytes each time
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 file.writestr(entry, text)
-        return out
-    for place, text in (
-        (out.with_suffix(".h"), public_header(made)),
-        (out, one_file(made, "main.c")),
-    ):
+        return
+    for place, text in ((out.with_suffix(".h"), header()), (out, source())):
         with written(place) as beside:
             beside.write_text(text, encoding="utf-8")
-    return out

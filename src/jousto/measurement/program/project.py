@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
-from jousto.base.files import written
 from jousto.base.version import __version__
 from jousto.export import sources
 from jousto.export.ports import identifier
 from jousto.export.program import KEYWORDS
-from jousto.export.project import CMAKE
+from jousto.export.project import CMAKE, write_files
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.program.plan import Plan, plan_of
 
@@ -142,14 +140,11 @@ def write_twin(monitor: Monitor, path: str | Path, *, name: str = "") -> Path:
     """
     out = Path(path)
     made = plan_of(monitor, own_name(name or out.stem))
-    if out.suffix.lower() == ".zip":
-        with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as file:
-            for key, text in sorted(project(made).items()):
-                entry = zipfile.ZipInfo(f"{made.name}/{key}")  # the same bytes each time
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                file.writestr(entry, text)
-        return out
-    for place, text in ((out.with_suffix(".h"), public_header(made)), (out, one_file(made))):
-        with written(place) as beside:
-            beside.write_text(text, encoding="utf-8")
+    write_files(
+        out,
+        made.name,
+        project=lambda: project(made),
+        header=lambda: public_header(made),
+        source=lambda: one_file(made),
+    )
     return out
