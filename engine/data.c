@@ -165,10 +165,11 @@ static void lay_friction(const jo_model *m, arena *a, jo_data *d)
 static void lay_tree(const jo_model *m, arena *a, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    jo_real **along[3] = {&t->tau, &t->stiffness, &t->damping};
-    for (int i = 0; i < 3; i++) *along[i] = reals(a, m->nu);
+    jo_real **along[4] = {&t->tau, &t->stiffness, &t->damping, &t->push};
+    for (int i = 0; i < 4; i++) *along[i] = reals(a, m->nu);
     t->pull = reals(a, m->nlink);
     t->link = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_bytes() : 0);
+    t->change = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_change_bytes() : 0);
     t->constants = take(a, (size_t)m->nlink * jo_link_constant_bytes());
     t->marker = take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
     t->coordinate = take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);

@@ -196,6 +196,7 @@ typedef struct {
  * needs them. */
 typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
+typedef struct jo_link_change jo_link_change;
 typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_STATE = 1, JO_MIRROR_ALL = 2 } jo_mirrored;
 typedef struct {
     int on;
@@ -207,6 +208,8 @@ typedef struct {
     jo_real *pull;          /* (nlink) force of each drive */
     jo_link_work *link;     /* (nlink + 1), the ground first */
     jo_link_constants *constants;   /* (nlink) */
+    jo_link_change *change; /* (nlink + 1) by further forces */
+    jo_real *push;          /* (nu) further forces along the coordinates */
     int *marker, *coordinate, *body;   /* that forces need at every evaluation */
     int nmarker, ncoordinate, nbody;
     int direct;             /* all counted angles are joint coordinates */
@@ -506,8 +509,14 @@ int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 /* tree.c */
 size_t jo_link_bytes(void);
 size_t jo_link_constant_bytes(void);
+size_t jo_link_change_bytes(void);
 void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* tree_respond.c */
+void jo_tree_respond_clear(const jo_model *m, jo_data *d);
+void jo_tree_respond_push(jo_data *d, int link, const jo_real *arm, const jo_real *F, const jo_real *T);
+void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate);   /* (nu) changes of the joints' accelerations */
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);

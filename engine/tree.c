@@ -11,6 +11,7 @@
 
 size_t jo_link_bytes(void) { return sizeof(jo_link_work); }
 size_t jo_link_constant_bytes(void) { return sizeof(jo_link_constants); }
+size_t jo_link_change_bytes(void) { return sizeof(jo_link_change); }
 
 /* ---- outward: motion and bias ------------------------------------------------------------------ */
 
@@ -195,23 +196,12 @@ static inline void pass_one(const jo_link_work *w, jo_link_work *p)
     add_force(p, jo_vec_with(w->f, share, w->Uf), jo_vec_with(t, share, Us));
 }
 
-/* inverse of a symmetric matrix by its adjoint; its determinant */
-static inline jo_real invert(jo_vec *y, const jo_vec *a)
-{
-    const jo_vec c0 = jo_vec_cross(a[1], a[2]), c1 = jo_vec_cross(a[2], a[0]), c2 = jo_vec_cross(a[0], a[1]);
-    const jo_real det = jo_vec_dot(a[0], c0), r = 1.0 / det;
-    y[0] = jo_vec_scale(r, c0);
-    y[1] = jo_vec_scale(r, c1);
-    y[2] = jo_vec_scale(r, c2);
-    return det;
-}
-
 /* a ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left */
 static inline int free_turns(jo_link_work *w)
 {
     jo_vec T[3];
     const double scale = JO_RE(jo_vec_at(w->J[0], 0)) + JO_RE(jo_vec_at(w->J[1], 1)) + JO_RE(jo_vec_at(w->J[2], 2));
-    if (!(JO_RE(invert(w->inverse, w->J)) > JO_LEAST * scale * scale * scale)) return 0;
+    if (!(JO_RE(jo_vec_invert(w->inverse, w->J)) > JO_LEAST * scale * scale * scale)) return 0;
     for (int i = 0; i < 3; i++) w->X[i] = jo_vec_times(w->H, w->inverse[i]);
     jo_vec_transpose(T, w->H);
     for (int i = 0; i < 3; i++) w->M[i] = jo_vec_less(w->M[i], jo_vec_times(w->X, T[i]));
@@ -289,7 +279,7 @@ static void accelerate(const jo_model *m, jo_data *d)
         }
         if (k->type == JO_LINK_FREE) {
             jo_vec inverse[3];
-            invert(inverse, w->M);
+            jo_vec_invert(inverse, w->M);
             w->av = jo_vec_scale(-1.0, jo_vec_times(inverse, w->f));
             jo_vec_store(ud, w->av);
             ud += 3;

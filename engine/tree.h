@@ -87,6 +87,17 @@ static inline jo_vec jo_vec_mix(const jo_vec *M, const jo_real *x)
     return jo_vec_with(jo_vec_with(jo_vec_scale(x[0], M[0]), x[1], M[1]), x[2], M[2]);
 }
 
+/* inverse of a symmetric matrix by its adjoint; its determinant */
+static inline jo_real jo_vec_invert(jo_vec *y, const jo_vec *a)
+{
+    const jo_vec c0 = jo_vec_cross(a[1], a[2]), c1 = jo_vec_cross(a[2], a[0]), c2 = jo_vec_cross(a[0], a[1]);
+    const jo_real det = jo_vec_dot(a[0], c0), r = 1.0 / det;
+    y[0] = jo_vec_scale(r, c0);
+    y[1] = jo_vec_scale(r, c1);
+    y[2] = jo_vec_scale(r, c2);
+    return det;
+}
+
 /* What of a link never changes, in its own frame but for the first two, which are in that of its parent. */
 struct jo_link_constants {
     jo_real K[9];           /* orientation at zero, by columns */
@@ -110,6 +121,19 @@ struct jo_link_work {
     jo_vec X[3], inverse[3];   /* ball, free: H J^-1 and J^-1 */
     jo_real rest, D;        /* force along the joint less that of the bias; inertia along it */
 };
+
+/* What further forces at the origin of a link change, see tree_respond.c. */
+struct jo_link_change {
+    jo_vec f, t;            /* of the link and of all that it bears */
+    jo_vec aw, av;          /* accelerations */
+    jo_real rest;           /* force along the joint */
+};
+
+/* whether the joint of a link moves along one coordinate by its forces */
+static inline int jo_link_gives(const jo_link *k)
+{
+    return k->driven < 0 && (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE);
+}
 
 /* joint coordinate times this is the coordinate of the joint */
 static inline double jo_link_sign(const jo_link *k) { return k->reversed ? -1.0 : 1.0; }
