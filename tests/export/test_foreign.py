@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from cli.test_meshes import call as command
 from exported import CC
 from jousto.export.fmu import write_fmu
 
@@ -356,6 +357,16 @@ def test_a_model_file_says_the_same_as_python(oil: Path) -> None:
     wanted = jo.simulate(jo.compile(same), 0.05, solver=jo.RK4(step=2.5e-4))
     assert np.array_equal(found["place"], wanted["place"])
     assert np.array_equal(found["oil.pressure"], wanted["oil.pressure"])
+
+
+def test_check_lists_a_unit_and_compares_its_step(oil: Path) -> None:
+    for step, code, said in (("1 ms", 0, "fmu oil"), ("1.5 ms", 2, "multiple of the step of the")):
+        run = f"simulation: {{t_end: 0.03, solver: {{type: RK4, step: 1 ms}}}}\n{FILE}"
+        (oil.parent / "cart.yaml").write_text(
+            run.replace("step: 1 ms\n    b", f"step: {step}\n    b")
+        )
+        found, text = command("check", oil.parent / "cart.yaml")
+        assert found == code and said in text, text
 
 
 @pytest.mark.parametrize("speed,component", [("motion.x", 0), ("motion.0", 0), ("motion.z", 2)])

@@ -81,11 +81,11 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
     try:
         file = opened(path)
     except DAMAGE as error:
-        raise InputError(
-            Problem(
-                str(path), f"not readable as HDF5, damaged or another kind of file ({said(error)})"
-            )
-        ) from error
+        if path.is_file() and not h5py.is_hdf5(path):
+            told = f"not {what}: it is damaged or another kind of file, for it is not HDF5"
+        else:
+            told = f"not readable as HDF5, damaged ({said(error)})"
+        raise InputError(Problem(str(path), told)) from error
     with file, damage(path, remedy):
         found = file.attrs.get("format", "")
         if not isinstance(found, str) or found != mark:

@@ -250,6 +250,10 @@ def check(model: Model, trust: Trust = False) -> None:
             solver, reason = choose(compiled, settings.t_end, settings.output_step)
             facts([("solver", f"{solver}, since {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
+        if compiled.fmus:
+            from jousto.simulation.foreign.coupling import check_coupling
+
+            check_coupling(compiled, solver, steps, None, None)
         sentence = stability_warning(compiled, solver, steps.step)
         if sentence:
             warnings.warn(JoustoWarning(f"{model.name}: simulation: {sentence}"), stacklevel=1)

@@ -10,7 +10,7 @@ import typer
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.cli.group import command
 from jousto.cli.options import Trust, amount, compile_model
-from jousto.cli.terminal import say
+from jousto.cli.terminal import progress_bar, say
 
 if TYPE_CHECKING:
     from jousto.model.model import Model as CompiledModel
@@ -102,13 +102,15 @@ def export(
 
         write(load(file), output, *(names or ()))
     elif twin:
-        _twin(file, output, what, trust)
+        with progress_bar("writing the twin"):
+            _twin(file, output, what, trust)
     elif what == "model":
         length = amount(step, "s", "--step")
-        if suffix == ".html":
-            _page(file, output, length, inputs or [], trust)
-        else:
-            _machine(file, output, length, fmi, on, derivatives, trust)
+        with progress_bar("writing and compiling"):
+            if suffix == ".html":
+                _page(file, output, length, inputs or [], trust)
+            else:
+                _machine(file, output, length, fmi, on, derivatives, trust)
     else:
         from jousto.reduction.reduced import ReducedPart
 

@@ -8,7 +8,7 @@ import typer
 
 from jousto.cli.group import command
 from jousto.cli.options import Model, Trust, amount
-from jousto.cli.terminal import say
+from jousto.cli.terminal import progress_bar, say
 
 
 @command()
@@ -38,6 +38,7 @@ def realtime(
     from jousto.export.realtime import realtime as measure
 
     compiled, solver, state = machine_of(model, amount(step, "s", "--step"), trust)[:3]
-    found = measure(compiled, solver, state=state, steps=steps, urgent=urgent)
+    with progress_bar("compiling and timing"):
+        found = measure(compiled, solver, state=state, steps=steps, urgent=urgent)
     say(str(found))
     say(f"with a margin of {margin:g}: {found.rate(margin):.0f} steps a second")

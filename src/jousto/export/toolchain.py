@@ -85,9 +85,8 @@ def platforms(names: Iterable[str]) -> tuple[Platform, ...]:
         if asked in PLATFORMS:
             found.append(PLATFORMS[asked])
         else:
-            hint = suggest(asked, PLATFORMS)
-            known = ", ".join(PLATFORMS)
-            problems.append(Problem("platform", f"no {asked!r}{hint}; known: here, {known}"))
+            hint = suggest(name, ("here", *PLATFORMS))
+            problems.append(Problem("platform", f"no {name!r}{hint}"))
     if problems:
         raise InputError(problems)
     return tuple(dict.fromkeys(found))

@@ -73,6 +73,10 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
     rows += [(f"sensor {s.name}", f"{s.description}, {s.unit}") for s in mechanism.sensors]
+    for fmu in mechanism.fmus:
+        inputs, outputs = (", ".join(names) or "none" for names in (fmu.inputs, fmu.outputs))
+        text = f"{fmu.file.name}, step {fmu.step:g} s, inputs {inputs}, outputs {outputs}"
+        rows.append((f"fmu {fmu.name}", text))
     for event in mechanism.events:
         mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}
         text = f"{event.watch.name} {mark[event.direction]} {event.threshold:g}"
