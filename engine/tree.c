@@ -30,9 +30,8 @@ void jo_tree_drives(const jo_model *m, jo_data *d)
 }
 
 /* orientation at zero of the link, then turned about z */
-static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real angle)
+static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real c, jo_real s)
 {
-    const jo_real c = jo_cos(angle), s = jo_sin(angle);
     const jo_vec x = jo_vec_mix(p->A, K), y = jo_vec_mix(p->A, K + 3);
     w->A[0] = jo_vec_with(jo_vec_scale(c, x), s, y);
     w->A[1] = jo_vec_less(jo_vec_scale(c, y), jo_vec_scale(s, x));
@@ -52,35 +51,12 @@ static void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_real *K
     }
 }
 
-/* what body and velocities need: inertia of the body and the force for the accelerations w0, v0 */
-static inline void bias(const jo_link_constants *c, jo_link_work *w)
-{
-    jo_vec T[3], rows[3];
-    const jo_vec S = jo_vec_mix(w->A, c->S);
-    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->J + 3 * i);
-    jo_vec_transpose(rows, w->A);
-    for (int i = 0; i < 3; i++) w->J[i] = w->own_J[i] = jo_vec_times(T, rows[i]);
-    w->S = S;
-    const jo_real x = jo_vec_at(S, 0), y = jo_vec_at(S, 1), z = jo_vec_at(S, 2), m = c->mass;
-    w->M[0] = jo_vec_of(m, 0.0, 0.0);
-    w->M[1] = jo_vec_of(0.0, m, 0.0);
-    w->M[2] = jo_vec_of(0.0, 0.0, m);
-    w->H[0] = jo_vec_of(0.0, -z, y);   /* -S~ */
-    w->H[1] = jo_vec_of(z, 0.0, -x);
-    w->H[2] = jo_vec_of(-y, x, 0.0);
-    const jo_vec wS = jo_vec_cross(w->w, S), Jw = jo_vec_times(w->own_J, w->w);
-    jo_vec f = jo_vec_with(jo_vec_cross(w->w0, S), m, w->v0);
-    f = jo_vec_add(f, jo_vec_cross(w->w, wS));
-    jo_vec t = jo_vec_add(jo_vec_times(w->own_J, w->w0), jo_vec_cross(w->w, Jw));
-    w->f = w->own_f = f;
-    w->t = w->own_t = jo_vec_add(t, jo_vec_cross(S, w->v0));
-}
-
-static void no_inertia(jo_link_work *w)
+/* nothing beyond it, and no forces */
+static inline void unload(jo_link_work *w)
 {
     const jo_vec zero = jo_vec_zero();
-    for (int i = 0; i < 3; i++) w->M[i] = w->H[i] = w->J[i] = w->own_J[i] = zero;
-    w->S = w->f = w->t = w->own_f = w->own_t = zero;
+    for (int i = 0; i < 3; i++) w->M[i] = w->H[i] = w->J[i] = zero;
+    w->f = w->t = w->own_f = w->own_t = zero;
 }
 
 /* motion of a link from that of its parent */
@@ -98,7 +74,7 @@ static inline void move(const jo_model *m, jo_data *d, int i)
     jo_vec extra = jo_vec_zero();
     switch (k->type) {
     case JO_LINK_HINGE: {
-        turn(w, p, c->K, x[0]);
+        turn(w, p, c->K, w->cosine, w->sine);
         const jo_vec rate = jo_vec_scale(u[0], w->A[2]);
         w->w = jo_vec_add(p->w, rate);
         w->w0 = jo_vec_add(p->w0, jo_vec_cross(p->w, rate));
@@ -128,30 +104,59 @@ static inline void move(const jo_model *m, jo_data *d, int i)
     }
     w->v0 = p->v0;
     if (k->type == JO_LINK_FREE) return;
-    w->v0 = jo_vec_add(jo_vec_add(w->v0, extra), jo_vec_cross(p->w0, w->l));
-    w->v0 = jo_vec_add(w->v0, jo_vec_cross(p->w, jo_vec_cross(p->w, w->l)));
+    const jo_vec carried = jo_vec_add(jo_vec_wedge(p->w0, w->l), jo_vec_wedge(p->w, jo_vec_cross(p->w, w->l)));
+    w->v0 = jo_vec_add(jo_vec_add(p->v0, extra), jo_vec_turn(carried));
 }
 
 static void outward(const jo_model *m, jo_data *d)
 {
+    jo_tree_sines(m, d);
     for (int i = 0; i < m->nlink; i++) {
         move(m, d, i);
-        if (m->link[i].body < 0) no_inertia(&d->tree.link[i + 1]);
-        else bias(&d->tree.constants[i], &d->tree.link[i + 1]);
+        unload(&d->tree.link[i + 1]);
     }
 }
 
 /* ---- inward: articulated inertias ------------------------------------------------------------- */
 
+/* the body of a link joins what follows: its inertia, and the force for the accelerations w0, v0. Here and not on the way outward:
+ * beside the inward recursion, each step of which waits for that before, it costs next to nothing. */
+static inline void join(const jo_link_constants *c, jo_link_work *w)
+{
+    static const jo_real unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    jo_vec T[3];
+    const jo_vec S = jo_vec_mix(w->A, c->S);
+    w->S = S;
+    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->J + 3 * i);
+    for (int i = 0; i < 3; i++) w->own_J[i] = jo_vec_on_row(T, w->A, i);
+    const jo_vec Jw = jo_vec_on(w->own_J, &w->w);
+    const jo_vec f = jo_vec_add(jo_vec_wedge(w->w0, S), jo_vec_wedge(w->w, jo_vec_cross(w->w, S)));
+    const jo_vec t = jo_vec_add(jo_vec_wedge(w->w, Jw), jo_vec_wedge(S, w->v0));
+    w->own_f = jo_vec_add(w->own_f, jo_vec_with(jo_vec_turn(f), c->mass, w->v0));
+    w->own_t = jo_vec_add(w->own_t, jo_vec_add(jo_vec_turn(t), jo_vec_on(w->own_J, &w->w0)));
+    w->f = jo_vec_add(w->f, w->own_f);
+    w->t = jo_vec_add(w->t, w->own_t);
+    for (int i = 0; i < 3; i++) {
+        w->M[i] = jo_vec_with(w->M[i], c->mass, jo_vec_load(unit[i]));
+        w->J[i] = jo_vec_add(w->J[i], w->own_J[i]);
+    }
+    jo_vec_less_skew(w->H, S);
+}
+
+/* M l~ */
+static inline void on_lever(jo_vec *N, const jo_link_work *w)
+{
+    const jo_real x = jo_vec_parts(&w->l)[0], y = jo_vec_parts(&w->l)[1], z = jo_vec_parts(&w->l)[2];
+    N[0] = jo_vec_less(jo_vec_scale(z, w->M[1]), jo_vec_scale(y, w->M[2]));
+    N[1] = jo_vec_less(jo_vec_scale(x, w->M[2]), jo_vec_scale(z, w->M[0]));
+    N[2] = jo_vec_less(jo_vec_scale(y, w->M[0]), jo_vec_scale(x, w->M[1]));
+}
+
 /* the inertia of a link, as seen from the origin of its parent */
 static inline void shift(const jo_link_work *w, jo_vec *H, jo_vec *J)
 {
-    const jo_real x = jo_vec_at(w->l, 0), y = jo_vec_at(w->l, 1), z = jo_vec_at(w->l, 2);
-    const jo_vec N[3] = {   /* M l~ */
-        jo_vec_less(jo_vec_scale(z, w->M[1]), jo_vec_scale(y, w->M[2])),
-        jo_vec_less(jo_vec_scale(x, w->M[2]), jo_vec_scale(z, w->M[0])),
-        jo_vec_less(jo_vec_scale(y, w->M[0]), jo_vec_scale(x, w->M[1]))};
-    jo_vec P[3], Q[3];
+    jo_vec N[3], P[3], Q[3];
+    on_lever(N, w);
     for (int i = 0; i < 3; i++) {
         H[i] = jo_vec_less(w->H[i], N[i]);
         P[i] = jo_vec_cross(w->l, jo_vec_with(w->H[i], -0.5, N[i]));
@@ -178,61 +183,71 @@ static inline void pass_all(const jo_link_work *w, jo_link_work *p)
     add_force(p, w->f, jo_vec_add(w->t, jo_vec_cross(w->l, w->f)));
 }
 
-/* what is left of it by a hinge or a slide, whose Uf, Ut, D and rest are known */
+/* what is left of it by a hinge or a slide, whose Uf, Ut, r and rest are known; the division comes in last */
 static inline void pass_one(const jo_link_work *w, jo_link_work *p)
 {
     jo_vec H[3], J[3];
-    const jo_real r = 1.0 / w->D, share = w->rest * r;
+    const jo_real r = w->r, share = w->rest * r;
     shift(w, H, J);
-    const jo_vec Us = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
-    const jo_vec Rf = jo_vec_scale(-r, w->Uf), Rs = jo_vec_scale(-r, Us);
+    const jo_vec Uf = w->Uf, Us = w->Us, t = jo_vec_add(w->t, jo_vec_cross(w->l, w->f));
     for (int i = 0; i < 3; i++) {
-        const jo_real s = jo_vec_at(Us, i);
-        p->M[i] = jo_vec_add(p->M[i], jo_vec_with(w->M[i], jo_vec_at(w->Uf, i), Rf));
-        p->H[i] = jo_vec_add(p->H[i], jo_vec_with(H[i], s, Rf));
-        p->J[i] = jo_vec_add(p->J[i], jo_vec_with(J[i], s, Rs));
+        const jo_real f = jo_vec_at(Uf, i), s = jo_vec_at(Us, i);
+        p->M[i] = jo_vec_with(jo_vec_add(p->M[i], w->M[i]), -r, jo_vec_scale(f, Uf));
+        p->H[i] = jo_vec_with(jo_vec_add(p->H[i], H[i]), -r, jo_vec_scale(s, Uf));
+        p->J[i] = jo_vec_with(jo_vec_add(p->J[i], J[i]), -r, jo_vec_scale(s, Us));
     }
-    const jo_vec t = jo_vec_add(w->t, jo_vec_cross(w->l, w->f));
-    add_force(p, jo_vec_with(w->f, share, w->Uf), jo_vec_with(t, share, Us));
+    p->f = jo_vec_with(jo_vec_add(p->f, w->f), share, Uf);
+    p->t = jo_vec_with(jo_vec_add(p->t, t), share, Us);
 }
 
-/* a ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left */
+/* A ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left. The division comes in last. */
 static inline int free_turns(jo_link_work *w)
 {
-    jo_vec T[3];
+    jo_vec adjoint[3], Y[3];
     const double scale = JO_RE(jo_vec_at(w->J[0], 0)) + JO_RE(jo_vec_at(w->J[1], 1)) + JO_RE(jo_vec_at(w->J[2], 2));
-    if (!(JO_RE(jo_vec_invert(w->inverse, w->J)) > JO_LEAST * scale * scale * scale)) return 0;
-    for (int i = 0; i < 3; i++) w->X[i] = jo_vec_times(w->H, w->inverse[i]);
-    jo_vec_transpose(T, w->H);
-    for (int i = 0; i < 3; i++) w->M[i] = jo_vec_less(w->M[i], jo_vec_times(w->X, T[i]));
-    w->f = jo_vec_less(w->f, jo_vec_times(w->X, w->t));
-    return 1;
+    w->D = jo_vec_adjoint(adjoint, w->J);
+    const jo_real r = 1.0 / w->D;
+    for (int i = 0; i < 3; i++) Y[i] = jo_vec_times(w->H, adjoint[i]);
+    for (int i = 0; i < 3; i++) {
+        w->M[i] = jo_vec_with(w->M[i], -r, jo_vec_on_row(Y, w->H, i));
+        w->X[i] = jo_vec_scale(r, Y[i]);
+        w->inverse[i] = jo_vec_scale(r, adjoint[i]);
+    }
+    w->f = jo_vec_with(w->f, -r, jo_vec_on(Y, &w->t));
+    return JO_RE(w->D) > JO_LEAST * scale * scale * scale;
 }
 
+/* M and f alone */
 static inline void pass_force(const jo_link_work *w, jo_link_work *p)
 {
-    const jo_vec zero = jo_vec_zero();
-    jo_link_work rest;
+    jo_vec N[3];
+    on_lever(N, w);
     for (int i = 0; i < 3; i++) {
-        rest.M[i] = w->M[i];
-        rest.H[i] = rest.J[i] = zero;
+        p->M[i] = jo_vec_add(p->M[i], w->M[i]);
+        p->H[i] = jo_vec_less(p->H[i], N[i]);
+        p->J[i] = jo_vec_less(p->J[i], jo_vec_cross(w->l, N[i]));
     }
-    rest.l = w->l;
-    rest.f = w->f;
-    rest.t = zero;
-    pass_all(&rest, p);
+    add_force(p, w->f, jo_vec_cross(w->l, w->f));
 }
 
 /* inertia along a hinge or a slide and the force that is left to accelerate it; 0 where there is none */
 static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w)
 {
-    const jo_vec a = w->A[2];
-    const int hinge = k->type == JO_LINK_HINGE;
-    w->Uf = jo_vec_times(hinge ? w->H : w->M, a);
-    w->Ut = hinge ? jo_vec_times(w->J, a) : jo_vec_across(w->H, a);
-    w->D = jo_vec_dot(a, hinge ? w->Ut : w->Uf);
-    w->rest = d->tree.tau[k->u] - jo_vec_dot(a, hinge ? w->t : w->f);
+    const jo_vec *a = &w->A[2];
+    if (k->type == JO_LINK_HINGE) {
+        w->Uf = jo_vec_on(w->H, a);
+        w->Ut = jo_vec_on(w->J, a);
+        w->D = jo_vec_dot(*a, w->Ut);
+        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, w->t);
+    } else {
+        w->Uf = jo_vec_on(w->M, a);
+        w->Ut = jo_vec_across(w->H, *a);
+        w->D = jo_vec_dot(*a, w->Uf);
+        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, w->f);
+    }
     if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
+    w->r = 1.0 / w->D;
+    w->Us = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
     return JO_RE(w->D) > 0.0;
 }
 
@@ -242,6 +257,7 @@ static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
         const jo_link *k = &m->link[i];
         jo_link_work *w = &d->tree.link[i + 1], *p = &d->tree.link[k->parent + 1];
         int sound = 1;
+        if (k->body >= 0) join(&d->tree.constants[i], w);
         if (k->type == JO_LINK_FIXED || k->driven >= 0) {
             if (k->parent >= 0) pass_all(w, p);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
@@ -271,8 +287,8 @@ static void accelerate(const jo_model *m, jo_data *d)
         w->aw = p->aw;
         w->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
         if (k->driven >= 0 || k->type == JO_LINK_FIXED) continue;
-        if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
-            ud[0] = (w->rest - jo_vec_dot(w->Uf, w->av) - jo_vec_dot(w->Ut, w->aw)) / w->D;
+        if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {   /* not from aw and av: the next link waits for this */
+            ud[0] = w->r * (w->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
             if (k->type == JO_LINK_HINGE) w->aw = jo_vec_with(w->aw, ud[0], w->A[2]);
             else w->av = jo_vec_with(w->av, ud[0], w->A[2]);
             continue;

@@ -10,10 +10,10 @@
 
 #if defined(__GNUC__) && defined(__AVX__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR)
 typedef double jo_vec __attribute__((vector_size(32)));
+typedef long long jo_lane_places __attribute__((vector_size(32)));
 #if defined(__clang__)
 #define JO_PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else
-typedef long long jo_lane_places __attribute__((vector_size(32)));
 #define JO_PICK(a, b, i, j, k, l) __builtin_shuffle(a, b, (jo_lane_places){i, j, k, l})
 #endif
 static inline jo_vec jo_vec_of(jo_real x, jo_real y, jo_real z) { return (jo_vec){x, y, z, 0.0}; }
@@ -27,10 +27,27 @@ static inline jo_real jo_vec_dot(jo_vec a, jo_vec b)
     const jo_vec p = a * b;
     return (p[0] + p[1]) + p[2];
 }
-static inline jo_vec jo_vec_cross(jo_vec a, jo_vec b)
+/* a . b + c . d */
+static inline jo_real jo_vec_dots(jo_vec a, jo_vec b, jo_vec c, jo_vec d)
 {
-    const jo_vec x = a * JO_PICK(b, b, 1, 2, 0, 3) - JO_PICK(a, a, 1, 2, 0, 3) * b;
-    return JO_PICK(x, x, 1, 2, 0, 3);
+    const jo_vec p = a * b + c * d;
+    return (p[0] + p[1]) + p[2];
+}
+/* a x b = jo_vec_turn(jo_vec_wedge(a, b)): of a sum of products the sum is turned */
+static inline jo_vec jo_vec_turn(jo_vec a) { return JO_PICK(a, a, 1, 2, 0, 3); }
+static inline jo_vec jo_vec_wedge(jo_vec a, jo_vec b) { return a * jo_vec_turn(b) - jo_vec_turn(a) * b; }
+static inline void jo_vec_less_skew(jo_vec *H, jo_vec a)   /* H - a~ */
+{
+    H[0] += (jo_vec){0.0, -1.0, 1.0, 0.0} * JO_PICK(a, a, 3, 2, 1, 3);
+    H[1] += (jo_vec){1.0, 0.0, -1.0, 0.0} * JO_PICK(a, a, 2, 3, 0, 3);
+    H[2] += (jo_vec){-1.0, 1.0, 0.0, 0.0} * JO_PICK(a, a, 1, 0, 3, 3);
+}
+static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)   /* M^T x */
+{
+    const jo_vec zero = {0.0}, a = M[0] * x, b = M[1] * x, c = M[2] * x;
+    const jo_vec ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
+    const jo_vec c0 = JO_PICK(c, zero, 0, 4, 2, 6) + JO_PICK(c, zero, 1, 5, 3, 7);
+    return JO_PICK(ab, c0, 0, 1, 4, 5) + JO_PICK(ab, c0, 2, 3, 6, 7);
 }
 static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)   /* y and a may be the same */
 {
@@ -53,11 +70,24 @@ static inline jo_vec jo_vec_with(jo_vec y, jo_real s, jo_vec a)
     return jo_vec_of(y.x[0] + s * a.x[0], y.x[1] + s * a.x[1], y.x[2] + s * a.x[2]);
 }
 static inline jo_real jo_vec_dot(jo_vec a, jo_vec b) { return jo_dot3(a.x, b.x); }
-static inline jo_vec jo_vec_cross(jo_vec a, jo_vec b)
+static inline jo_real jo_vec_dots(jo_vec a, jo_vec b, jo_vec c, jo_vec d) { return jo_vec_dot(a, b) + jo_vec_dot(c, d); }
+static inline jo_vec jo_vec_turn(jo_vec a) { return a; }
+static inline jo_vec jo_vec_wedge(jo_vec a, jo_vec b)
 {
     jo_vec y;
     jo_cross(y.x, a.x, b.x);
     return y;
+}
+static inline void jo_vec_less_skew(jo_vec *H, jo_vec a)
+{
+    const jo_real x = a.x[0], y = a.x[1], z = a.x[2];
+    H[0].x[1] -= z; H[0].x[2] += y;
+    H[1].x[0] += z; H[1].x[2] -= x;
+    H[2].x[0] -= y; H[2].x[1] += x;
+}
+static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)
+{
+    return jo_vec_of(jo_vec_dot(M[0], x), jo_vec_dot(M[1], x), jo_vec_dot(M[2], x));
 }
 static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)
 {
@@ -66,36 +96,44 @@ static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)
 }
 #endif
 
+static inline jo_vec jo_vec_cross(jo_vec a, jo_vec b) { return jo_vec_turn(jo_vec_wedge(a, b)); }
 static inline jo_vec jo_vec_zero(void) { return jo_vec_of(0.0, 0.0, 0.0); }
 static inline jo_vec jo_vec_load(const jo_real *x) { return jo_vec_of(x[0], x[1], x[2]); }
 static inline void jo_vec_store(jo_real *y, jo_vec a)
 {
     for (int i = 0; i < 3; i++) y[i] = jo_vec_at(a, i);
 }
-/* M x, and M^T x */
+/* M x */
 static inline jo_vec jo_vec_times(const jo_vec *M, jo_vec x)
 {
     return jo_vec_with(jo_vec_with(jo_vec_scale(jo_vec_at(x, 0), M[0]), jo_vec_at(x, 1), M[1]), jo_vec_at(x, 2), M[2]);
 }
-static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)
-{
-    return jo_vec_of(jo_vec_dot(M[0], x), jo_vec_dot(M[1], x), jo_vec_dot(M[2], x));
-}
-/* M times three numbers in memory */
+/* M times three numbers in memory, and times a vector there: loads that spread a number over the lanes are cheaper than moves of lanes */
 static inline jo_vec jo_vec_mix(const jo_vec *M, const jo_real *x)
 {
     return jo_vec_with(jo_vec_with(jo_vec_scale(x[0], M[0]), x[1], M[1]), x[2], M[2]);
 }
-
-/* inverse of a symmetric matrix by its adjoint; its determinant */
-static inline jo_real jo_vec_invert(jo_vec *y, const jo_vec *a)
+static inline const jo_real *jo_vec_parts(const jo_vec *a) { return (const jo_real *)a; }
+static inline jo_vec jo_vec_on(const jo_vec *M, const jo_vec *x) { return jo_vec_mix(M, jo_vec_parts(x)); }
+/* column i of M B^T */
+static inline jo_vec jo_vec_on_row(const jo_vec *M, const jo_vec *B, int i)
 {
-    const jo_vec c0 = jo_vec_cross(a[1], a[2]), c1 = jo_vec_cross(a[2], a[0]), c2 = jo_vec_cross(a[0], a[1]);
-    const jo_real det = jo_vec_dot(a[0], c0), r = 1.0 / det;
-    y[0] = jo_vec_scale(r, c0);
-    y[1] = jo_vec_scale(r, c1);
-    y[2] = jo_vec_scale(r, c2);
-    return det;
+    const jo_vec x = jo_vec_with(jo_vec_scale(jo_vec_parts(B)[i], M[0]), jo_vec_parts(B + 1)[i], M[1]);
+    return jo_vec_with(x, jo_vec_parts(B + 2)[i], M[2]);
+}
+
+/* adjoint of a symmetric matrix, its inverse times its determinant, which it returns */
+static inline jo_real jo_vec_adjoint(jo_vec *y, const jo_vec *a)
+{
+    y[0] = jo_vec_cross(a[1], a[2]);
+    y[1] = jo_vec_cross(a[2], a[0]);
+    y[2] = jo_vec_cross(a[0], a[1]);
+    return jo_vec_dot(a[0], y[0]);
+}
+static inline void jo_vec_invert(jo_vec *y, const jo_vec *a)
+{
+    const jo_real r = 1.0 / jo_vec_adjoint(y, a);
+    for (int i = 0; i < 3; i++) y[i] = jo_vec_scale(r, y[i]);
 }
 
 /* What of a link never changes, in its own frame but for the first two, which are in that of its parent. */
@@ -105,21 +143,24 @@ struct jo_link_constants {
     jo_real mass, S[3];     /* kg; first moment about its origin, kg m */
     jo_real J[9];           /* inertia about its origin, by columns */
     jo_real C[9], c[3];     /* axes, by columns, and origin of the frame of its body */
+    int nhinge, hinge;      /* of the first link: how many hinges; of the first nhinge links: which link is the next one */
 };
 
-/* Resolved in the world, about the origin of the link; f = M a + H w', t = H^T a + J w' of an articulated inertia. */
+/* Resolved in the world, about the origin of the link; f = M a + H w', t = H^T a + J w' of an articulated inertia. M .. t are first
+ * what follows it passes on, then all that the link moves with. */
 struct jo_link_work {
     jo_vec M[3], H[3], J[3];
     jo_vec f, t;            /* force and moment that the articulated inertia needs without joint accelerations */
-    jo_vec A[3], p, l;      /* orientation, position, way from the origin of the parent */
-    jo_vec w, v;            /* angular velocity; velocity, in jo_tree_kinematics only */
-    jo_vec w0, v0;          /* accelerations without those of joints; afterwards all of them */
     jo_vec own_f, own_t;    /* of the body alone, less its forces */
-    jo_vec S, own_J[3];
+    jo_vec A[3], l;         /* orientation, way from the origin of the parent */
+    jo_real cosine, sine;   /* hinge: of its angle */
+    jo_vec w, w0, v0;       /* angular velocity; accelerations without those of joints, afterwards all of them */
+    jo_vec S, own_J[3];     /* of the body alone */
+    jo_vec Uf, Ut, Us;      /* hinge, slide: inertia along the joint; its moment about the origin of the parent */
+    jo_real rest, D, r;     /* force along the joint less that of the bias; inertia along it, 1 / D */
     jo_vec aw, av;          /* what joint accelerations add */
-    jo_vec Uf, Ut;          /* hinge, slide: inertia along the joint */
     jo_vec X[3], inverse[3];   /* ball, free: H J^-1 and J^-1 */
-    jo_real rest, D;        /* force along the joint less that of the bias; inertia along it */
+    jo_vec p, v;            /* position; velocity, in jo_tree_kinematics only */
 };
 
 /* What further forces at the origin of a link change, see tree_respond.c. */
@@ -128,6 +169,8 @@ struct jo_link_change {
     jo_vec aw, av;          /* accelerations */
     jo_real rest;           /* force along the joint */
 };
+
+void jo_tree_sines(const jo_model *m, jo_data *d);   /* tree_sines.c */
 
 /* whether the joint of a link moves along one coordinate by its forces */
 static inline int jo_link_gives(const jo_link *k)

@@ -114,8 +114,8 @@ static void relieve(const jo_model *m, jo_data *d)
         jo_mul3(F, b->A, b->fr);
         jo_mul3(T, b->A, b->fr + 3);
         const jo_vec f = jo_vec_load(F), t = jo_vec_add(jo_vec_load(T), jo_vec_cross(jo_vec_mix(w->A, d->tree.constants[i].c), f));
-        w->f = w->own_f = jo_vec_less(w->f, f);
-        w->t = w->own_t = jo_vec_less(w->t, t);
+        w->own_f = jo_vec_scale(-1.0, f);
+        w->own_t = jo_vec_scale(-1.0, t);
     }
 }
 

@@ -3,8 +3,15 @@
 
 #define JO_LARGEST 1e15     /* as in state.c */
 
+/* neither balls nor free bodies: coordinates and rates are one for one */
+static int plain(const jo_model *m) { return m->nx == m->nu; }
+
 void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
 {
+    if (plain(m)) {
+        for (int i = 0; i < m->nu; i++) x[i] = x0[i] + increment[i];
+        return;
+    }
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_real *from = x0 + k->x, *by = increment + k->u;
@@ -27,6 +34,10 @@ void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo
 
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
 {
+    if (plain(m)) {
+        for (int i = 0; i < m->nu; i++) rate[i] = u[i];
+        return;
+    }
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const int at = k->u;
@@ -46,12 +57,16 @@ void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, 
 int jo_tree_check(const jo_model *m, jo_data *d)
 {
     double sum = 0.0;
+    for (int j = 0; j < m->nx; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
+    for (int j = 0; j < m->nu; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
+    if (sum < JO_LARGEST) return JO_OK;
+    sum = 0.0;   /* which link */
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const int next_x = i + 1 < m->nlink ? k[1].x : m->nx, next_u = i + 1 < m->nlink ? k[1].u : m->nu;
         for (int j = k->x; j < next_x; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
         for (int j = k->u; j < next_u; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
-        if (sum < JO_LARGEST) continue;
+        if (sum < JO_LARGEST && i + 1 < m->nlink) continue;
         d->error_index = k->body >= 0 ? k->body : k[1].body;
         return JO_NOT_FINITE;
     }

@@ -93,6 +93,10 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         if (m->link[i].type == JO_LINK_BALL || m->link[i].type == JO_LINK_FREE)
             t->x[m->link[i].x + (m->link[i].type == JO_LINK_FREE ? 3 : 0)] = 1.0;
     weigh_links(m, d);
+    int count = 0;
+    for (int i = 0; i < m->nlink; i++)
+        if (m->link[i].type == JO_LINK_HINGE) t->constants[count++].hinge = i;
+    if (m->nlink) t->constants->nhinge = count;
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         const int c = f->type == JO_FORCE_along ? f->coordinate : -1;

@@ -37,9 +37,9 @@ static void pass(const jo_model *m, jo_data *d)
         }
         if (jo_link_gives(k)) {
             c->rest = d->tree.push[k->u] + jo_vec_dot(w->A[2], k->type == JO_LINK_HINGE ? c->t : c->f);
-            const jo_real share = -c->rest / w->D;
+            const jo_real share = -c->rest * w->r;
             f = jo_vec_with(f, share, w->Uf);
-            t = jo_vec_with(t, share, jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf)));
+            t = jo_vec_with(t, share, w->Us);
         }
         p->f = jo_vec_add(p->f, f);
         p->t = jo_vec_add(p->t, t);
@@ -59,7 +59,7 @@ void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate)
         c->aw = p->aw;
         c->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
         if (jo_link_gives(k)) {
-            y[0] = (c->rest - jo_vec_dot(w->Uf, c->av) - jo_vec_dot(w->Ut, c->aw)) / w->D;
+            y[0] = w->r * (c->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
             if (k->type == JO_LINK_HINGE) c->aw = jo_vec_with(c->aw, y[0], w->A[2]);
             else c->av = jo_vec_with(c->av, y[0], w->A[2]);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
