@@ -119,26 +119,23 @@ static void outward(const jo_model *m, jo_data *d)
 
 /* ---- inward: articulated inertias ------------------------------------------------------------- */
 
-/* the body of a link joins what follows: its inertia, and the force for the accelerations w0, v0. Here and not on the way outward:
+/* the body of a link and those fixed to it join what follows: their inertia, and the force for the accelerations w0, v0. Here and not outward:
  * beside the inward recursion, each step of which waits for that before, it costs next to nothing. */
 static inline void join(const jo_link_constants *c, jo_link_work *w)
 {
     static const jo_real unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    jo_vec T[3];
-    const jo_vec S = jo_vec_mix(w->A, c->S);
-    w->S = S;
-    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->J + 3 * i);
-    for (int i = 0; i < 3; i++) w->own_J[i] = jo_vec_on_row(T, w->A, i);
-    const jo_vec Jw = jo_vec_on(w->own_J, &w->w);
+    jo_vec T[3], J[3];
+    const jo_vec S = jo_vec_mix(w->A, c->all_S);
+    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->all_J + 3 * i);
+    for (int i = 0; i < 3; i++) J[i] = jo_vec_on_row(T, w->A, i);
+    const jo_vec Jw = jo_vec_on(J, &w->w);
     const jo_vec f = jo_vec_add(jo_vec_wedge(w->w0, S), jo_vec_wedge(w->w, jo_vec_cross(w->w, S)));
     const jo_vec t = jo_vec_add(jo_vec_wedge(w->w, Jw), jo_vec_wedge(S, w->v0));
-    w->own_f = jo_vec_add(w->own_f, jo_vec_with(jo_vec_turn(f), c->mass, w->v0));
-    w->own_t = jo_vec_add(w->own_t, jo_vec_add(jo_vec_turn(t), jo_vec_on(w->own_J, &w->w0)));
-    w->f = jo_vec_add(w->f, w->own_f);
-    w->t = jo_vec_add(w->t, w->own_t);
+    w->f = jo_vec_add(jo_vec_add(w->f, w->own_f), jo_vec_with(jo_vec_turn(f), c->all_mass, w->v0));
+    w->t = jo_vec_add(jo_vec_add(w->t, w->own_t), jo_vec_add(jo_vec_turn(t), jo_vec_on(J, &w->w0)));
     for (int i = 0; i < 3; i++) {
-        w->M[i] = jo_vec_with(w->M[i], c->mass, jo_vec_load(unit[i]));
-        w->J[i] = jo_vec_add(w->J[i], w->own_J[i]);
+        w->M[i] = jo_vec_with(w->M[i], c->all_mass, jo_vec_load(unit[i]));
+        w->J[i] = jo_vec_add(w->J[i], J[i]);
     }
     jo_vec_less_skew(w->H, S);
 }
@@ -257,8 +254,12 @@ static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
         const jo_link *k = &m->link[i];
         jo_link_work *w = &d->tree.link[i + 1], *p = &d->tree.link[k->parent + 1];
         int sound = 1;
+        if (k->type == JO_LINK_FIXED) {   /* its inertia is in that of the parent, its forces are not */
+            if (k->parent >= 0) add_force(p, w->own_f, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
+            continue;
+        }
         if (k->body >= 0) join(&d->tree.constants[i], w);
-        if (k->type == JO_LINK_FIXED || k->driven >= 0) {
+        if (k->driven >= 0) {
             if (k->parent >= 0) pass_all(w, p);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
             sound = along(d, stage, k, w);

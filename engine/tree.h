@@ -143,7 +143,9 @@ struct jo_link_constants {
     jo_real mass, S[3];     /* kg; first moment about its origin, kg m */
     jo_real J[9];           /* inertia about its origin, by columns */
     jo_real C[9], c[3];     /* axes, by columns, and origin of the frame of its body */
+    int on;                 /* link of the body it hangs on: its parent, or one fixed to that; -1: ground */
     int nhinge, hinge;      /* of the first link: how many hinges; of the first nhinge links: which link is the next one */
+    jo_real all_mass, all_S[3], all_J[9];   /* with the bodies that are fixed to it */
 };
 
 /* Resolved in the world, about the origin of the link; f = M a + H w', t = H^T a + J w' of an articulated inertia. M .. t are first
@@ -151,11 +153,10 @@ struct jo_link_constants {
 struct jo_link_work {
     jo_vec M[3], H[3], J[3];
     jo_vec f, t;            /* force and moment that the articulated inertia needs without joint accelerations */
-    jo_vec own_f, own_t;    /* of the body alone, less its forces */
+    jo_vec own_f, own_t;    /* the forces on its body, negative; afterwards what its joint bears */
     jo_vec A[3], l;         /* orientation, way from the origin of the parent */
     jo_real cosine, sine;   /* hinge: of its angle */
     jo_vec w, w0, v0;       /* angular velocity; accelerations without those of joints, afterwards all of them */
-    jo_vec S, own_J[3];     /* of the body alone */
     jo_vec Uf, Ut, Us;      /* hinge, slide: inertia along the joint; its moment about the origin of the parent */
     jo_real rest, D, r;     /* force along the joint less that of the bias; inertia along it, 1 / D */
     jo_vec aw, av;          /* what joint accelerations add */

@@ -55,6 +55,17 @@ int jo_tree_stands(const jo_model *m, jo_data *d)
 
 /* ---- accelerations and reactions --------------------------------------------------------------- */
 
+/* force and moment that a body needs for its accelerations, about the origin of its link */
+static void own_inertia(const jo_link_constants *c, const jo_link_work *w, jo_vec *f, jo_vec *t)
+{
+    jo_vec J[3];
+    const jo_vec S = jo_vec_mix(w->A, c->S);
+    for (int i = 0; i < 3; i++) J[i] = jo_vec_mix(w->A, c->J + 3 * i);   /* times A^T */
+    const jo_vec Jw = jo_vec_times(J, jo_vec_across(w->A, w->w)), Ja = jo_vec_times(J, jo_vec_across(w->A, w->w0));
+    *f = jo_vec_with(jo_vec_add(jo_vec_cross(w->w0, S), jo_vec_cross(w->w, jo_vec_cross(w->w, S))), c->mass, w->v0);
+    *t = jo_vec_add(jo_vec_add(Ja, jo_vec_cross(w->w, Jw)), jo_vec_cross(S, w->v0));
+}
+
 /* all accelerations of the links, and what each joint bears in own_f, own_t: own inertia less forces, and all beyond it */
 static void totals(const jo_model *m, jo_data *d)
 {
@@ -62,18 +73,22 @@ static void totals(const jo_model *m, jo_data *d)
     d->tree.summed = 1;
     for (int i = 0; i < m->nlink; i++) {
         jo_link_work *w = &d->tree.link[i + 1];
-        w->own_f = jo_vec_add(w->own_f, jo_vec_add(jo_vec_scale(m->link[i].body < 0 ? 0.0 : d->tree.constants[i].mass, w->av),
-                                                   jo_vec_cross(w->aw, w->S)));
-        w->own_t = jo_vec_add(w->own_t, jo_vec_add(jo_vec_times(w->own_J, w->aw), jo_vec_cross(w->S, w->av)));
+        jo_vec f, t;
         w->w0 = jo_vec_add(w->w0, w->aw);
         w->v0 = jo_vec_add(w->v0, w->av);
+        if (m->link[i].body < 0) continue;
+        own_inertia(&d->tree.constants[i], w, &f, &t);
+        w->own_f = jo_vec_add(w->own_f, f);
+        w->own_t = jo_vec_add(w->own_t, t);
     }
     for (int i = m->nlink - 1; i >= 0; i--) {
+        const int on = d->tree.constants[i].on;   /* not the parent: a fixed joint bears what hangs on its body */
         const jo_link_work *w = &d->tree.link[i + 1];
-        jo_link_work *p = &d->tree.link[m->link[i].parent + 1];
-        if (m->link[i].parent < 0) continue;
+        jo_link_work *p = &d->tree.link[on + 1];
+        if (on < 0) continue;
+        const jo_vec arm = on == m->link[i].parent ? w->l : jo_vec_less(w->l, p->l);
         p->own_f = jo_vec_add(p->own_f, w->own_f);
-        p->own_t = jo_vec_add(p->own_t, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
+        p->own_t = jo_vec_add(p->own_t, jo_vec_add(w->own_t, jo_vec_cross(arm, w->own_f)));
     }
 }
 

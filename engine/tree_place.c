@@ -17,6 +17,33 @@ static void between(jo_real *y, const jo_real *A, const jo_real *B)
         for (int i = 0; i < 3; i++) y[3 * j + i] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
 }
 
+/* a link that is fixed to a parent of others, and where these are on it: the same on the parent */
+static void place_beyond(const jo_link_constants *fixed, jo_link_constants *c)
+{
+    jo_real K[9], l[3];
+    for (int i = 0; i < 3; i++) {
+        l[i] = fixed->l[i];
+        for (int k = 0; k < 3; k++) l[i] += fixed->K[3 * k + i] * c->l[k];
+        for (int j = 0; j < 3; j++) {
+            K[3 * j + i] = jo_same(0.0);
+            for (int k = 0; k < 3; k++) K[3 * j + i] += fixed->K[3 * k + i] * c->K[3 * j + k];
+        }
+    }
+    for (int i = 0; i < 9; i++) c->K[i] = K[i];
+    jo_set3(c->l, l);
+}
+
+/* the link of the body that a link hangs on: its parent, or one that is fixed to it */
+static int below(const jo_model *m, int link)
+{
+    const jo_link *k = &m->link[link];
+    const int body = k->outer < 0 ? -1 : m->marker[k->outer].body;
+    if (body < 0 || (k->parent >= 0 && m->link[k->parent].body == body)) return k->parent;
+    int on = link - 1;
+    while (on > k->parent && m->link[on].body != body) on--;
+    return on;
+}
+
 /* orientation and origin at zero in the frame of the parent */
 static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constants *c)
 {
@@ -27,11 +54,31 @@ static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constan
         jo_set3(c->l, NOWHERE);
         return;
     }
-    const int inner = k->parent < 0 ? -1 : m->link[k->parent].inner;   /* of the frame of the parent, on the same body */
+    const int inner = c->on < 0 ? -1 : m->link[c->on].inner;   /* of the frame of that link, on the same body */
     between(c->K, axes_of(m, inner), axes_of(m, k->outer));
     jo_set3(arm, origin_of(m, k->outer));
     jo_sub3(arm, origin_of(m, inner));
     jo_mul3t(c->l, axes_of(m, inner), arm);
+    if (c->on != k->parent) place_beyond(c + (c->on - (k - m->link)), c);
+}
+
+/* mass, first moment and inertia of a fixed body are those of its parent, too */
+static void merge(const jo_link_constants *c, jo_link_constants *p)
+{
+    jo_real S[3], J[9] = {0.0}, T[9], R[9];   /* of it about its origin, in the axes of the parent; matrices by rows */
+    for (int i = 0; i < 3; i++) {
+        S[i] = c->K[i] * c->S[0] + c->K[3 + i] * c->S[1] + c->K[6 + i] * c->S[2];
+        for (int j = 0; j < 3; j++) R[3 * i + j] = c->K[3 * j + i];
+    }
+    jo_mul33(T, R, c->J);
+    jo_mul33(J, T, c->K);   /* by columns it is R^T */
+    jo_add_skew_skew(J, -1.0, S, c->l);
+    jo_add_skew_skew(J, -1.0, c->l, S);
+    jo_add_skew_skew(J, -c->mass, c->l, c->l);
+    p->all_mass += c->mass;
+    jo_add3(p->all_S, S);
+    jo_axpy3(p->all_S, c->mass, c->l);
+    for (int i = 0; i < 9; i++) p->all_J[i] += J[i];
 }
 
 /* mass, first moment and inertia about the origin of the link, in its axes */
@@ -59,13 +106,19 @@ static void weigh_links(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         jo_link_constants *c = &d->tree.constants[i];
+        c->on = k->type == JO_LINK_FREE ? -1 : below(m, i);
         if (k->type == JO_LINK_FREE) {
             for (int j = 0; j < 9; j++) c->K[j] = NO_TURN[j];
             jo_set3(c->l, NOWHERE);
         } else {
             place_on_parent(m, k, c);
         }
-        if (k->body >= 0) weigh(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
+        if (k->body < 0) continue;
+        weigh(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
+        c->all_mass = c->mass;
+        for (int j = 0; j < 3; j++) c->all_S[j] = c->S[j];
+        for (int j = 0; j < 9; j++) c->all_J[j] = c->J[j];
+        if (k->type == JO_LINK_FIXED && k->parent >= 0) merge(c, &d->tree.constants[k->parent]);
     }
 }
 
@@ -292,7 +345,7 @@ void jo_tree_read(const jo_model *m, jo_data *d)
         }
         if (k->type == JO_LINK_FIXED) continue;
         frame o, f;
-        frame_at(m, d, k->parent < 0 ? -1 : m->link[k->parent].body, k->outer, &o);
+        frame_at(m, d, m->marker[k->outer].body, k->outer, &o);
         frame_at(m, d, last->body, last->inner, &f);
         read_joint(m, d, i, &o, &f);
         if (last != k) i++;

@@ -175,6 +175,10 @@ class _Tree:
         kind = self._kind(joint)
         outer, inner = joint.sides[::-1] if reversed_ else joint.sides
         above = self.of_body[parent] if parent >= 0 else -1
+        if above >= 0 and self.made[above].kind == "fixed":
+            above = self.made[
+                above
+            ].parent  # what hangs on a fixed body hangs on what that is fixed to
         link = LinkModel(
             kind, above, body, outer=outer, inner=inner, joint=k, reversed=int(reversed_)
         )
