@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import atexit
+import importlib
 import os
 import shutil
 import tempfile
+from typing import Any
 
 import matplotlib
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+
+from jousto.base.errors import InputError
 
 matplotlib.use("Agg")
 
@@ -25,6 +29,34 @@ settings.register_profile(
 )
 settings.register_profile("ci", settings.get_profile("default"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "default")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--core",
+        choices=["auto", "joint", "maximal"],
+        default="auto",
+        help="what runs models for which a test names no core: what compile chooses (auto), joint "
+        "coordinates wherever a model can, or the positions of the bodies",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Force a core on all that tests compile in this process, without touching the product."""
+    if (forced := config.getoption("--core")) == "auto":
+        return
+    compiling = importlib.import_module("jousto.model.compile")
+    choose = compiling.with_core
+
+    def forcing(model: Any, core: str) -> Any:
+        if core != "auto":
+            return choose(model, core)
+        try:
+            return choose(model, forced)
+        except InputError:
+            return choose(model, "maximal")
+
+    compiling.with_core = forcing  # type: ignore[attr-defined]
 
 
 @pytest.fixture

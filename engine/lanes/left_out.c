@@ -155,6 +155,10 @@ size_t jo_link_constant_bytes(void)
 {
     return 0;
 }
+size_t jo_link_change_bytes(void)
+{
+    return 0;
+}
 void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

@@ -219,7 +219,7 @@ def test_angles_are_counted_in_every_lane():
     hinge = jo.Revolute("hinge", jo.ground["origin"], wheel["origin"])
     angle = jo.CoordinateSensor("angle", hinge.angle)
     spring = jo.Spring("spring", hinge.angle, stiffness=0.2, damping=0.01)
-    model = jo.compile(jo.Mechanism(wheel, hinge, spring, angle))
+    model = jo.compile(jo.Mechanism(wheel, hinge, spring, angle), core="maximal")
 
     def start(engine, k):
         engine.v[5] = 60.0 * (k + 1)
@@ -396,7 +396,9 @@ def test_what_decides_by_its_state_steps_alone():
     friction = jo.Friction("rub", slide, 0.3)
     assert structure(jo.compile(jo.Mechanism(box, slide, friction))) == ""
     plain = jo.Mechanism(box, slide, jo.Gravity((1, 0, 0)))
-    assert structure(jo.compile(plain))
+    assert structure(jo.compile(plain, core="maximal"))
+    assert structure(jo.compile(plain, core="joint")) == ""
     for releases in ((), (slide,)):
         limit = jo.mechanism.Event("limit", slide.displacement, 1e-4, "rising", releases=releases)
-        assert structure(jo.compile(jo.Mechanism(*plain.items, limit))) == ""
+        stopped = jo.Mechanism(*plain.items, limit)
+        assert structure(jo.compile(stopped, core="maximal")) == ""

@@ -12,7 +12,7 @@ import typer
 
 from jousto.base.errors import InputError, JoustoWarning, Problem, count
 from jousto.cli.group import command
-from jousto.cli.options import Model, Output, Result, Trust, amount, compile_model, end_time
+from jousto.cli.options import Core, Model, Output, Result, Trust, amount, compile_model, end_time
 from jousto.cli.parts import describe_content, describe_part
 from jousto.cli.terminal import facts, plain, progress_bar, say
 
@@ -38,6 +38,7 @@ def run(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
+    core: Core = None,
     trust: Trust = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o names another file."""
@@ -52,7 +53,7 @@ def run(
     from jousto.simulation.running.simulate import describe, simulate
     from jousto.simulation.solvers.adaptive import DormandPrince
 
-    compiled = compile_model(file.mechanism)
+    compiled = compile_model(file.mechanism, core)
     given = settings.given(compiled) if settings is not None else {}
     if tolerance is not None:
         solver = given.get("solver")
@@ -230,14 +231,14 @@ def describe_result(path: Path) -> None:
 
 
 @command()
-def check(model: Model, trust: Trust = False) -> None:
+def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
     from jousto.model.doctor import doctor
     from jousto.schema.read import read_model
 
     file = read_model(model, trust=trust)
     describe_model(file)
-    compiled = compile_model(file.mechanism)
+    compiled = compile_model(file.mechanism, core)
     facts(doctor(compiled).lines())
     settings = file.simulation
     if settings is not None:

@@ -57,6 +57,14 @@ Initial = Annotated[
 ]
 Workers = Annotated[int, typer.Option("--workers", min=1, help="How many at once.")]
 On = Annotated[str, typer.Option("--on", metavar="threads|processes|dask", help="What works.")]
+Core = Annotated[
+    str | None,
+    typer.Option(
+        "--core",
+        metavar="auto|joint|maximal",
+        help="Run in joint coordinates, or in the positions of all bodies.",
+    ),
+]
 Limits = Annotated[
     list[str] | None,
     typer.Option(
@@ -81,11 +89,11 @@ Drawing = Annotated[
 ]
 
 
-def compile_model(mechanism: Any) -> Any:
-    """Return the compiled model of a mechanism."""
+def compile_model(mechanism: Any, core: str | None = None) -> Any:
+    """Return the compiled model of a mechanism, to run in the core that is asked for."""
     from jousto.model.compile import compile
 
-    return compile(mechanism)
+    return compile(mechanism, core=core)
 
 
 def compiled_model(path: Path, trust: bool) -> Any:

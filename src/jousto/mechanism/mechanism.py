@@ -15,7 +15,7 @@ from jousto.mechanism import checks
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.checks import where as where
-from jousto.mechanism.members import Members
+from jousto.mechanism.members import Members, core_problem
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -28,6 +28,9 @@ class Mechanism(Members):
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
+    core : str
+        What runs it, unless `compile` is told otherwise: "joint" for joint coordinates, "maximal"
+        for the positions of all bodies, "auto" for joint coordinates if it can.
 
     Attributes
     ----------
@@ -64,8 +67,8 @@ class Mechanism(Members):
     <Mechanism 'pendulum': 1 body, 1 joint, 0 forces, 0 sensors>
     """
 
-    def __init__(self, *items: Any, name: str = "mechanism") -> None:
-        super().__init__(*items, name=name)
+    def __init__(self, *items: Any, name: str = "mechanism", core: str = "auto") -> None:
+        super().__init__(*items, name=name, core=core)
         if not is_stepping():  # the machine was checked with the values alone
             self.check()
 
@@ -108,6 +111,8 @@ class Mechanism(Members):
         """Raise InputError with all problems and warn about what is probably not meant."""
         problems = Problems()
         check_name(problems, "mechanism", self.name)
+        if problem := core_problem(self.core):
+            problems.add(f"mechanism {self.name!r}", problem)
         checks.check_items(problems, self.items)
         checks.check_names(problems, self)
         checks.check_members(problems, self)

@@ -25,12 +25,24 @@ from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.base import Sensor
 
+CORES = ("auto", "joint", "maximal")
+"""What may run a mechanism, see `compile`."""
+
+
+def core_problem(core: Any) -> str | None:
+    """Return what is wrong with the name of a core, None if it is one."""
+    if core in CORES:
+        return None
+    known = ", ".join(repr(name) for name in CORES[:-1])
+    return f"core is {core!r}, must be {known} or {CORES[-1]!r}"
+
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Members:
     """What a `Mechanism` holds before it is checked; see there."""
 
     name: str
+    core: str
     items: tuple[Any, ...]
     bodies: tuple[MovingBody, ...]
     beams: tuple[BeamBody, ...]
@@ -44,7 +56,7 @@ class Members:
     fmus: tuple[Fmu, ...]
     gravity: Array
 
-    def __init__(self, *items: Any, name: str = "mechanism") -> None:
+    def __init__(self, *items: Any, name: str = "mechanism", core: str = "auto") -> None:
         fmus = tuple(x for x in items if isinstance(x, Fmu))
         fields: dict[str, Any] = {
             "bodies": tuple(flattened(items)),
@@ -65,6 +77,7 @@ class Members:
         set_fields(
             self,
             name=name,
+            core=core,
             items=items,
             gravity=gravity[0] if gravity else read_only(np.zeros(3)),
             **fields,

@@ -46,7 +46,7 @@ SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz x
 
 
 @explained
-def compile(mechanism: Mechanism, *, core: str = "auto") -> Model:
+def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
 
     Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
@@ -59,10 +59,10 @@ def compile(mechanism: Mechanism, *, core: str = "auto") -> Model:
     ----------
     mechanism : Mechanism
         A checked mechanism.
-    core : str
+    core : str, optional
         How RK4, ROS2 and DormandPrince run it: "joint" in the joint coordinates of a tree of rigid
         bodies, "maximal" in the positions of all bodies, which any mechanism can; "auto" is
-        "maximal" at present.
+        "joint" for mechanisms that can, else "maximal". That of the mechanism if not given.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def compile(mechanism: Mechanism, *, core: str = "auto") -> Model:
         return _consistent(begun)
 
     made = with_start(model, finished, mechanism.initials) if is_stepping() else finished(model)
-    made = with_core(made, core)
+    made = with_core(made, mechanism.core if core is None else core)
     log.info(
         "%s: %d velocities, %d constraint rows%s",
         *(made.name, made.nv, made.nrow, ", some repeated" if made.redundant else ""),

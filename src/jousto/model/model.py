@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -450,6 +450,13 @@ class Model:
         """The links of the tree that runs, none where the model has been changed since."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
         return () if self.beams or self.frictions or self.redundant or not same else self.tree
+
+    def keeping_tree(self, of: Model) -> Model:
+        """Return this model with the tree of another one that it was made from, if that has one.
+
+        For changes that leave every link as it is: what is added acts on no joint of the tree.
+        """
+        return replace(self, tree_of=self.parts_of_tree) if of.links else self
 
     @property
     def nx(self) -> int:

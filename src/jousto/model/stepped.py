@@ -25,6 +25,12 @@ def has_steps(model: Model) -> bool:
     return is_stepping() and real_parts(model) is not model
 
 
+def plain_model(model: Model, along: float = 0.0) -> Model:
+    """Return a model without derivatives, see `real_parts`, to run in the same core."""
+    made: Model = real_parts(model, along)
+    return made if made is model else made.keeping_tree(model)
+
+
 def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequence[Any]) -> Model:
     """Return a model with the start that `finish` gives it, and the derivatives of that.
 

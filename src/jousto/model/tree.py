@@ -9,13 +9,10 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
+from jousto.mechanism.members import core_problem
 from jousto.model.model import JointModel, LinkModel, Model
 
-AUTOMATIC = False
-"""Whether "auto" takes joint coordinates where it can."""
-
 JOINT = "joint coordinates"
-CORES = ("auto", "joint", "maximal")
 PARALLEL = {(0, 2), (1, 2)}
 NO_TURN = {(0, 2), (1, 2), (0, 1)}
 ALIGNED = 0.5  # least cosine between axes of a and b that a joint keeps together
@@ -38,11 +35,9 @@ def with_core(model: Model, core: str) -> Model:
     InputError
         If it cannot run in joint coordinates but is to.
     """
-    if core not in CORES:
-        known = ", ".join(repr(name) for name in CORES[:-1])
-        problem = f"core is {core!r}, must be {known} or {CORES[-1]!r}"
+    if problem := core_problem(core):
         raise InputError(Problem(f"mechanism {model.name!r}", problem))
-    if core == "maximal" or (core == "auto" and not AUTOMATIC):
+    if core == "maximal":
         return replace(model, tree=()) if model.tree else model
     try:
         return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
@@ -64,7 +59,7 @@ def core_of(model: Model) -> str:
         _Tree(model).links()
     except _Unfit as reason:
         return f"positions of the bodies: {reason}"
-    return "positions of the bodies; core='joint' would run it in joint coordinates"
+    return "positions of the bodies, as asked for"
 
 
 @dataclass(eq=False)

@@ -111,7 +111,7 @@ def _exchanged(mechanism: Mechanism, change: Exchange) -> Mechanism:
     items = [change(item) for item in mechanism.items]
     if all(a is b for a, b in zip(items, mechanism.items, strict=True)):
         return mechanism
-    return Mechanism(*items, name=mechanism.name)
+    return Mechanism(*items, name=mechanism.name, core=mechanism.core)
 
 
 def moved(state: State, old: Mechanism, new: Mechanism) -> State:

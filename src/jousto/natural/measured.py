@@ -39,7 +39,7 @@ def measured(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
     ]
     taken = {sensor.name for sensor in mechanism.sensors}
     more = [sensor for sensor in further(mechanism) if sensor.name not in taken]
-    return Mechanism(*kept, *more, name=mechanism.name)
+    return Mechanism(*kept, *more, name=mechanism.name, core=mechanism.core)
 
 
 def further(mechanism: Mechanism) -> Iterator[Sensor]:

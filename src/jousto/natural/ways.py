@@ -232,7 +232,7 @@ def _with(
     own, run = course.mechanism, course.runs[-1]
     items = [item for item in own.items if not getattr(item, "meters", ())]
     if len(items) < len(own.items):
-        own = Mechanism(*items, name=own.name)
+        own = Mechanism(*items, name=own.name, core=own.core)
     start = course.runs[0].state(0.0)
     if undamped and any(body.modal_damping.any() for body in parts):
         own = exchanged(own, {body: body.reduced for body in parts}, damping=0.0)

@@ -401,4 +401,4 @@ def without_friction(mechanism: Mechanism) -> Mechanism:
         and id(item) not in gone
         and not (isinstance(item, Event) and id(item.watch) in gone)
     ]
-    return Mechanism(*items, name=mechanism.name)
+    return Mechanism(*items, name=mechanism.name, core=mechanism.core)

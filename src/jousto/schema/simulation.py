@@ -7,6 +7,7 @@ from typing import Any
 from jousto.base.declare import Declared
 from jousto.base.fields import Choice, Nested, field
 from jousto.base.numbers import Duration, OptionalDuration
+from jousto.mechanism.members import CORES
 
 
 class SolverField(Nested[Any, Any]):
@@ -18,7 +19,7 @@ class SolverField(Nested[Any, Any]):
 
 
 class Simulation(Declared):
-    """The arguments of `simulate`."""
+    """The arguments of `simulate`, and what `compile` is to choose."""
 
     t_end: Duration = field("End time")
     solver: SolverField = field("The integrator; that of `simulate` if not given", default=None)
@@ -30,6 +31,13 @@ class Simulation(Declared):
         "bodies bent as the motion bends them (`settled`)",
         words=("initial", "rest", "settled"),
         default="initial",
+    )
+
+    core: Choice = field(
+        "What runs it: joint coordinates (`joint`), the positions of all bodies (`maximal`), or "
+        "joint coordinates if it can (`auto`)",
+        words=CORES,
+        default="auto",
     )
 
     @property

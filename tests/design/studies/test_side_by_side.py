@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.design.studies import case
 from jousto.model.native import ensemble
 from jousto.simulation.running import together
 
@@ -13,6 +16,14 @@ pytestmark = [
     pytest.mark.skipif(ensemble.machines() == 1, reason="no build of lanes for this processor"),
     pytest.mark.filterwarnings("ignore::jousto.JoustoWarning"),
 ]
+
+
+@pytest.fixture(autouse=True)
+def in_positions(monkeypatch):
+    """Trees in joint coordinates step alone; these machines are to share lanes."""
+    monkeypatch.setattr(case, "compile", functools.partial(jo.compile, core="maximal"))
+
+
 LENGTH = jo.Parameter("length", 1.0, unit="m")
 OUTCOMES = ["min(bob.y)", "max(bob.x)"]
 

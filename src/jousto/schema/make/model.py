@@ -159,9 +159,12 @@ class ModelBuilder(Builder):
             return None
         gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
         name = entry.name or "mechanism"
-        return self.checked(items, gravity, name)
+        settings = {} if entry.simulation is None else entry.simulation.given()
+        return self.checked(items, gravity, name, settings.get("core", "auto"))
 
-    def checked(self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str) -> Any:
+    def checked(
+        self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str, core: str
+    ) -> Any:
         """Return the Mechanism; note its problems at the entries they belong to."""
         from jousto.mechanism.mechanism import where
 
@@ -173,6 +176,7 @@ class ModelBuilder(Builder):
                     *(item for _, item in items),
                     *gravity,
                     name=name,
+                    core=core,
                 )
             except InputError as error:
                 for problem in error.problems:

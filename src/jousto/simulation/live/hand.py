@@ -99,7 +99,7 @@ def with_hand(model: Model) -> Model:
         for i, name in enumerate(NAMES)
     )
     along = len(model.coordinates)
-    return replace(
+    made = replace(
         model,
         # frames of sensors come last
         markers=(
@@ -130,6 +130,7 @@ def with_hand(model: Model) -> Model:
             ),
         ),
     )
+    return made.keeping_tree(model)
 
 
 def _law(stiffness: float, damping: float) -> Array:
@@ -163,7 +164,7 @@ def gripped(model: Model, grip: Grip | None) -> Model:
         law = _law(grip.stiffness, grip.damping)
     forces = (*model.forces[:-3], *(replace(force, data=law) for force in model.forces[-3:]))
     markers = (*model.markers[:here], marker, *model.markers[here + 1 :])
-    return replace(model, markers=markers, forces=forces)
+    return replace(model, markers=markers, forces=forces).keeping_tree(model)
 
 
 def shapes_at(shape: Shape, point: Array) -> Array:

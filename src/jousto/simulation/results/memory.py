@@ -18,6 +18,7 @@ from jousto.base.complexstep import real_parts
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
+from jousto.model.stepped import plain_model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.columns import Column, columns
@@ -200,7 +201,7 @@ class MemoryRecords:
 def moved(run: Solution, along: float) -> Solution:
     """Return the results of a run with derivatives as real numbers, moved along them."""
     records: Any = run._records
-    model, rows = real_parts((records.model, records.rows), along)
+    model, rows = plain_model(records.model, along), real_parts(records.rows, along)
     return Solution(replace(records, model=model, rows=rows))
 
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.complexstep import plainly, real_parts
+from jousto.base.complexstep import plainly
 from jousto.base.errors import NotAnalytic
 from jousto.model.model import Model
 from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
-from jousto.model.stepped import has_steps
+from jousto.model.stepped import has_steps, plain_model
 from jousto.simulation.results.columns import columns
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
@@ -55,7 +55,7 @@ class Repeated:
         self.model = model
         self._stepped = has_steps(model)
         with plainly():
-            model = real_parts(model) if self._stepped else model
+            model = plain_model(model) if self._stepped else model
             self._prepare(model, t_end, how)
 
     def _prepare(self, model: Model, t_end: float, how: dict[str, Any]) -> None:
