@@ -17,10 +17,16 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
     jo_mul3t(y + 3, A, y + 3);
 }
 
+void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+{
+    if (d->tree.on) jo_tree_bears(m, d, f, 0, y);
+    else jo_friction_reaction(m, d, f, d->lam, y);
+}
+
 static jo_real press(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
 {
     jo_real y[6];
-    jo_friction_reaction(m, d, f, d->lam, y);
+    jo_friction_bears(m, d, f, y);
     return jo_friction_press(m, f, y, collar);
 }
 
@@ -164,6 +170,10 @@ void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f,
 {
     const jo_joint *k = &m->joint[f->lock];
     y[1] = 0.0;
+    if (d->tree.on) {
+        jo_tree_held(m, d, f, y);
+        return;
+    }
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 

@@ -53,6 +53,7 @@ void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *
 /* sliding forces (2) for a unit of what presses and of the moment of a collar; 1 unless all are 0 */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
+void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* the same of the last evaluation */
 void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* forces with which it sticks */
 
 #endif

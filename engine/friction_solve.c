@@ -66,9 +66,13 @@ static void free_change(const jo_model *m, const jo_data *d, int set, int joint,
     }
 }
 
-/* joint[].x = the change of the multipliers by the change f of the friction */
+/* joint[].x = the change of the multipliers by the change f of the friction; on a tree the links have it */
 static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
+    if (d->tree.on) {
+        jo_tree_friction_respond(m, d, f);
+        return;
+    }
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
     for (int c = 0; c < d->mixing.n; c++)
         if (f[c] != 0.0) jo_push_change(m, d, d->mixing.coordinate[c], f[c]);
@@ -87,8 +91,16 @@ static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const 
 /* lam += the change in joint[].x, or = */
 static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 {
+    if (d->tree.on) return;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++, lam++) *lam = d->joint[i].x[r] + (add ? *lam : 0.0);
+}
+
+/* the reaction of a slider's joint that belongs to the last response, whose multipliers are lam */
+static void change_of(const jo_model *m, const jo_data *d, const jo_slider *s, const jo_real *lam, jo_real *y)
+{
+    if (d->tree.on) jo_tree_bears(m, d, &m->friction[s->friction], 1, y);
+    else jo_friction_reaction(m, d, &m->friction[s->friction], lam, y);
 }
 
 /* which frictions slide, their reactions without friction, and what a unit of each force adds */
@@ -97,6 +109,7 @@ static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_mixing *w = &d->mixing;
     w->sliders = w->n = 0;
     take(m, d, d->lam, 0);
+    if (d->tree.on) jo_tree_slips(m, d);
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
         jo_slider *s = &w->slider[w->sliders];
@@ -106,7 +119,7 @@ static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
         s->first = w->n;
         s->count = jo_slips(f);
         for (int k = 0; k < s->count; k++) w->coordinate[w->n++] = jo_slip_of(f, k);
-        jo_friction_reaction(m, d, f, d->lam, s->start);
+        jo_friction_bears(m, d, f, s->start);
         w->sliders++;
     }
     if (w->n > JO_REACH) {
@@ -120,8 +133,7 @@ static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
         respond(m, d, stage, w->f);
         w->f[c] = 0.0;
         take(m, d, lam, 0);
-        for (int i = 0; i < w->sliders; i++)
-            jo_friction_reaction(m, d, &m->friction[w->slider[i].friction], lam, w->slider[i].reach[c]);
+        for (int i = 0; i < w->sliders; i++) change_of(m, d, &w->slider[i], lam, w->slider[i].reach[c]);
     }
 }
 
@@ -140,8 +152,13 @@ static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, c
     }
     respond(m, d, stage, w->change);
     take(m, d, d->lam, 1);
-    for (int i = 0; i < w->sliders; i++)
-        jo_friction_reaction(m, d, &m->friction[w->slider[i].friction], d->lam, w->slider[i].y);
+    for (int i = 0; i < w->sliders; i++) {
+        jo_slider *s = &w->slider[i];
+        jo_real before[6];
+        for (int j = 0; j < 6; j++) before[j] = s->y[j];
+        change_of(m, d, s, d->lam, s->y);
+        for (int j = 0; j < 6 && d->tree.on; j++) s->y[j] += before[j];   /* lam has the sum already */
+    }
 }
 
 /* ---- the fixed point --------------------------------------------------------------------------- */
@@ -265,6 +282,10 @@ static int failed(jo_data *d)
 static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_mixing *w = &d->mixing;
+    if (d->tree.on) {
+        jo_tree_friction_act(m, d);
+        return;
+    }
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
     for (int c = 0; c < w->n; c++) {
         const int ends[2] = {m->coordinate[w->coordinate[c]].a, m->coordinate[w->coordinate[c]].b};

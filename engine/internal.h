@@ -416,6 +416,22 @@ void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
 void jo_beam_accept(const jo_model *m, jo_data *d);
 void jo_beam_forget(jo_data *d);
 
+/* tree_respond.c */
+void jo_tree_respond_clear(const jo_model *m, jo_data *d);
+void jo_tree_respond_push(jo_data *d, int link, const jo_real *arm, const jo_real *F, const jo_real *T);
+void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate);   /* (nu) changes of the joints' accelerations */
+
+/* tree_friction.c */
+void jo_tree_slips(const jo_model *m, jo_data *d);    /* coordinates along which frictions slide, and their rates */
+jo_real jo_tree_second(const jo_model *m, const jo_data *d, int coordinate);   /* and its acceleration */
+void jo_tree_bears(const jo_model *m, const jo_data *d, const jo_friction *f, int change, jo_real *y);
+void jo_tree_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);
+void jo_tree_locks(const jo_model *m, jo_data *d);
+void jo_tree_hold(const jo_model *m, jo_data *d);
+void jo_tree_friction_respond(const jo_model *m, jo_data *d, const jo_real *f);
+void jo_tree_friction_act(const jo_model *m, jo_data *d);
+void jo_tree_stop(const jo_model *m, jo_data *d);     /* what is held comes to rest */
+
 /* tree_place.c */
 void jo_tree_setup(const jo_model *m, jo_data *d);
 void jo_tree_kinematics(const jo_model *m, jo_data *d);
@@ -512,11 +528,6 @@ size_t jo_link_constant_bytes(void);
 size_t jo_link_change_bytes(void);
 void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
-
-/* tree_respond.c */
-void jo_tree_respond_clear(const jo_model *m, jo_data *d);
-void jo_tree_respond_push(jo_data *d, int link, const jo_real *arm, const jo_real *F, const jo_real *T);
-void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate);   /* (nu) changes of the joints' accelerations */
 
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);

@@ -49,7 +49,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 11 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 12 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -209,6 +209,7 @@ typedef struct {
     int reversed;           /* its body has side 0 of the joint: the coordinates of the joint are the opposite of its own */
     int x, u;               /* first of its coordinates and of their rates */
     int drive, driven;      /* joint of one line that prescribes it, and its line; -1: none */
+    int lock;               /* lock of the friction that may hold it; -1: none */
 } jo_link;
 
 /* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */

@@ -259,7 +259,7 @@ static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
             continue;
         }
         if (k->body >= 0) join(&d->tree.constants[i], w);
-        if (k->driven >= 0) {
+        if (jo_link_given(d, k)) {
             if (k->parent >= 0) pass_all(w, p);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
             sound = along(d, stage, k, w);
@@ -288,6 +288,10 @@ static void accelerate(const jo_model *m, jo_data *d)
         w->aw = p->aw;
         w->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
         if (k->driven >= 0 || k->type == JO_LINK_FIXED) continue;
+        if (jo_link_held(d, k)) {
+            ud[0] = 0.0;
+            continue;
+        }
         if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {   /* not from aw and av: the next link waits for this */
             ud[0] = w->r * (w->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
             if (k->type == JO_LINK_HINGE) w->aw = jo_vec_with(w->aw, ud[0], w->A[2]);
@@ -314,11 +318,7 @@ static void drive(const jo_model *m, jo_data *d)
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->driven < 0) continue;
-        const int hinge = k->type == JO_LINK_HINGE;
-        jo_vec need = hinge ? jo_vec_across(w->H, w->av) : jo_vec_times(w->M, w->av);
-        need = jo_vec_add(need, jo_vec_times(hinge ? w->J : w->H, w->aw));
-        need = jo_vec_add(need, hinge ? w->t : w->f);
-        d->tree.pull[i] = jo_vec_dot(need, w->A[2]) - d->tree.tau[k->u];
+        d->tree.pull[i] = jo_link_pull(d, k, w);
         power += d->tree.pull[i] * d->tree.u[k->u];
     }
     d->drive = power;
@@ -349,6 +349,7 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (status == JO_OK) status = inward(m, d, stage);
     if (status != JO_OK) return status;
     accelerate(m, d);
+    if (m->nfriction) status = jo_friction_solve(m, d, stage);
     drive(m, d);
-    return JO_OK;
+    return status;
 }

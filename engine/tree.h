@@ -173,10 +173,26 @@ struct jo_link_change {
 
 void jo_tree_sines(const jo_model *m, jo_data *d);   /* tree_sines.c */
 
+/* whether friction holds the joint of a link */
+static inline int jo_link_held(const jo_data *d, const jo_link *k) { return k->lock >= 0 && d->locked[k->lock]; }
+
+/* whether the motion of a joint is prescribed, by a drive or as none */
+static inline int jo_link_given(const jo_data *d, const jo_link *k) { return k->driven >= 0 || jo_link_held(d, k); }
+
 /* whether the joint of a link moves along one coordinate by its forces */
-static inline int jo_link_gives(const jo_link *k)
+static inline int jo_link_gives(const jo_data *d, const jo_link *k)
 {
-    return k->driven < 0 && (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE);
+    return (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) && !jo_link_given(d, k);
+}
+
+/* the force that prescribes the motion of a hinge or a slide */
+static inline jo_real jo_link_pull(const jo_data *d, const jo_link *k, const jo_link_work *w)
+{
+    const int hinge = k->type == JO_LINK_HINGE;
+    jo_vec need = hinge ? jo_vec_across(w->H, w->av) : jo_vec_times(w->M, w->av);
+    need = jo_vec_add(need, jo_vec_times(hinge ? w->J : w->H, w->aw));
+    need = jo_vec_add(need, hinge ? w->t : w->f);
+    return jo_vec_dot(need, w->A[2]) - d->tree.tau[k->u];
 }
 
 /* joint coordinate times this is the coordinate of the joint */

@@ -35,6 +35,7 @@ int jo_tree_enter(const jo_model *m, jo_data *d)
         const int status = close_gaps(m, d);
         if (status != JO_OK) return status;
         jo_tree_read(m, d);
+        jo_tree_hold(m, d);
         d->fresh = d->control.known = 0;
     }
     follow_turns(m, d);

@@ -82,7 +82,7 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
         const jo_along_data *x = (const jo_along_data *)f->data;
         const jo_link *k = &m->link[m->coordinate[c].link];
         const int u = k->u;
-        if (k->driven >= 0) continue;
+        if (jo_link_given(d, k)) continue;
         if (JO_RE(x->limit) > 0.0 && fabs(JO_RE(d->force[i].y[0])) >= JO_RE(x->limit)) continue;
         if (JO_RE(x->stiffness) > 0.0) t->stiffness[u] += x->stiffness;
         if (JO_RE(x->damping) > 0.0) t->damping[u] += x->damping;

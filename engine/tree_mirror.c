@@ -162,6 +162,7 @@ static void write_multipliers(const jo_model *m, jo_data *d)
         const jo_real factor = jo_link_sign(k) * m->line[k->driven].data->factor[0];
         d->lam[m->joint[k->drive].row] = -d->tree.pull[i] / factor;
     }
+    jo_tree_locks(m, d);
 }
 
 /* Bodies, q and v as x and u are, and with `how` all of it a and lam of the last evaluation. */

@@ -35,7 +35,7 @@ static void pass(const jo_model *m, jo_data *d)
         } else {
             t = jo_vec_add(t, jo_vec_cross(w->l, f));
         }
-        if (jo_link_gives(k)) {
+        if (jo_link_gives(d, k)) {
             c->rest = d->tree.push[k->u] + jo_vec_dot(w->A[2], k->type == JO_LINK_HINGE ? c->t : c->f);
             const jo_real share = -c->rest * w->r;
             f = jo_vec_with(f, share, w->Uf);
@@ -58,7 +58,7 @@ void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate)
         jo_real *y = rate + k->u;
         c->aw = p->aw;
         c->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
-        if (jo_link_gives(k)) {
+        if (jo_link_gives(d, k)) {
             y[0] = w->r * (c->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
             if (k->type == JO_LINK_HINGE) c->aw = jo_vec_with(c->aw, y[0], w->A[2]);
             else c->av = jo_vec_with(c->av, y[0], w->A[2]);

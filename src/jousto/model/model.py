@@ -216,6 +216,7 @@ class LinkModel:
     u: int = 0
     drive: int = -1
     driven: int = -1
+    lock: int = -1
     coordinates: tuple[int, ...] = ()
 
     @property
@@ -443,13 +444,13 @@ class Model:
     @property
     def parts_of_tree(self) -> tuple[Any, ...]:
         """What the links of a tree depend on."""
-        return self.bodies, self.markers, self.joints, self.coordinates
+        return self.bodies, self.markers, self.joints, self.coordinates, self.frictions
 
     @property
     def links(self) -> tuple[LinkModel, ...]:
         """The links of the tree that runs, none where the model has been changed since."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
-        return () if self.beams or self.frictions or self.redundant or not same else self.tree
+        return () if self.beams or self.redundant or not same else self.tree
 
     def keeping_tree(self, of: Model) -> Model:
         """Return this model with the tree of another one that it was made from, if that has one.

@@ -87,7 +87,21 @@ class _Tree:
         if self.drives:
             name = self.model.joints[next(iter(self.drives.values()))].name
             raise _Unfit(f"drive '{name}' is not along a coordinate of its joints")
+        self._note_locks()
         return tuple(self.made)
+
+    def _note_locks(self) -> None:
+        """Say which links a friction may hold."""
+        for friction in self.model.frictions:
+            if not friction.sticks:
+                continue
+            lock, places = (
+                self.model.joints[friction.lock].lock,
+                {friction.coordinate, friction.other},
+            )
+            for i, link in enumerate(self.made):
+                if places.intersection(link.coordinates):
+                    self.made[i] = replace(link, lock=lock)
 
     def _mass(self, body: int) -> float:
         return float(np.real(self.model.bodies[body].mass[0]))
@@ -101,8 +115,6 @@ class _Tree:
                 raise _Unfit(f"body '{body.name}' is flexible")
         if not m.bodies:
             raise _Unfit("it has no bodies")
-        if m.frictions:
-            raise _Unfit(f"friction '{m.frictions[0].name}' needs the reactions at every step")
         if m.redundant:
             raise _Unfit("its joints repeat one another")
         for joint in m.joints:
@@ -126,7 +138,8 @@ class _Tree:
 
         for k, joint in enumerate(self.model.joints):
             if not joint.coincident and not joint.perpendicular:
-                self._note_drive(k, joint)
+                if joint.lock < 0:
+                    self._note_drive(k, joint)
                 continue
             a, b = (root(body) for body in self._ends(k))
             if a == b:
