@@ -7,6 +7,14 @@
 
 #define JO_TURN 1.0     /* rad, largest turn of a body in a step */
 
+/* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
+static int closed(const jo_model *m, jo_data *d)
+{
+    if (d->tree.on) return jo_tree_close(m, d);
+    jo_project(m, d, &jo_now);
+    return jo_most(jo_joint_residual(m, d)) <= 1e-12 * m->size && jo_most(jo_joint_residual_rate(m, d)) <= 1e-10 * m->size;
+}
+
 /* a row at a time within the last step; the state stays at its end */
 static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
 {
@@ -20,12 +28,9 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     d->time[0] = t;
     d->fresh = d->current = 0;
     int status = JO_OK;
-    if (s->projection && m->njoint && !d->tree.on) {
-        jo_project(m, d, &jo_now);   /* with the factors of the end of the step; with those of this state if they differ too much */
-        if (jo_most(jo_joint_residual(m, d)) > 1e-12 * m->size || jo_most(jo_joint_residual_rate(m, d)) > 1e-10 * m->size) {
-            status = jo_accelerations(m, d);
-            if (status == JO_OK) jo_project(m, d, &jo_now);
-        }
+    if (s->projection && m->njoint && !closed(m, d)) {
+        status = jo_accelerations(m, d);
+        if (status == JO_OK) closed(m, d);
     }
     if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
@@ -276,7 +281,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_mirror(m, d, JO_MIRROR_ALL);
+    jo_mirror_all(m, d);
     for (int i = 0; i < 3 * m->nbody; i++) d->extent[i] = 0.0;
     remember_extent(m, d);
     c->start = JO_RE(d->time[0]);

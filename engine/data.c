@@ -176,6 +176,30 @@ static void lay_tree(const jo_model *m, arena *a, jo_data *d)
     t->body = take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);
 }
 
+/* loops of a tree and the matrices of their rows */
+static void lay_loops(const jo_model *m, arena *a, jo_data *d)
+{
+    jo_tree *t = &d->tree;
+    t->loop = take(a, (size_t)m->nloop * jo_loop_bytes());
+    t->reach = take(a, (size_t)m->nreach * jo_reach_bytes());
+    t->closing = take(a, (size_t)m->nloop * JO_MAX_SIDES * sizeof(int));
+    t->gram = take(a, (size_t)m->nloop * sizeof(jo_gram));
+    t->ngroup = 0;
+    for (int i = 0; i < m->nloop; i++) {
+        jo_gram spare, *g = a->base ? &t->gram[t->ngroup] : &spare;
+        const int n = jo_loop_rows(m, i);
+        if (!n) continue;
+        t->ngroup++;
+        g->n = n;
+        g->ld = jo_pad(n) + 8;   /* whole vectors are written from any row on */
+        g->S = reals(a, (n + 1) * g->ld);   /* and a right-hand side */
+        g->inverse = reals(a, n);
+        g->y = reals(a, n);
+        g->scale = take(a, (size_t)n * sizeof(double));
+        g->order = take(a, (size_t)n * sizeof(int));
+    }
+}
+
 /* what events and damage meters watch */
 static void lay_watch(const jo_model *m, arena *a, jo_data *d, jo_sensor **watched, jo_sensor **metered)
 {
@@ -206,6 +230,7 @@ static jo_data *lay_out(const jo_model *m, arena *a, jo_sensor **watched, jo_sen
     lay_newton(m, a, d);
     lay_friction(m, a, d);
     lay_tree(m, a, d);
+    lay_loops(m, a, d);
     lay_watch(m, a, d, watched, metered);
     lay_bodies(m, a, d);
     lay_markers(m, a, d);
@@ -236,6 +261,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     }
     jo_use_core(m, d, 0);
     if (m->nlink) jo_tree_setup(m, d);
+    if (m->nloop) jo_loop_setup(m, d);
     jo_beam_setup(m, d);
     jo_marker_setup(m, d, 0);
     jo_joint_plan(m, d);

@@ -36,21 +36,6 @@ static jo_real blend(const jo_data *d, const double *weight, int count, int nk, 
     return sum;
 }
 
-/* rotation vector of the turn from e0 to e, below half a turn, in the frame of e0 */
-static void turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
-{
-    const jo_real c = e0[0] * e[0] + e0[1] * e[1] + e0[2] * e[2] + e0[3] * e[3];
-    jo_real x[3];
-    x[0] = e0[0] * e[1] - e0[1] * e[0] - e0[2] * e[3] + e0[3] * e[2];
-    x[1] = e0[0] * e[2] - e0[2] * e[0] - e0[3] * e[1] + e0[1] * e[3];
-    x[2] = e0[0] * e[3] - e0[3] * e[0] - e0[1] * e[2] + e0[2] * e[1];
-    const jo_real s = jo_dot3(x, x), sine = jo_sqrt(s);
-    /* 2 asin(u) / u for small angles */
-    const jo_real f = JO_RE(s) < 1e-5 ? 2.0 + s * (1.0 / 3.0 + s * (3.0 / 20.0 + s * (5.0 / 56.0)))
-                                      : 2.0 * jo_arc_tangent(sine, c) / sine;
-    for (int i = 0; i < 3; i++) theta[i] = f * x[i];
-}
-
 /* increments from q0 to q; returns the largest turn */
 double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q)
 {
@@ -60,7 +45,7 @@ double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_
         const jo_real *p0 = q0 + b->iq, *p = q + b->iq;
         jo_real *y = x + b->iv;
         for (int j = 0; j < 3; j++) y[j] = p[j] - p0[j];
-        turn_between(y + 3, p0 + 3, p + 3);
+        jo_turn_between(y + 3, p0 + 3, p + 3);
         for (int j = 0; j < b->n; j++) y[6 + j] = p[7 + j] - p0[7 + j];
         turn = jo_larger(turn, jo_length(y + 3, 3));
     }
@@ -88,6 +73,15 @@ void jo_recall_stage(jo_data *d, int last)
     d->power = *work_of(d, x);
     d->fresh = d->current = 0;
     d->control.known = 1;
+}
+
+/* what is prescribed at the end of a step on a tree, its loops closed, and the increments that this makes */
+static void end_on_tree(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    jo_tree_drives_end(m, d);
+    if (!m->nloop || !s->projection) return;
+    jo_tree_close(m, d);
+    jo_tree_increments(m, d->dq, d->q0, d->y);
 }
 
 /* one step of length h; forces that jump at its end are `seen` as they are at that time */
@@ -123,7 +117,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
-            if (d->tree.on) jo_tree_drives_end(m, d);
+            if (d->tree.on) end_on_tree(m, d, s);
             else jo_increments(m, d->dq, d->q0, d->q);
         }
         const int status = jo_evaluate(m, d, &jo_now);

@@ -91,6 +91,25 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
+/* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
+void jo_mirror_all(const jo_model *m, jo_data *d)
+{
+    const int known = !d->tree.on || d->tree.mirrored == JO_MIRROR_ALL;
+    jo_mirror(m, d, JO_MIRROR_ALL);
+    if (known || !m->nloop || m->redundant <= 0) return;
+    const jo_work power = d->power;
+    const jo_real drive = d->drive;
+    const jo_counts counts = d->counts;
+    const int current = d->current;
+    d->current = d->tree.on = 0;
+    jo_evaluate(m, d, &jo_now);
+    d->tree.on = 1;
+    d->power = power;
+    d->drive = drive;
+    d->counts = counts;
+    d->current = current;
+}
+
 int jo_accelerations(const jo_model *m, jo_data *d)
 {
     d->fresh = d->current = 0;
@@ -131,7 +150,8 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
         d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
     }
-    jo_mirror(m, d, demanding ? JO_MIRROR_ALL : JO_MIRROR_STATE);
+    if (demanding) jo_mirror_all(m, d);
+    else jo_mirror(m, d, JO_MIRROR_STATE);
     return JO_OK;
 }
 

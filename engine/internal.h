@@ -198,6 +198,17 @@ typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
 typedef struct jo_link_change jo_link_change;
 typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_STATE = 1, JO_MIRROR_ALL = 2 } jo_mirrored;
+typedef struct jo_loop_work jo_loop_work;
+typedef struct jo_reach_work jo_reach_work;
+
+/* A dense symmetric matrix S of n rows and its factors, see gram.c. */
+typedef struct {
+    int n, ld, rank;        /* columns in memory; rows that do not repeat others */
+    jo_real *S, *inverse, *y;   /* (n x ld), (n) of the pivots, (n) scratch */
+    double *scale;          /* (n) what a diagonal may be like: a pivot that vanishes against it repeats others */
+    int *order;             /* (n) rows as they were eliminated */
+} jo_gram;
+
 typedef struct {
     int on;
     jo_mirrored mirrored;
@@ -213,6 +224,11 @@ typedef struct {
     int *marker, *coordinate, *body;   /* that forces need at every evaluation */
     int nmarker, ncoordinate, nbody;
     int direct;             /* all counted angles are joint coordinates */
+    jo_loop_work *loop;     /* (nloop) */
+    jo_reach_work *reach;   /* (nreach) */
+    jo_gram *gram;          /* (ngroup) */
+    int ngroup;
+    int *closing, nclosing; /* markers of the loops */
 } jo_tree;
 
 struct jo_data {
@@ -380,9 +396,16 @@ jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadr
 /* joint.c */
 jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
 jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
+jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
+jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
 void jo_joint_rows(const jo_model *m, jo_data *d);
+/* (nrow x 3) what velocity f and angular velocity g of the marker of a side (world) add to the rates of the rows; side 0 first */
+void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3]);
+/* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
+void jo_joint_second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
+jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* the same of one joint */
 void jo_joint_apply(const jo_model *m, jo_data *d, int set);
 
 /* push.c */
@@ -445,6 +468,7 @@ void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how);
 /* tree_move.c */
 void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u);
+void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* below half a turn, in the frame of e0 */
 int jo_tree_check(const jo_model *m, jo_data *d);
 double jo_tree_turned(const jo_model *m, jo_data *d);   /* largest turn of a body by the increments dq, about */
 
@@ -520,7 +544,24 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_close_work(jo_data *d);
 
 /* tree_force.c */
+void jo_tree_bodies(const jo_model *m, jo_data *d);    /* the bodies of all links, as jo_refresh leaves them */
+void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count);   /* the same of markers, with their velocities */
 int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* gram.c */
+int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
+int jo_gram_reveal(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
+void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
+
+/* tree_loop.c */
+size_t jo_loop_bytes(void);
+size_t jo_reach_bytes(void);
+int jo_loop_rows(const jo_model *m, int i);   /* of the group of the loop, if it is the last one in it; else 0 */
+void jo_loop_setup(const jo_model *m, jo_data *d);
+int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);   /* multipliers, and the links bear them */
+void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers of the right-hand sides, with the factors of that */
+void jo_loop_push(const jo_model *m, jo_data *d);    /* they act in jo_tree_respond */
+jo_real jo_loop_power(const jo_model *m, const jo_data *d);
 
 /* tree.c */
 size_t jo_link_bytes(void);
@@ -529,8 +570,14 @@ size_t jo_link_change_bytes(void);
 void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 
+/* tree_close.c */
+/* Loops are closed in the metric of the masses, with the factors of the last evaluation; whether they are then. */
+int jo_tree_close(const jo_model *m, jo_data *d);
+void jo_tree_increments(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
+
 /* dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_mirror_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);

@@ -25,72 +25,84 @@ static jo_real largest(const jo_real *c, int count)
     return x;
 }
 
+/* of one joint: fills c, returns the largest */
+static inline jo_real gap(const jo_model *m, jo_data *d, int joint)
+{
+    const jo_joint *k = &m->joint[joint];
+    const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
+    jo_real *c = d->joint[joint].c, x[3], y[3];
+    if (k->coincident) {
+        jo_set3(c, b->r);
+        jo_sub3(c, a->r);
+        c += 3;
+    }
+    for (int r = 0; r < k->nperp; r++) {
+        axis(x, a->A, k->perp_a[r]);
+        axis(y, b->A, k->perp_b[r]);
+        c[r] = jo_dot3(x, y);
+    }
+    for (int l = 0; l < k->nline; l++) {
+        const jo_line *line = &m->line[k->line + l];
+        jo_real value = k->lock < 0 ? -line->data->offset : -d->held[2 * k->lock + l];
+        for (int j = 0; j < line->count; j++) value += line->data->factor[j] * d->coordinate[line->coordinate[j]].value;
+        if (line->signal >= 0) value -= jo_signal_at(m, d, line->signal, d->time[0]).value;
+        c[k->nperp + l] = value;
+    }
+    if (jo_absent(d, k)) clear(d->joint[joint].c, k->nrow);
+    return largest(d->joint[joint].c, k->nrow);
+}
+
+jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint) { return gap(m, d, joint); }
+
 jo_real jo_joint_residual(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
-    for (int i = 0; i < m->njoint; i++) {
-        const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
-        jo_real *c = d->joint[i].c, x[3], y[3];
-        if (k->coincident) {
-            jo_set3(c, b->r);
-            jo_sub3(c, a->r);
-            c += 3;
-        }
-        for (int r = 0; r < k->nperp; r++) {
-            axis(x, a->A, k->perp_a[r]);
-            axis(y, b->A, k->perp_b[r]);
-            c[r] = jo_dot3(x, y);
-        }
-        for (int l = 0; l < k->nline; l++) {
-            const jo_line *line = &m->line[k->line + l];
-            jo_real value = k->lock < 0 ? -line->data->offset : -d->held[2 * k->lock + l];
-            for (int j = 0; j < line->count; j++) value += line->data->factor[j] * d->coordinate[line->coordinate[j]].value;
-            if (line->signal >= 0) value -= jo_signal_at(m, d, line->signal, d->time[0]).value;
-            c[k->nperp + l] = value;
-        }
-        if (jo_absent(d, k)) clear(d->joint[i].c, k->nrow);
-        worst = larger(worst, largest(d->joint[i].c, k->nrow));
-    }
+    for (int i = 0; i < m->njoint; i++) worst = larger(worst, gap(m, d, i));
     return worst;
 }
+
+/* of one joint, whose coordinates have their rates: fills cdot, returns the largest */
+static inline jo_real gap_rate(const jo_model *m, jo_data *d, int joint)
+{
+    const jo_joint *k = &m->joint[joint];
+    const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
+    jo_real *c = d->joint[joint].cdot, x[3], y[3], s[3];
+    if (k->coincident) {
+        jo_to_world(x, m, d, k->side[0], a->v);
+        jo_to_world(c, m, d, k->side[1], b->v);
+        jo_sub3(c, x);
+        c += 3;
+    }
+    jo_real rel[3] = {0};
+    if (k->nperp) {
+        jo_to_world(rel, m, d, k->side[0], a->om);
+        jo_to_world(y, m, d, k->side[1], b->om);
+        jo_sub3(rel, y);
+    }
+    for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
+        axis(x, a->A, k->perp_a[r]);
+        axis(y, b->A, k->perp_b[r]);
+        jo_cross(s, x, y);
+        c[r] = jo_dot3(rel, s);
+    }
+    for (int l = 0; l < k->nline; l++) {   /* Cq v + C_t */
+        const jo_line *line = &m->line[k->line + l];
+        jo_real rate = {0.0};
+        for (int j = 0; j < line->count; j++) rate += line->data->factor[j] * d->coordinate[line->coordinate[j]].rate;
+        if (line->signal >= 0) rate -= jo_signal_at(m, d, line->signal, d->time[0]).rate;
+        c[k->nperp + l] = rate;
+    }
+    if (jo_absent(d, k)) clear(d->joint[joint].cdot, k->nrow);
+    return largest(d->joint[joint].cdot, k->nrow);
+}
+
+jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint) { return gap_rate(m, d, joint); }
 
 jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
     if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
-    for (int i = 0; i < m->njoint; i++) {
-        const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
-        jo_real *c = d->joint[i].cdot, x[3], y[3], s[3];
-        if (k->coincident) {
-            jo_to_world(x, m, d, k->side[0], a->v);
-            jo_to_world(c, m, d, k->side[1], b->v);
-            jo_sub3(c, x);
-            c += 3;
-        }
-        jo_real rel[3] = {0};
-        if (k->nperp) {
-            jo_to_world(rel, m, d, k->side[0], a->om);
-            jo_to_world(y, m, d, k->side[1], b->om);
-            jo_sub3(rel, y);
-        }
-        for (int r = 0; r < k->nperp; r++) {   /* (om_a - om_b) . (x_a x y_b) */
-            axis(x, a->A, k->perp_a[r]);
-            axis(y, b->A, k->perp_b[r]);
-            jo_cross(s, x, y);
-            c[r] = jo_dot3(rel, s);
-        }
-        for (int l = 0; l < k->nline; l++) {   /* Cq v + C_t */
-            const jo_line *line = &m->line[k->line + l];
-            jo_real rate = {0.0};
-            for (int j = 0; j < line->count; j++) rate += line->data->factor[j] * d->coordinate[line->coordinate[j]].rate;
-            if (line->signal >= 0) rate -= jo_signal_at(m, d, line->signal, d->time[0]).rate;
-            c[k->nperp + l] = rate;
-        }
-        if (jo_absent(d, k)) clear(d->joint[i].cdot, k->nrow);
-        worst = larger(worst, largest(d->joint[i].cdot, k->nrow));
-    }
+    for (int i = 0; i < m->njoint; i++) worst = larger(worst, gap_rate(m, d, i));
     return worst;
 }
 
@@ -136,6 +148,23 @@ static inline void put_row(jo_real *restrict C, const int ld, const int r, const
     }
 }
 
+/* what velocity f and angular velocity g of a side (world) add to the rate of a line */
+static void line_slopes(const jo_data *d, const jo_line *line, int side, jo_real *f, jo_real *g)
+{
+    for (int i = 0; i < 3; i++) f[i] = g[i] = jo_same(0.0);
+    for (int j = 0; j < line->count; j++) {
+        const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
+        const jo_real factor = line->data->factor[j];
+        if (side == line->side[j]) {
+            jo_axpy3(f, -factor, s->along);
+            jo_axpy3(g, factor, s->turn_a);
+        } else if (side == line->side[j] + 1) {
+            jo_axpy3(f, factor, s->along);
+            jo_axpy3(g, factor, s->turn_b);
+        }
+    }
+}
+
 /* the rows of lines on one side, which see translations and rotations */
 static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
@@ -143,19 +172,8 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
     const jo_real *A = here->body->A;
     const int first = first_line(k);
     for (int l = 0; l < k->nline; l++) {
-        const jo_line *line = &m->line[k->line + l];
-        jo_real f[3] = {0.0, 0.0, 0.0}, g[3] = {0.0, 0.0, 0.0}, c[3], t[3];
-        for (int j = 0; j < line->count; j++) {
-            const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
-            const jo_real factor = line->data->factor[j];
-            if (side == line->side[j]) {
-                jo_axpy3(f, -factor, s->along);
-                jo_axpy3(g, factor, s->turn_a);
-            } else if (side == line->side[j] + 1) {
-                jo_axpy3(f, factor, s->along);
-                jo_axpy3(g, factor, s->turn_b);
-            }
-        }
+        jo_real f[3], g[3], c[3], t[3];
+        line_slopes(d, &m->line[k->line + l], side, f, g);
         jo_mul3t(c, A, f);
         jo_mul3t(t, A, g);
         put_row(here->C, jo_padded(k->nrow), first + l, c, t, here->T);
@@ -190,6 +208,31 @@ static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_
     if (ld > 4) reduced_rows(here->V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, here->L);
 }
 
+/* axes about which a relative turn changes the rows of perpendicular axes */
+static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work *w)
+{
+    for (int r = 0; r < k->nperp; r++) {
+        jo_real x[3], y[3];
+        axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
+        axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
+        jo_cross(w->axes[r], x, y);
+    }
+}
+
+/* what velocity f and angular velocity g of the marker of a side (world) add to the rates of all rows */
+void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3])
+{
+    const jo_joint *k = &m->joint[joint];
+    jo_joint_work *w = &d->joint[joint];
+    const double sign = side == 0 ? -1.0 : side == 1 ? 1.0 : 0.0;
+    if (!side) turn_axes(d, k, w);
+    for (int r = 0; r < first_line(k); r++)
+        for (int i = 0; i < 3; i++) f[r][i] = g[r][i] = 0.0;
+    for (int r = 0; k->coincident && r < 3; r++) f[r][r] = sign;
+    for (int r = 0; r < k->nperp; r++) jo_axpy3(g[first_line(k) - k->nperp + r], -sign, w->axes[r]);
+    for (int l = 0; l < k->nline; l++) line_slopes(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
+}
+
 /* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
 void jo_joint_rows(const jo_model *m, jo_data *d)
 {
@@ -198,12 +241,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
         jo_joint_work *w = &d->joint[i];
         w->present = !jo_released(d, k->release);
         if (jo_absent(d, k)) continue;
-        for (int r = 0; r < k->nperp; r++) {
-            jo_real x[3], y[3];
-            axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
-            axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
-            jo_cross(w->axes[r], x, y);
-        }
+        turn_axes(d, k, w);
         for (int side = 0; side < k->nside; side++) {
             jo_side_work *here = &w->side[side];
             if (!here->body) continue;
@@ -228,41 +266,83 @@ static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, c
     }
 }
 
-/* second derivatives of the lines while R'' = w' = 0, minus those of their signals */
-static void line_acceleration(const jo_model *m, const jo_data *d, double lead, const jo_joint *k, jo_real *x)
+/* second derivatives of the lines where the markers of the sides move like that, minus those of their signals */
+static void line_acceleration(const jo_model *m, const jo_data *d, const jo_joint *k, const jo_motion *side, double lead, jo_real *x)
 {
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
         x[l] = jo_same(0.0);
         for (int j = 0; j < line->count; j++) {
-            const jo_coordinate *c = &m->coordinate[line->coordinate[j]];
             const jo_coordinate_work *s = &d->coordinate[line->coordinate[j]];
-            const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
-            jo_real aa[3], ab[3], ta[3], tb[3];
-            jo_to_world(aa, m, d, c->a, a->a);
-            jo_to_world(ab, m, d, c->b, b->a);
-            jo_to_world(ta, m, d, c->a, a->a + 3);
-            jo_to_world(tb, m, d, c->b, b->a + 3);
-            jo_sub3(ab, aa);
-            x[l] += line->data->factor[j] * (jo_dot3(s->along, ab) + jo_dot3(s->turn_a, ta) + jo_dot3(s->turn_b, tb) + s->bias);
+            const jo_motion *a = &side[line->side[j]], *b = a + 1;
+            jo_real apart[3];
+            jo_set3(apart, b->a);
+            jo_sub3(apart, a->a);
+            x[l] += line->data->factor[j]
+                  * (jo_dot3(s->along, apart) + jo_dot3(s->turn_a, a->al) + jo_dot3(s->turn_b, b->al) + s->bias);
         }
         /* the matrix of ROS2 knows the time derivative of the right-hand side as that of the forces */
         if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + lead).second;
     }
 }
 
-/* rate of the work of the drives, -lam signal' */
+/* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
+static inline void second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
+{
+    const jo_joint *k = &m->joint[joint];
+    const jo_joint_work *w = &d->joint[joint];
+    if (k->coincident) {
+        jo_set3(x, side[1].a);
+        jo_sub3(x, side[0].a);
+        x += 3;
+    }
+    for (int r = 0; r < k->nperp; r++) {
+        jo_real f[3], h[3], fd[3], hd[3], fdd[3], hdd[3], al[3];
+        axis(f, d->marker[k->side[0]].A, k->perp_a[r]);
+        axis(h, d->marker[k->side[1]].A, k->perp_b[r]);
+        jo_cross(fd, side[0].om, f);
+        jo_cross(hd, side[1].om, h);
+        jo_cross(fdd, side[0].om, fd);
+        jo_cross(hdd, side[1].om, hd);
+        jo_set3(al, side[0].al);
+        jo_sub3(al, side[1].al);
+        x[r] = jo_dot3(al, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
+    }
+    if (k->nline) line_acceleration(m, d, k, side, lead, x + k->nperp);
+}
+
+void jo_joint_second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
+{
+    second(m, d, joint, side, lead, x);
+}
+
+/* of the markers of a joint what `second` needs, while R'' = w' = 0 */
+static inline void free_motions(const jo_model *m, const jo_data *d, const jo_joint *k, jo_motion *y)
+{
+    for (int s = 0; s < k->nside; s++, y++) {
+        const jo_marker_work *w = &d->marker[k->side[s]];
+        if (k->coincident || k->nline) jo_to_world(y->a, m, d, k->side[s], w->a);
+        if (k->nperp) jo_to_world(y->om, m, d, k->side[s], w->om);
+        if (k->nperp || k->nline) jo_to_world(y->al, m, d, k->side[s], w->a + 3);
+    }
+}
+
+/* rate of the work of the drives of a joint, -lam signal' */
+jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam)
+{
+    const jo_joint *k = &m->joint[joint];
+    jo_real power = {0.0};
+    for (int l = 0; l < k->nline; l++) {
+        const jo_line *line = &m->line[k->line + l];
+        if (line->signal >= 0) power -= lam[first_line(k) + l] * jo_signal_at(m, d, line->signal, d->time[0]).rate;
+    }
+    return power;
+}
+
 jo_real jo_joint_power(const jo_model *m, const jo_data *d)
 {
     jo_real power = {0.0};
-    for (int i = 0; i < m->njoint; i++) {
-        const jo_joint *k = &m->joint[i];
-        for (int l = 0; l < k->nline; l++) {
-            const jo_line *line = &m->line[k->line + l];
-            if (line->signal >= 0)
-                power -= d->joint[i].x[first_line(k) + l] * jo_signal_at(m, d, line->signal, d->time[0]).rate;
-        }
-    }
+    for (int i = 0; i < m->njoint; i++) power += jo_joint_drive(m, d, i, d->joint[i].x);
     return power;
 }
 
@@ -271,39 +351,14 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
-        const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
         jo_joint_work *w = &d->joint[i];
-        jo_real *x = w->x;
+        jo_motion motion[JO_MAX_SIDES];
         if (jo_absent(d, k)) {
-            clear(x, k->nrow);
+            clear(w->x, k->nrow);
             continue;
         }
-        if (k->coincident) {
-            jo_real t[3];
-            jo_to_world(t, m, d, k->side[0], a->a);
-            jo_to_world(x, m, d, k->side[1], b->a);
-            jo_sub3(x, t);
-            x += 3;
-        }
-        if (k->nperp) {
-            jo_real oma[3], omb[3], aa[3], ab[3];
-            jo_to_world(oma, m, d, k->side[0], a->om);
-            jo_to_world(omb, m, d, k->side[1], b->om);
-            jo_to_world(aa, m, d, k->side[0], a->a + 3);
-            jo_to_world(ab, m, d, k->side[1], b->a + 3);
-            jo_sub3(aa, ab);
-            for (int r = 0; r < k->nperp; r++) {
-                jo_real f[3], h[3], fd[3], hd[3], fdd[3], hdd[3];
-                axis(f, a->A, k->perp_a[r]);
-                axis(h, b->A, k->perp_b[r]);
-                jo_cross(fd, oma, f);
-                jo_cross(hd, omb, h);
-                jo_cross(fdd, oma, fd);
-                jo_cross(hdd, omb, hd);
-                x[r] = jo_dot3(aa, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
-            }
-        }
-        if (k->nline) line_acceleration(m, d, stage->lead, k, x + k->nperp);
+        free_motions(m, d, k, motion);
+        second(m, d, i, motion, stage->lead, w->x);
         jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
             const jo_side_work *here = &w->side[side];

@@ -49,7 +49,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 12 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 13 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -212,6 +212,15 @@ typedef struct {
     int lock;               /* lock of the friction that may hold it; -1: none */
 } jo_link;
 
+/* A joint, coupling or drive that no link of the tree is: its rows close loops, see tree_loop.c. */
+typedef struct {
+    int joint;
+    int group, row;         /* loops with a link in common, and its first row among theirs; loops of a group follow one another */
+    int first, count;       /* range in reach[] */
+} jo_loop;
+typedef struct { int link, next; } jo_reach;   /* a link that bears sides of a loop, children first; reach of its parent, -1: ground */
+typedef struct { int one, other; } jo_meet;    /* two reaches of one link, that of the loop first that comes first; or one twice */
+
 /* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */
 typedef struct {
     int joint_k, side_k, joint_l, side_l;   /* elimination order of k >= that of l */
@@ -332,6 +341,7 @@ typedef struct {
     int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int nlink, nx, nu;      /* joint coordinates and rates of a tree; 0: everything runs in q and v */
+    int nloop, nreach, nmeet;
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
                              * -1: never, a singular position is an error */
     double size;            /* m, of the mechanism: measure of what is small */
@@ -360,6 +370,9 @@ typedef struct {
     const jo_meter *meter;  /* DAMAGE: object is the first of count / 2 meters, values damage and closed cycles of each */
     const jo_real *breaks;  /* (nbreak) s, ascending: adaptive steps end there */
     const jo_link *link;    /* parents first */
+    const jo_loop *loop;
+    const jo_reach *reach;
+    const jo_meet *meet;
 } jo_model;
 
 typedef struct {

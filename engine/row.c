@@ -36,7 +36,7 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_close_work(d);
-    jo_mirror(m, d, JO_MIRROR_ALL);
+    jo_mirror_all(m, d);
     if (m->nlink && !d->tree.on && !jo_tree_stands(m, d)) jo_tree_read(m, d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];

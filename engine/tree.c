@@ -313,7 +313,7 @@ static void accelerate(const jo_model *m, jo_data *d)
 /* the forces of what is prescribed, from all that it passes on, and their power */
 static void drive(const jo_model *m, jo_data *d)
 {
-    jo_real power = 0.0;
+    jo_real power = m->nloop ? jo_loop_power(m, d) : 0.0;
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
@@ -347,6 +347,7 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     outward(m, d);
     int status = jo_tree_forces(m, d, stage);
     if (status == JO_OK) status = inward(m, d, stage);
+    if (status == JO_OK && m->nloop) status = jo_loop_evaluate(m, d, stage);
     if (status != JO_OK) return status;
     accelerate(m, d);
     if (m->nfriction) status = jo_friction_solve(m, d, stage);

@@ -171,6 +171,29 @@ struct jo_link_change {
     jo_real rest;           /* force along the joint */
 };
 
+/* A marker of the joint of a loop. */
+typedef struct {
+    int link, reach, marker;   /* link -1: ground */
+    jo_real arm[3], A[9];   /* place and axes, by columns, in the frame of the link */
+    double moves, turns;    /* what a unit of force and of moment does to its body alone, about: 1/kg, 1/(kg m2) */
+    jo_vec at;              /* arm, world */
+    jo_vec f[JO_MAX_ROWS], t[JO_MAX_ROWS];   /* rows as force and moment about the origin of the link */
+} jo_loop_side;
+
+struct jo_loop_work {
+    int rows, oriented;     /* oriented: the rows need the axes of the markers */
+    jo_loop_side side[JO_MAX_SIDES];
+    jo_motion motion[JO_MAX_SIDES];   /* of the markers, without accelerations of the joints */
+    jo_real x[8];           /* right-hand side, then multipliers */
+};
+
+/* What the rows of a loop do at a link: force and moment that arrive there, what of it accelerates the motions of its joint, and
+ * that over their inertia. J M^-1 J^T is the sum of rest^T share over the links. */
+struct jo_reach_work {
+    jo_vec f[JO_MAX_ROWS], t[JO_MAX_ROWS];
+    jo_real rest[6][8], share[6][8];   /* (motions x rows), padded with 0 */
+};
+
 void jo_tree_sines(const jo_model *m, jo_data *d);   /* tree_sines.c */
 
 /* whether friction holds the joint of a link */

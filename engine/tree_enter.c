@@ -48,7 +48,8 @@ int jo_tree_enter(const jo_model *m, jo_data *d)
 void jo_tree_leave(const jo_model *m, jo_data *d)
 {
     if (!d->tree.on) return;
-    jo_mirror(m, d, d->fresh ? JO_MIRROR_ALL : JO_MIRROR_STATE);
+    if (d->fresh) jo_mirror_all(m, d);
+    else jo_mirror(m, d, JO_MIRROR_STATE);
     jo_use_core(m, d, 0);
 }
 

@@ -2,7 +2,7 @@
 #include "tree.h"
 
 /* the bodies that forces act on or depend on, as jo_refresh leaves them */
-static void place_bodies(const jo_model *m, jo_data *d)
+void jo_tree_bodies(const jo_model *m, jo_data *d)
 {
     const jo_tree *t = &d->tree;
     for (int i = 0; i < m->nlink; i++) {   /* the rest of jo_tree_kinematics */
@@ -37,11 +37,11 @@ static void place_bodies(const jo_model *m, jo_data *d)
     }
 }
 
-static void place_markers(const jo_model *m, jo_data *d)
+void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count)
 {
-    for (int i = 0; i < d->tree.nmarker; i++) {
-        const jo_marker *k = &m->marker[d->tree.marker[i]];
-        jo_marker_work *w = &d->marker[d->tree.marker[i]];
+    for (int i = 0; i < count; i++) {
+        const jo_marker *k = &m->marker[list[i]];
+        jo_marker_work *w = &d->marker[list[i]];
         if (k->body < 0) continue;
         const jo_body_work *b = &d->body[k->body];
         jo_set3(w->u, k->u0);
@@ -123,14 +123,14 @@ int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const int pushed = d->tree.nbody > 0;
     for (int i = 0; i < m->nu; i++) d->tree.tau[i] = 0.0;
-    if (!m->nforce) {
+    if (!m->nforce && !pushed) {
         if (stage->set)
             for (int i = 0; i < m->nu; i++) d->tree.stiffness[i] = d->tree.damping[i] = 0.0;
         return JO_OK;
     }
     if (pushed) {
-        place_bodies(m, d);
-        place_markers(m, d);
+        jo_tree_bodies(m, d);
+        jo_tree_markers(m, d, d->tree.marker, d->tree.nmarker);
     }
     place_coordinates(m, d);
     const int status = jo_apply_forces(m, d, stage);

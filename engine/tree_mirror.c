@@ -162,6 +162,8 @@ static void write_multipliers(const jo_model *m, jo_data *d)
         const jo_real factor = jo_link_sign(k) * m->line[k->driven].data->factor[0];
         d->lam[m->joint[k->drive].row] = -d->tree.pull[i] / factor;
     }
+    for (int i = 0; i < m->nloop; i++)
+        for (int r = 0; r < d->tree.loop[i].rows; r++) d->lam[m->joint[m->loop[i].joint].row + r] = d->tree.loop[i].x[r];
     jo_tree_locks(m, d);
 }
 

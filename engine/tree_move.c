@@ -54,6 +54,21 @@ void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, 
     }
 }
 
+/* rotation vector of the turn from e0 to e, below half a turn, in the frame of e0 */
+void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
+{
+    const jo_real c = e0[0] * e[0] + e0[1] * e[1] + e0[2] * e[2] + e0[3] * e[3];
+    jo_real x[3];
+    x[0] = e0[0] * e[1] - e0[1] * e[0] - e0[2] * e[3] + e0[3] * e[2];
+    x[1] = e0[0] * e[2] - e0[2] * e[0] - e0[3] * e[1] + e0[1] * e[3];
+    x[2] = e0[0] * e[3] - e0[3] * e[0] - e0[1] * e[2] + e0[2] * e[1];
+    const jo_real s = jo_dot3(x, x), sine = jo_sqrt(s);
+    /* 2 asin(u) / u for small angles */
+    const jo_real f = JO_RE(s) < 1e-5 ? 2.0 + s * (1.0 / 3.0 + s * (3.0 / 20.0 + s * (5.0 / 56.0)))
+                                      : 2.0 * jo_arc_tangent(sine, c) / sine;
+    for (int i = 0; i < 3; i++) theta[i] = f * x[i];
+}
+
 int jo_tree_check(const jo_model *m, jo_data *d)
 {
     double sum = 0.0;

@@ -159,6 +159,13 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         note_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
         if (c < 0) note(t->body, &t->nbody, f->body);
     }
+    for (int i = 0; i < m->nloop; i++) {   /* their lines need their coordinates; other rows the links only */
+        const jo_joint *k = &m->joint[m->loop[i].joint];
+        for (int l = 0; l < k->nline; l++)
+            for (int j = 0; j < m->line[k->line + l].count; j++)
+                note(t->coordinate, &t->ncoordinate, m->line[k->line + l].coordinate[j]);
+        for (int s = 0; k->nline && s < k->nside; s++) note_marker(m, t, k->side[s]);
+    }
     t->direct = 1;
     for (int i = 0; i < m->ncoordinate; i++)
         if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0) t->direct = 0;

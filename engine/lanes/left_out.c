@@ -159,6 +159,28 @@ size_t jo_link_change_bytes(void)
 {
     return 0;
 }
+size_t jo_loop_bytes(void)
+{
+    return 0;
+}
+size_t jo_reach_bytes(void)
+{
+    return 0;
+}
+int jo_loop_rows(const jo_model *m, int i)
+{
+    (void)m; (void)i;
+    return 0;
+}
+void jo_loop_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_tree_close(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return 1;
+}
 void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

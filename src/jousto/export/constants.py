@@ -202,6 +202,9 @@ class _Writer:
             "meter": m.nmeter,
             "breaks": m.nbreak,
             "link": m.nlink,
+            "loop": m.nloop,
+            "reach": m.nreach,
+            "meet": m.nmeet,
         }
 
     def _array(self, name: str, item: Any, pointer: Any, count: int) -> str:

@@ -450,7 +450,7 @@ class Model:
     def links(self) -> tuple[LinkModel, ...]:
         """The links of the tree that runs, none where the model has been changed since."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
-        return () if self.beams or self.redundant or not same else self.tree
+        return () if self.beams or not same else self.tree
 
     def keeping_tree(self, of: Model) -> Model:
         """Return this model with the tree of another one that it was made from, if that has one.

@@ -10,6 +10,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.members import core_problem
+from jousto.model.loop import cut_joints, pays
 from jousto.model.model import JointModel, LinkModel, Model
 
 JOINT = "joint coordinates"
@@ -40,7 +41,8 @@ def with_core(model: Model, core: str) -> Model:
     if core == "maximal":
         return replace(model, tree=()) if model.tree else model
     try:
-        return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
+        made = replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
+        return made if core == "joint" or pays(made) else model
     except _Unfit as reason:
         if core == "joint":
             where = f"mechanism {model.name!r}"
@@ -54,7 +56,9 @@ def with_core(model: Model, core: str) -> Model:
 def core_of(model: Model) -> str:
     """Return which core runs a model and, if it is not the joint coordinates, why not."""
     if model.links:
-        return f"{JOINT} ({model.nu} of a tree)"
+        rows = sum(model.joints[k].rows for k in cut_joints(model, model.links))
+        loops = f", {rows} rows close its loops" if rows else ""
+        return f"{JOINT} ({model.nu} of a tree{loops})"
     try:
         _Tree(model).links()
     except _Unfit as reason:
@@ -84,9 +88,9 @@ class _Tree:
                 self._add(LinkModel("free", -1, body))
                 self.of_body[body] = len(self.made) - 1
                 self._grow(body, near)
-        if self.drives:
-            name = self.model.joints[next(iter(self.drives.values()))].name
-            raise _Unfit(f"drive '{name}' is not along a coordinate of its joints")
+        if self.model.frictions and (rest := cut_joints(self.model, self.made)):
+            friction, joint = self.model.frictions[0].name, self.model.joints[rest[0]].name
+            raise _Unfit(f"friction '{friction}' is beside '{joint}', which is no link of a tree")
         self._note_locks()
         return tuple(self.made)
 
@@ -115,8 +119,6 @@ class _Tree:
                 raise _Unfit(f"body '{body.name}' is flexible")
         if not m.bodies:
             raise _Unfit("it has no bodies")
-        if m.redundant:
-            raise _Unfit("its joints repeat one another")
         for joint in m.joints:
             if joint.release >= 0:
                 event = m.events[joint.release].name
@@ -127,8 +129,19 @@ class _Tree:
         return self.model.markers[a].body, self.model.markers[b].body
 
     def _joints(self) -> list[int]:
-        """Return the joints that connect bodies; note the drives."""
-        found = []
+        """Return the joints that become links; note the drives of coordinates.
+
+        Where joints close a loop those with the fewest rows are left out, and with all that is no
+        link their rows stay, see loop.py.
+        """
+        joints = self.model.joints
+        known: list[int] = []
+        for k, joint in enumerate(joints):
+            if joint.coincident or joint.perpendicular:
+                if self._known(joint):
+                    known.append(k)
+            elif joint.lock < 0 and self._drives(joint):
+                self.drives.setdefault(joint.lines[0].coordinates[0], k)
         roots = list(range(-1, len(self.model.bodies)))
 
         def root(body: int) -> int:
@@ -136,26 +149,26 @@ class _Tree:
                 body = roots[body + 1]
             return body
 
-        for k, joint in enumerate(self.model.joints):
-            if not joint.coincident and not joint.perpendicular:
-                if joint.lock < 0:
-                    self._note_drive(k, joint)
-                continue
+        found = []
+        for k in sorted(known, key=lambda k: -joints[k].rows):
             a, b = (root(body) for body in self._ends(k))
-            if a == b:
-                raise _Unfit(f"joint '{joint.name}' closes a loop")
-            roots[max(a, b) + 1] = min(a, b)
-            found.append(k)
-        return found
+            if a != b:
+                roots[max(a, b) + 1] = min(a, b)
+                found.append(k)
+        return sorted(found)
 
-    def _note_drive(self, k: int, joint: JointModel) -> None:
+    def _known(self, joint: JointModel) -> bool:
+        try:
+            self._kind(joint)
+        except _Unfit:
+            return False
+        return True
+
+    def _drives(self, joint: JointModel) -> bool:
+        """Whether it prescribes one coordinate, whose speed does not jump."""
         line = joint.lines[0]
-        if len(joint.lines) != 1 or len(line.coordinates) != 1 or line.signal < 0:
-            raise _Unfit(f"'{joint.name}' couples coordinates or holds one")
-        if not self._smooth(line.signal):
-            raise _Unfit(f"the speed of drive '{joint.name}' may jump")
-        if self.drives.setdefault(line.coordinates[0], k) != k:
-            raise _Unfit(f"drive '{joint.name}' moves what another one moves")
+        single = len(joint.lines) == 1 and len(line.coordinates) == 1
+        return single and line.signal >= 0 and self._smooth(line.signal)
 
     def _smooth(self, place: int) -> bool:
         """Whether value and rate of a signal are continuous."""
@@ -207,11 +220,8 @@ class _Tree:
         if joint is not None:
             link = replace(link, coordinates=self._own(link, joint, kind))
         for coordinate in link.coordinates:
-            if coordinate in self.drives:
+            if coordinate in self.drives and link.drive < 0:
                 drive = self.drives.pop(coordinate)
-                if link.drive >= 0:
-                    name = self.model.joints[drive].name
-                    raise _Unfit(f"drive '{name}' moves what another one moves")
                 line = sum(len(other.lines) for other in self.model.joints[:drive])
                 link = replace(link, drive=drive, driven=line)
         self.made.append(link)

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.model.loop import loops_of
 from jousto.model.model import Model
 from jousto.model.native.callback import callback
 from jousto.model.native.header import kinds, packed
@@ -157,6 +158,7 @@ class Layout:
         m = self._source
         model = self._ffi.new("jo_model *")
         pairs = self._pairs()
+        loops = loops_of(m)
         newton = newton_pattern(m)
         updates = [u for column in m.elimination.updates for u in column]
         belows = [b for column in m.elimination.below for b in column]
@@ -191,6 +193,9 @@ class Layout:
             "nlink": len(m.links),
             "nx": m.nx,
             "nu": m.nu,
+            "nloop": len(loops.loops),
+            "nreach": len(loops.reaches),
+            "nmeet": len(loops.meets),
         }
         for name, size in sizes.items():
             setattr(model, name, size)
@@ -225,6 +230,9 @@ class Layout:
         model.sensor = self._sensors()
         model.meter = self._meters()
         model.link = self._copied("jo_link", m.links)
+        model.loop = self._fill("jo_loop", loops.loops)
+        model.reach = self._fill("jo_reach", loops.reaches)
+        model.meet = self._fill("jo_meet", loops.meets)
         return model
 
     def _copied(self, kind: str, objects: Sequence[Any]) -> Any:

@@ -35,7 +35,8 @@ def ffi() -> Any:
 
 
 @functools.cache
-def _open(name: str) -> Any:
+def _loaded(name: str) -> tuple[Any, Any]:
+    """Return a build and its path, whatever interface it has."""
     path = _path(name)
     if path is None:
         raise InputError(
@@ -46,7 +47,12 @@ def _open(name: str) -> Any:
             )
         )
     # memory of an engine may be given back after its library is, when Python ends: keep it loaded
-    library = ffi().dlopen(str(path), getattr(ffi(), "RTLD_NODELETE", 0))
+    return ffi().dlopen(str(path), getattr(ffi(), "RTLD_NODELETE", 0)), path
+
+
+@functools.cache
+def _open(name: str) -> Any:
+    library, path = _loaded(name)
     found = (library.jo_abi(), library.jo_model_size())
     wanted = (library.JO_ABI, ffi().sizeof("jo_model"))
     if found != wanted:
@@ -92,7 +98,7 @@ def _runs(name: str) -> bool:
 
 
 def _level() -> int:
-    return int(_open("jousto_engine").jo_cpu_level())
+    return int(_loaded("jousto_engine")[0].jo_cpu_level())
 
 
 def _file(name: str) -> str:
