@@ -224,10 +224,10 @@ void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real
 {
     const jo_joint *k = &m->joint[joint];
     jo_joint_work *w = &d->joint[joint];
-    const double sign = side == 0 ? -1.0 : side == 1 ? 1.0 : 0.0;
+    const jo_real sign = jo_same(side == 0 ? -1.0 : side == 1 ? 1.0 : 0.0);
     if (!side) turn_axes(d, k, w);
     for (int r = 0; r < first_line(k); r++)
-        for (int i = 0; i < 3; i++) f[r][i] = g[r][i] = 0.0;
+        for (int i = 0; i < 3; i++) f[r][i] = g[r][i] = jo_same(0.0);
     for (int r = 0; k->coincident && r < 3; r++) f[r][r] = sign;
     for (int r = 0; r < k->nperp; r++) jo_axpy3(g[first_line(k) - k->nperp + r], -sign, w->axes[r]);
     for (int l = 0; l < k->nline; l++) line_slopes(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
