@@ -44,6 +44,50 @@ def swinging_arm() -> jo.Mechanism:
     )
 
 
+def reaching_arm() -> jo.Mechanism:
+    """Return a rigid tree with a link of every kind, all kinds of forces, an event and damage."""
+    J = (0.1, 0.15, 0.2)
+    ground = jo.ground
+    parts = [
+        jo.RigidBody(name, 1.5, J, center=(0.3, 0.05, 0), position=(0.6 * k, 0, 0))
+        for k, name in enumerate(("base", "upper", "rod", "tube", "cross", "hand", "plate"))
+    ]
+    base, upper, rod, tube, cross, hand, plate = parts
+    kite = jo.RigidBody.sphere("kite", 0.1, mass=0.8, position=(3.0, 1.0, 0.5))
+
+    def ends(one: jo.RigidBody, other: jo.RigidBody) -> tuple[object, object]:
+        return one.at((0.6, 0, 0)), other.at((0, 0, 0))
+
+    turn = jo.Revolute("turn", ground["origin"], base["origin"], axis=(0, 0, 1))
+    lift = jo.Revolute("lift", *ends(base, upper), axis=(0, 1, 0))
+    slide = jo.Prismatic("slide", *ends(upper, rod)[::-1], axis=(1, 0.2, 0))
+    twist = jo.Cylindrical("twist", *ends(rod, tube), axis=(0.1, 1, 0.3))
+    pivot = jo.Universal("pivot", *ends(tube, cross), axis_a=(0, 1, 0), axis_b=(0, 0, 1))
+    ball = jo.Spherical("ball", *ends(cross, hand))
+    weld = jo.Fixed("weld", *ends(hand, plate))
+    swing = jo.Harmonic(amplitude=0.4, frequency=1.0)
+    tip = jo.PositionSensor("tip", plate.at((0.6, 0, 0)))
+    held = jo.ReactionSensor("held", lift)
+    low = jo.mechanism.Event("low", tip, component="z", threshold=-0.3)
+    life = jo.mechanism.DamageSensor(
+        "life", held, jo.SN(S_D=100e6, N_D=1e6, k=5), residue="half", components="Mx", factor=1e6
+    )
+    return jo.Mechanism(
+        *(*parts, kite, turn, lift, slide, twist, pivot, ball, weld),
+        jo.Drive("yaw", turn.angle, swing),
+        jo.JointForce("push", lift.angle, jo.Input("push", -12.0)),
+        jo.Spring("stay", slide.coordinates[0], stiffness=900.0, damping=4.0),
+        jo.Servo("servo", lift.angle, jo.Harmonic(amplitude=0.2, frequency=2.0), kp=40.0, kd=2.0),
+        jo.Spring("coil", twist.coordinates[1], stiffness=12.0, damping=0.3),
+        jo.Spring.between("line", plate.at((0.6, 0, 0)), kite["origin"], 30.0, damping=0.5),
+        jo.Bushing("pad", ground.at((2, 0, 0)), cross.at((0, 0, 0)), (40, 40, 40, 1, 1, 1), 0.5),
+        *(tip, held, low, life, jo.AccelerationSensor("felt", hand.at((0.1, 0, 0)))),
+        *(jo.ReactionSensor("yaw_torque", turn), jo.CoordinateSensor("lifted", lift.angle)),
+        jo.Gravity((0, 0, -9.81)),
+        name="reaching arm",
+    )
+
+
 def compiled(folder: Path, *sources: str, flags: tuple[str, ...] = FLAGS) -> Path:
     out = folder / "program"
     line = [str(CC), *WARNINGS, *flags, "-I.", *sources, "-o", str(out), "-lm"]
@@ -62,19 +106,21 @@ def expected(model: jo.Model, run: jo.Solution) -> np.ndarray:
     return np.concatenate([run.time[:, None], *values], axis=1)
 
 
-def engine_rows(folder: Path, end: float, rows: int) -> np.ndarray:
+def engine_rows(
+    folder: Path, end: float, rows: int, machine: str = "swinging_arm", core: str = "auto"
+) -> np.ndarray:
     """Return time and sensors of a run in the baseline engine, in a process of its own."""
     code = (
         "import sys, numpy as np, jousto as jo\n"
         "sys.path.insert(0, sys.argv[1])\n"
         "import exported as t\n"
-        "m = jo.compile(t.swinging_arm())\n"
+        "m = jo.compile(getattr(t, sys.argv[5])(), core=sys.argv[6])\n"
         "end, rows = float(sys.argv[2]), int(sys.argv[3])\n"
         "run = jo.simulate(m, end, solver=jo.ROS2(step=t.STEP), output_step=end / rows)\n"
         "np.save(sys.argv[4], t.expected(m, run))\n"
     )
     out = folder / "rows.npy"
-    given = [str(Path(__file__).parent), repr(end), str(rows), str(out)]
+    given = [str(Path(__file__).parent), repr(end), str(rows), str(out), machine, core]
     environment = {**os.environ, "JOUSTO_CPU": "baseline"}
     subprocess.run([sys.executable, "-c", code, *given], env=environment, check=True)
     found: np.ndarray = np.load(out)

@@ -58,6 +58,7 @@ jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int loggi
     f->exchange = exchange;
     f->scratch = (double *)(f + 1);
     f->machine = jo_machine_place(&PLANT, f->scratch + 2 * states, bytes);
+    if (exchange) jo_machine_in_bodies(f->machine);
     f->mode = JO_FMU_MADE;
     return f;
 }
@@ -310,7 +311,7 @@ int jo_fmu_slope(jo_fmu *f, const unsigned *unknowns, size_t nunknown, const uns
     if (status == JO_FMU_OK) {
         f->current = 0;
         if (jo_machine_save(f->machine, state) != JO_MACHINE_OK) status = failed(f);
-        else if (jo_slope(state, PLANT_BAUMGARTE, refs, seed, (int)nknown, refs + nknown, change, (int)nunknown))
+        else if (jo_slope(state, f->exchange, PLANT_BAUMGARTE, refs, seed, (int)nknown, refs + nknown, change, (int)nunknown))
             status = jo_fmu_say(f, JO_FMU_DISCARD, "at %.9g s there are no derivatives", jo_machine_time(f->machine));
     }
     free(refs);

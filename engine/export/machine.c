@@ -89,6 +89,12 @@ jo_machine *jo_machine_place(const jo_plant *p, void *memory, long long bytes)
     return k;
 }
 
+void jo_machine_in_bodies(jo_machine *k)
+{
+    k->model.nlink = k->model.nx = k->model.nu = 0;
+    jo_machine_reset(k);
+}
+
 const jo_plant *jo_machine_plant(const jo_machine *k) { return k->plant; }
 jo_data *jo_machine_data(jo_machine *k) { return k->data; }
 
@@ -304,6 +310,13 @@ static const double *put_int(int *to, const double *from, int count)
     return from + count;
 }
 
+/* whether Euler parameters may be of a step: unit ones, about */
+static int turns(const double *e)
+{
+    const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3];
+    return square >= 0.25 && square <= 4.0;
+}
+
 /* whether the numbers of a row, which follow `sensors`, are what a machine of this model can remember */
 static int possible(const jo_model *m, const double *row)
 {
@@ -311,8 +324,10 @@ static int possible(const jo_model *m, const double *row)
     const int after = sensors + m->nout, ints = m->nlock + m->nfriction;
     for (int i = 0; i < lead; i++)
         if (!is_finite(row[i])) return 0;
-    const int end = jo_row_size(m) - m->nmemory;
+    const int joint = jo_row_size(m) - m->nx - m->nu, end = joint - m->nmemory;
     for (int i = after; i < end; i++)
+        if (!is_finite(row[i])) return 0;
+    for (int i = joint; i < joint + m->nx + m->nu; i++)
         if (!is_finite(row[i])) return 0;
     for (int i = after + m->nturn; i < after + m->nturn + ints; i++)
         if (row[i] != 0.0 && row[i] != 1.0 && row[i] != -1.0) return 0;
@@ -321,10 +336,12 @@ static int possible(const jo_model *m, const double *row)
         if (row[i] < 0.0 || row[i] > 2147483647.0) return 0;
     for (int i = 0; i < m->nmeter; i++)
         if (!jo_meter_valid(&m->meter[i], row + end + m->meter[i].at)) return 0;
-    for (int i = 0; i < m->nbody; i++) {   /* Euler parameters */
-        const double *e = row + 1 + m->body[i].iq + 3;
-        const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3];
-        if (square < 0.25 || square > 4.0) return 0;
+    for (int i = 0; i < m->nbody; i++)
+        if (!turns(row + 1 + m->body[i].iq + 3)) return 0;
+    for (int i = 0; i < m->nlink; i++) {
+        const double *x = row + joint + m->link[i].x;
+        if (m->link[i].type == JO_LINK_BALL && !turns(x)) return 0;
+        if (m->link[i].type == JO_LINK_FREE && !turns(x + 3)) return 0;
     }
     return 1;
 }
@@ -360,6 +377,7 @@ int jo_machine_load(jo_machine *k, const double *state)
     row = put_int(jo_data_happened(d), row, m->nevent);
     row = put(jo_data_input(d), row, m->ninput);
     memcpy(jo_data_memory(d), row, sizeof(double) * (size_t)m->nmemory);
+    put(jo_data_joint(d), row + m->nmemory, m->nx + m->nu);
     k->status = JO_OK;
     return JO_MACHINE_OK;
 }

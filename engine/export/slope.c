@@ -69,7 +69,7 @@ static int slope(jo_machine *k, jo_real *rates, const double *state, double rate
     return 0;
 }
 
-int jo_slope(const double *state, double rate, const jo_slope_ref *known, const double *seed, int nknown,
+int jo_slope(const double *state, int in_bodies, double rate, const jo_slope_ref *known, const double *seed, int nknown,
              const jo_slope_ref *unknown, double *change, int nunknown)
 {
     const long long bytes = jo_machine_bytes(&PLANT);
@@ -78,6 +78,7 @@ int jo_slope(const double *state, double rate, const jo_slope_ref *known, const 
     int status = 1;
     if (!rates) return status;
     jo_machine *k = jo_machine_place(&PLANT, rates + states + 1, bytes);
+    if (k && in_bodies) jo_machine_in_bodies(k);
     if (k) status = slope(k, rates, state, rate, known, seed, nknown, unknown, change, nunknown);
     free(rates);
     return status;

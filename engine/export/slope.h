@@ -6,8 +6,8 @@ enum { JO_SLOPE_TIME, JO_SLOPE_INPUT, JO_SLOPE_OUTPUT, JO_SLOPE_PARAMETER, JO_SL
 typedef struct { int kind, index; } jo_slope_ref;
 
 /* change[j] of `unknown` (outputs, rates) per unit along the direction `seed` of `known` (time, inputs, parameters, states) at
- * a state of jo_machine_save; `rate` is Baumgarte's. Returns 0, or not 0 if it has no value there. */
-int jo_slope(const double *state, double rate, const jo_slope_ref *known, const double *seed, int nknown,
+ * a state of jo_machine_save, `in_bodies` or not; `rate` is Baumgarte's. Returns 0, or not 0 if it has no value there. */
+int jo_slope(const double *state, int in_bodies, double rate, const jo_slope_ref *known, const double *seed, int nknown,
              const jo_slope_ref *unknown, double *change, int nunknown);
 
 #endif

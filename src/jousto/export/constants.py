@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.model.model import Model
-from jousto.model.native.library import ffi, real_library
+from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
 
 A_ROW = 4  # numbers in a line
@@ -47,17 +46,17 @@ class Constants:
         return len(self.text)
 
 
-def constants(model: Model, engine: Engine, more: Sequence[float] = ()) -> Constants:
+def constants(engine: Engine, more: Sequence[float] = ()) -> Constants:
     """Return the constants of a model in C, from the structs that an engine of it has filled.
 
     Parameters
     ----------
-    model, engine
-        The model, and an engine of it.
+    engine : Engine
+        Of the model.
     more : sequence of float
         Tunable numbers behind those of the engine: ``("named", 0)`` and on.
     """
-    return _Writer(model, engine, list(more)).written()
+    return _Writer(engine, list(more)).written()
 
 
 def number(x: float) -> str:
@@ -110,11 +109,10 @@ def text(value: str) -> str:
 
 @dataclass(eq=False)
 class _Writer:
-    model: Model
     engine: Engine
     more: list[float]
     pieces: list[str] = field(default_factory=list)
-    known: dict[tuple[int, int], str] = field(default_factory=dict)
+    known: dict[int, str] = field(default_factory=dict)
     tunable: list[float] = field(default_factory=list)
     places: dict[tuple[str, int], int] = field(default_factory=dict)
 
@@ -122,7 +120,6 @@ class _Writer:
         self.ffi = ffi()
         native = self.engine.native_model
         tuned = self._tuned(native)
-        lengths = self._lengths(native)
         fields = []
         for name, about in self.ffi.typeof("jo_model").fields:
             value = getattr(native, name)
@@ -133,7 +130,7 @@ class _Writer:
             elif name in tuned:
                 fields.append((name, tuned[name]))
             else:
-                fields.append((name, self._array(name, about.type.item, value, lengths[name])))
+                fields.append((name, self._array(name, about.type.item, value)))
         body = ",\n".join(f"    .{name} = {value}" for name, value in fields)
         self.pieces.append(f"static const jo_model model = {{\n{body}\n}};\n")
         self.places |= {("named", k): len(self.tunable) + k for k in range(len(self.more))}
@@ -143,80 +140,33 @@ class _Writer:
 
     def _tuned(self, native: Any) -> dict[str, str]:
         """Collect the tunable numbers, then write the structs that point to them."""
-        m = self.model
         gravity = [float(native.gravity[k]) for k in range(3)]
         self.places["gravity", 0] = 0
         self.tunable += gravity
-        sizes = {
-            "force": [self._force_size(i) for i in range(len(m.forces))],
-            "friction": [self.ffi.sizeof("jo_friction_data") // 8] * len(m.frictions),
-            "signal": [signal.data.size for signal in m.signals],
-        }
         made = {}
         for kind in TUNABLE:
-            structs, count = getattr(native, kind), len(sizes[kind])
+            structs = getattr(native, kind)
+            count = self.engine.count(structs)
             pointers = []
-            for i, size in enumerate(sizes[kind]):
-                if size == 0 or structs[i].data == self.ffi.NULL:
+            for i in range(count):
+                if structs[i].data == self.ffi.NULL:
                     pointers.append("0")
                     continue
                 at = len(self.tunable)
                 self.places[kind, i] = at
-                data = self.ffi.cast("double *", structs[i].data)
-                self.tunable += [float(data[k]) for k in range(size)]
+                self.tunable += self._behind(structs[i].data).tolist()
                 cast = "(const jo_friction_data *)" if kind == "friction" else ""
                 pointers.append(f"{cast}(tunable + {at})")
             made[kind] = self._structs(kind, f"jo_{kind}", structs, count, {"data": pointers})
         return made
 
-    def _force_size(self, i: int) -> int:
-        force = self.model.forces[i]
-        if force.kind != "modal load":
-            return int(np.size(force.data))
-        n, pad = self.model.bodies[force.body].n, real_library().JO_PAD
-        return int(6 + -(-n // pad) * pad)
-
-    def _lengths(self, native: Any) -> dict[str, int]:
-        m = native
-        updates = m.update_first[m.ncolumn] if m.ncolumn else 0
-        branches = [m.node[i].first + m.node[i].count for i in range(m.nnode)]
-        return {
-            "body": m.nbody,
-            "beam": m.nbeam,
-            "marker": m.nmarker,
-            "coordinate": m.ncoordinate,
-            "joint": m.njoint,
-            "line": m.nline,
-            "pair": m.npair,
-            "column": m.ncolumn,
-            "below": m.nblock - m.ncolumn,
-            "update": updates,
-            "update_first": m.ncolumn + 1,
-            "node": m.nnode,
-            "branch": max(branches, default=0),
-            "fill": m.fill_first[m.nnode],
-            "fill_first": m.nnode + 1,
-            "place": m.nbody + m.njoint,
-            "event": m.nevent,
-            "sensor": m.nsensor,
-            "meter": m.nmeter,
-            "breaks": m.nbreak,
-            "link": m.nlink,
-            "loop": m.nloop,
-            "reach": m.nreach,
-            "meet": m.nmeet,
-        }
-
-    def _array(self, name: str, item: Any, pointer: Any, count: int) -> str:
+    def _array(self, name: str, item: Any, pointer: Any) -> str:
         """Write an array of numbers or of structs and return its name."""
-        if count == 0 or pointer == self.ffi.NULL:
+        if pointer == self.ffi.NULL:
             return "0"
         if item.kind == "primitive":
-            values = [pointer[i] for i in range(count)]
-            kind = "int" if item.cname == "int" else "double"
-            self.pieces.append(array(name, np.array(values), kind=kind))
-            return name
-        return self._structs(name, item.cname, pointer, count, {})
+            return self._numbers(name, item, pointer)
+        return self._structs(name, item.cname, pointer, self.engine.count(pointer), {})
 
     def _structs(
         self, name: str, kind: str, structs: Any, count: int, given: dict[str, Sequence[str]]
@@ -236,8 +186,7 @@ class _Writer:
                 if about.type.kind == "pointer":
                     if about.type.item.kind == "void" or value == self.ffi.NULL:
                         continue
-                    size = self._size(kind, key, struct, i)
-                    pointed = self._numbers(f"{name}_{i}_{key}", value, size)
+                    pointed = self._numbers(f"{name}_{i}_{key}", about.type.item, value)
                     cast = (
                         ""
                         if about.type.item.kind == "primitive"
@@ -252,44 +201,23 @@ class _Writer:
         )
         return name
 
-    def _numbers(self, name: str, pointer: Any, size: int) -> str:
+    def _numbers(self, name: str, item: Any, pointer: Any) -> str:
         """Write the numbers behind a pointer once and return the name of their array."""
-        if size == 0:
+        address = int(self.ffi.cast("uintptr_t", pointer))
+        kind = "int" if item.cname == "int" else "double"
+        values = self._behind(pointer, kind)
+        if values.size == 0:
             return "0"
-        data = self.ffi.cast("double *", pointer)
-        key = (int(self.ffi.cast("uintptr_t", data)), size)
-        if key not in self.known:
-            values = np.frombuffer(self.ffi.buffer(data, 8 * size), np.float64)
-            self.pieces.append(array(name, values))
-            self.known[key] = name
-        return self.known[key]
+        if address not in self.known:
+            self.pieces.append(array(name, values, kind=kind))
+            self.known[address] = name
+        return self.known[address]
 
-    def _size(self, kind: str, key: str, struct: Any, i: int) -> int:
-        """Return how many numbers a field of a struct points to, see jousto.h."""
-        if kind == "jo_body":
-            n, np_ = struct.n, struct.np
-            tiles = np_ // 4 * (np_ // 4 + 1) // 2 * 16
-            dense = np_ <= real_library().JO_DENSE
-            sizes = {"mass": 1, "S0": 3, "J0": 6, "I3": 3 * np_, "B0": 3 * np_, "D0": 6 * np_}
-            sizes |= {"ED": 6 * (np_ * n if dense else tiles), "K": np_, "D": np_}
-            return int((sizes | {"EB": sizes["ED"] // 2})[key])
-        if kind == "jo_marker":
-            body = self.model.markers[i].body
-            n = self.model.bodies[body].n if body >= 0 else 0
-            np_ = -(-n // real_library().JO_PAD) * real_library().JO_PAD
-            sizes = {"u0": 3, "A0": 9, "Phi": 3 * np_, "Psi": 3 * np_, "chi": 6 * n * np_}
-            return int(sizes[key])
-        if kind == "jo_beam":
-            return int(self.ffi.sizeof("jo_beam_data") // 8)
-        if kind == "jo_line":
-            return int(self.ffi.sizeof("jo_line_data") // 8)
-        if kind == "jo_sensor":
-            sensor = self.model.sensors[i]
-            n = self.model.bodies[sensor.object].n
-            np_ = -(-n // real_library().JO_PAD) * real_library().JO_PAD
-            assert sensor.rows is not None
-            return int(np.prod(sensor.rows.shape[:-1]) * np_)
-        raise AssertionError(f"{kind}.{key}")  # a new pointer of jousto.h
+    def _behind(self, pointer: Any, kind: str = "double") -> NDArray[Any]:
+        """Return the numbers behind a pointer, those of a struct of numbers as well."""
+        count = self.engine.count(pointer)
+        data = self.ffi.buffer(self.ffi.cast("char *", pointer), self.ffi.sizeof(kind) * count)
+        return np.frombuffer(data, np.intc if kind == "int" else np.float64, count)
 
     def _plain(self, value: Any) -> str:
         if isinstance(value, bool | int):

@@ -47,7 +47,8 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
         problems.add("named_constants", f"model is {model!r:.80}, must come from compile")
     problems.raise_if_any()
     refuse(model)
-    here, kept = constants(model, Engine(model)), dict[Any, Any]()
+    here, kept = constants(Engine(model)), dict[Any, Any]()
+    core = "joint" if model.links else "maximal"
     found = []
     made_of = in_parts(file.variants.document.data) if file.parameters else set()
     for parameter in file.parameters:
@@ -56,7 +57,7 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
         step = SHARE * abs(parameter.value) or SHARE
         sides = []
         for value in (parameter.value + step, parameter.value - step):
-            other = _variant(file, {parameter.name: value}, kept)
+            other = _variant(file, {parameter.name: value}, kept, core)
             if other is not None and _alike(other, model, here):
                 sides.append(other[1].tunable)
         links = _links(here.tunable, sides, parameter.value, step) if len(sides) == 2 else ()
@@ -91,12 +92,12 @@ def _names(value: Any) -> set[str]:
 
 
 def _variant(
-    file: Any, values: Mapping[str, float], kept: dict[Any, Any]
+    file: Any, values: Mapping[str, float], kept: dict[Any, Any], core: str
 ) -> tuple[Model, Constants] | None:
     """Return the machine with other values; None where they make none."""
     try:
-        model = compile(file.variants.make(values, kept)[0])
-        return model, constants(model, Engine(model))
+        model = compile(file.variants.make(values, kept)[0], core=core)
+        return model, constants(Engine(model))
     except InputError:
         return None
 

@@ -166,14 +166,15 @@ def program(
             )
         )
     refuse(model)
-    model = replace(model, tree=())  # it runs in q and v
+    if chosen.method == "alpha":
+        model = replace(model, tree=())  # implicit methods run in q and v
     engine = Engine(model)
     if state is not None:
         put(engine, state, "export")
         model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
     native = prepared(engine, chosen, chosen.step)
     fields = {key: getattr(native, key) for key in FIELDS}
-    found = constants(model, engine, [one.value for one in named])
+    found = constants(engine, [one.value for one in named])
     size = _bytes(engine, found)
     return Program(
         _own_name(identifier(name or model.name)),
@@ -202,11 +203,17 @@ def _own_name(name: str) -> str:
 
 
 def _bytes(engine: Engine, found: Constants) -> int:
-    """Return the memory of a machine, see lay_out of machine.c, rounded up generously."""
+    """Return the memory of a machine, see lay_out of machine.c, rounded up generously.
+
+    Vectors of a tree take three numbers or four, as the program is compiled: a third more of what
+    they take here.
+    """
     size, m = ffi().sizeof, engine.model
     structs = len(m.forces) * size("jo_force") + len(m.signals) * size("jo_signal")
     structs += len(m.frictions) * size("jo_friction") + size("jo_model") + size("jo_solver")
-    return int(-(-(engine.bytes + 8 * len(found.tunable) + structs + 1024) // 64) * 64)
+    vectors = engine.bytes - engine.bytes_without_tree
+    total = engine.bytes + vectors // 3 + 8 * len(found.tunable) + structs + 1024
+    return int(-(-total // 64) * 64)
 
 
 def _value(x: Any) -> str:

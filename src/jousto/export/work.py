@@ -17,6 +17,7 @@ STEPS = (MORE - FEW) * 11 // 10
 
 KINDS = {
     "bodies": "body beam",
+    "trees in joint coordinates": "tree",
     "joints, markers, coordinates": "joint marker coordinate coupled relative reaction",
     "forces and signals": "force signal",
     "friction": "friction",
@@ -91,6 +92,7 @@ def work_of(model: Model, program: Path, folder: Path) -> Work | None:
         found[kind] = found.get(kind, 0.0) + (more[name] - less.get(name, 0)) / STEPS
     objects = {
         "bodies": len(model.bodies) + len(model.beams),
+        "trees in joint coordinates": len(model.links),
         "joints, markers, coordinates": len(model.joints),
         "forces and signals": len(model.forces),
         "friction": len(model.frictions),

@@ -26,6 +26,7 @@ class _Laid:
 
     model: Any
     keep: list[Any]
+    counts: dict[int, int]
 
 
 _LAID: WeakKeyDictionary[Model, dict[int, _Laid]] = WeakKeyDictionary()  # by build of the engine
@@ -55,6 +56,8 @@ class Layout:
         The jo_model; it lives as long as this object.
     raised : list of exceptions
         What Python functions of the user raised during a call of the engine.
+    counts : dict
+        How many structs or numbers lie at an address that the model refers to.
     """
 
     def __init__(
@@ -77,6 +80,7 @@ class Layout:
         self._room, self._used, self._address = np.zeros(0, dtype), 0, ffi.NULL
         self._stride = dtype.itemsize // ffi.sizeof("jo_real")
         self.raised: list[BaseException] = []
+        self.counts: dict[int, int] = {}
         self.model = self._native_model()
 
     def _native_model(self) -> Any:
@@ -88,12 +92,13 @@ class Layout:
         build = id(self._library)
         laid = known.get(build)
         if laid is None:
-            laid = _Laid(self._laid_out(), self._keep)
+            laid = _Laid(self._laid_out(), self._keep, self.counts)
             self._keep = [laid]
             self._room = np.zeros(0, self._dtype)
             known[build] = laid
         else:
             self._keep.append(laid)
+            self.counts = laid.counts
         model = self._ffi.new("jo_model *", laid.model[0])
         model.redundant = -1 if self._strict else int(m.redundant)
         model.gravity = self._constant(m.gravity, ("model", 0, "gravity"))
@@ -121,7 +126,7 @@ class Layout:
         if shared is not None and id(shared) in self._shared:
             return self._shared[id(shared)][1]
         flat = np.asarray(array, dtype=self._dtype).ravel()
-        pointer = self._place(flat)
+        pointer = self._place(flat) if flat.size else self._ffi.NULL
         if shared is not None:
             self._shared[id(shared)] = (shared, pointer)
         return pointer
@@ -147,11 +152,16 @@ class Layout:
         self._room[self._used : self._used + flat.size] = flat
         pointer = self._address + self._used * self._stride
         self._used += flat.size
+        self._count(pointer, flat.size)
         return pointer
+
+    def _count(self, pointer: Any, count: int) -> None:
+        self.counts[int(self._ffi.cast("uintptr_t", pointer))] = count
 
     def _structs(self, kind: str, count: int) -> Any:
         array = self._ffi.new(f"{kind}[]", max(count, 1))
         self._keep.append(array)
+        self._count(array, count)
         return array
 
     def _laid_out(self) -> Any:

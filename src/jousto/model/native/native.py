@@ -432,10 +432,21 @@ class Engine:
         """The jo_model of this engine, for those who write it down."""
         return self._model
 
+    def count(self, pointer: Any) -> int:
+        """Return how many structs or numbers a pointer of the jo_model refers to."""
+        return self._layout.counts[int(self._ffi.cast("uintptr_t", pointer))]
+
     @property
     def bytes(self) -> int:
         """Bytes of the workspace and of a row, for programs that give them the memory."""
         return int(self._library.jo_data_room(self._model)) + 8 * self.row_size
+
+    @property
+    def bytes_without_tree(self) -> int:
+        """The same where it runs in q and v."""
+        plain = self._ffi.new("jo_model *", self._model[0])
+        plain.nlink = plain.nx = plain.nu = 0
+        return int(self._library.jo_data_room(plain)) + 8 * int(self._library.jo_row_size(plain))
 
     # -- errors -----------------------------------------------------------------------------
 
