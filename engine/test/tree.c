@@ -28,6 +28,7 @@ typedef struct {
     double mass[BODIES], S[BODIES][3], J[BODIES][6], u[MARKERS][3], A[MARKERS][9], gravity[3];
     double x[NX + NV];
     int above[BODIES];      /* body that it hangs on, -1: the ground */
+    int of_body[BODIES];    /* its link */
 } tree;
 
 /* a frame of reference; matrices by rows */
@@ -185,17 +186,23 @@ static void hang(tree *t, int i, int parent, kind which)
     if (which == HINGE || which == SLIDE) add_spring(t);
 }
 
+/* what hangs on a fixed body hangs on what that is fixed to */
+static int bears(const tree *t, int link)
+{
+    while (link >= 0 && t->link[link].type == JO_LINK_FIXED) link = t->link[link].parent;
+    return link;
+}
+
 static void make(tree *t, unsigned seed, int loose)
 {
-    int of_body[BODIES];
     state = 7919u * seed + 1u;
     memset(t, 0, sizeof *t);
     for (int i = 0; i < BODIES; i++) {
         t->above[i] = i ? (int)((random_number() + 0.5) * i) : -1;
         random_body(t, i);
         if (i == 0 && loose) add_link(t, JO_LINK_FREE, -1, 0);
-        else hang(t, i, i ? of_body[t->above[i]] : -1, (kind)((unsigned)(i + (int)seed) % KINDS));
-        of_body[i] = t->m.nlink - 1;
+        else hang(t, i, i ? bears(t, t->of_body[t->above[i]]) : -1, (kind)((unsigned)(i + (int)seed) % KINDS));
+        t->of_body[i] = t->m.nlink - 1;
     }
     if (!loose) t->gravity[2] = -9.81;
     jo_model *m = &t->m;
@@ -281,15 +288,15 @@ static void place(const tree *t, frame *f, double *q, double *v)
             f[i] = body;
         } else {
             if (k->outer < 0) f[i] = fixed_on(&f[k->parent], none, k->crossed ? across : GROUND.A);
-            else if (k->parent < 0) f[i] = fixed_on(&GROUND, t->u[k->outer], t->A[k->outer]);
-            else {   /* a marker of the body that has its inner marker at the frame of the link */
-                const int inner = t->link[k->parent].inner;
+            else if (t->marker[k->outer].body < 0) f[i] = fixed_on(&GROUND, t->u[k->outer], t->A[k->outer]);
+            else {   /* a marker of the body that has its inner marker at the frame of its link */
+                const int bearing = t->of_body[t->marker[k->outer].body], inner = t->link[bearing].inner;
                 double B[9], arm[3], away[3] = {0}, by[3] = {0};
                 for (int r = 0; r < 9 && inner >= 0; r++) B[3 * (r % 3) + r / 3] = t->A[inner][r];
                 if (inner < 0) memcpy(B, GROUND.A, sizeof B);
                 for (int r = 0; r < 3 && inner >= 0; r++) by[r] = -t->u[inner][r];
                 times(away, B, by);
-                const frame bearer = fixed_on(&f[k->parent], away, B);
+                const frame bearer = fixed_on(&f[bearing], away, B);
                 memcpy(arm, t->u[k->outer], sizeof arm);
                 f[i] = fixed_on(&bearer, arm, t->A[k->outer]);
             }
