@@ -1,17 +1,32 @@
-"""Trees of rigid bodies: our two cores beside MuJoCo and Pinocchio, microseconds and differences.
+"""Trees of rigid bodies beside MuJoCo, Pinocchio and EXUDYN: microseconds and errors, side by side.
 
     .venv/bin/python benchmarks/trees.py [quick]
 
 Each case is a list of equal links: parent, kind of joint, axis, place of the joint on the parent.
-It starts at rest, straight, and falls. `step` is one step of classical Runge-Kutta, whose four
-evaluations are nearly all it costs, in a loop of the program itself; Pinocchio has none, so that
-its column is the time of one evaluation (`aba`, called from Python). `apart` is how far the origin
-of the last link is from ours after 50 steps, m. MuJoCo runs without contacts and constraints, and
-up to 500 links. Programs that are not installed are left out.
+It starts at rest, straight, and falls; what hangs nowhere turns as a whole. Measured, in processor
+time, least of several runs:
+
+* ours: one step of classical Runge-Kutta and one of ROS2 in joint coordinates, and of Runge-Kutta
+  with `core="maximal"`, the method of version 0.1.0 as it is today; in loops of the engine. An
+  evaluation is a quarter of a Runge-Kutta step, which contains four and little else.
+* MuJoCo: one step of its Runge-Kutta, without contacts and constraints; a loop of its own in C.
+* Pinocchio has no integrator: four evaluations of `aba` at bent, moving poses, by
+  `abaInParallel` on one thread, a loop of its own in C++. A step of ours with these would cost at
+  least that and have the same error.
+* EXUDYN: one step of its RK44 on an ObjectKinematicTree, which has no ball joints; the
+  difference of two runs of different length, so that what surrounds the loop does not count.
+
+Errors: how far the origin of the last link is, after SPAN with STEP, from where ours in joint
+coordinates takes it in steps of a sixteenth. "At equal error" scales the ratio of two times by
+(their error / our error)^(1/4), the order of all these steps, where both errors lie above what
+rounding leaves. Programs that are not installed are left out, and so are runs of minutes.
+Both tables are printed as they stand in docs/benchmarks.md.
 """
 
 from __future__ import annotations
 
+import contextlib
+import io
 import sys
 import time
 from dataclasses import dataclass
@@ -24,7 +39,11 @@ import jousto as jo
 from cases import GRAVITY, LENGTH
 from machines import CENTER, INERTIA, MASS
 
-STEP, STEPS = 1e-4, 50
+STEP, SPAN, FINER = 2e-3, 0.2, 16  # s, s: of the errors
+TIMED, STEPS = 1e-4, 50  # s: the step of the timed runs, small enough for a thousand links
+SPIN = np.array([1.0, 2.0, 3.0])  # rad/s, of what hangs nowhere, as one rigid body
+ROUNDING = 1e-12  # m, error of a link from rounding, for each m of its distance from the ground
+Array = NDArray[np.float64]
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
@@ -70,7 +89,16 @@ def mechanism(links: list[Link]) -> jo.Mechanism:
     for k, link in enumerate(links):
         before = jo.ground if link.parent < 0 else bodies[link.parent]
         place = np.asarray(link.at) + np.asarray(before.position)
-        body = jo.RigidBody(f"link{k}", MASS, INERTIA, center=CENTER, position=place)
+        w = SPIN if links[0].kind == "free" else np.zeros(3)
+        body = jo.RigidBody(
+            f"link{k}",
+            MASS,
+            INERTIA,
+            center=CENTER,
+            position=place,
+            velocity=np.cross(w, place),
+            angular_velocity=w,
+        )
         bodies.append(body)
         a, b = before.at(link.at), body.at((0, 0, 0))
         if link.kind == "ball":
@@ -80,13 +108,12 @@ def mechanism(links: list[Link]) -> jo.Mechanism:
     return jo.Mechanism(*bodies, *joints, jo.Gravity(GRAVITY))
 
 
-def ours(model: jo.Model, repeats: int) -> tuple[float, NDArray[np.float64]]:
-    """Microseconds of a step, and where the last link is after STEPS."""
+def ours(model: jo.Model, method: str, repeats: int) -> float:
+    """Microseconds of a step."""
     engine = jo.model.Engine(model)
-    solver = engine.native_solver("rk4", STEP, True)
+    solver = engine.native_solver(method, TIMED, True)
     rows = np.zeros((2, engine.row_size))
     engine.run(solver, STEPS, STEPS, rows)
-    place = engine.q[-7:-4].copy()
     best = np.inf
     for _ in range(repeats):
         count = max(STEPS, 20_000 // len(model.bodies))
@@ -94,7 +121,24 @@ def ours(model: jo.Model, repeats: int) -> tuple[float, NDArray[np.float64]]:
         begin = time.process_time()
         engine.run(solver, count, count, rows)
         best = min(best, (time.process_time() - begin) / count)
-    return 1e6 * best, place
+    return 1e6 * best
+
+
+def our_place(model: jo.Model, method: str, finer: int = 1) -> Array:
+    """Return where the end of the last link is after SPAN, m."""
+    engine = jo.model.Engine(model)
+    steps = finer * round(SPAN / STEP)
+    solver = engine.native_solver(method, SPAN / steps, True)
+    status, _ = engine.run(solver, steps, steps, np.zeros((2, engine.row_size)))
+    r, e = engine.q[-7:-4], engine.q[-4:]
+    end = r + LENGTH * np.array(
+        [
+            1.0 - 2.0 * (e[2] ** 2 + e[3] ** 2),
+            2.0 * (e[1] * e[2] + e[0] * e[3]),
+            2.0 * (e[1] * e[3] - e[0] * e[2]),
+        ]
+    )
+    return end if status == "ok" else np.full(3, np.nan)
 
 
 def mujoco_text(links: list[Link]) -> str:
@@ -106,7 +150,7 @@ def mujoco_text(links: list[Link]) -> str:
         return " ".join(repr(float(v)) for v in x)
 
     parts = [
-        f'<mujoco><option integrator="RK4" timestep="{STEP}" gravity="{numbers(GRAVITY)}">'
+        f'<mujoco><option integrator="RK4" timestep="{TIMED}" gravity="{numbers(GRAVITY)}">'
         '<flag contact="disable" constraint="disable"/></option><worldbody>'
     ]
     waiting = [(k, False) for k in reversed(children[-1])]
@@ -126,14 +170,20 @@ def mujoco_text(links: list[Link]) -> str:
     return "".join([*parts, "</worldbody></mujoco>"])
 
 
-def mujoco(links: list[Link], repeats: int) -> tuple[float, NDArray[np.float64]]:
+def mujoco(links: list[Link], repeats: int) -> tuple[float, Array]:
+    """Microseconds of a step, and where the end of the last link is after SPAN with STEP."""
     import mujoco as mj
 
     model = mj.MjModel.from_xml_string(mujoco_text(links))
     data = mj.MjData(model)
-    mj.mj_step(model, data, nstep=STEPS)
+    model.opt.timestep = STEP
+    if links[0].kind == "free":
+        data.qvel[3:6] = SPIN
+    mj.mj_step(model, data, nstep=round(SPAN / STEP))
     mj.mj_kinematics(model, data)
-    place = np.array(data.xpos[-1])
+    place = data.xpos[-1] + LENGTH * data.xmat[-1].reshape(3, 3)[:, 0]
+    mj.mj_resetData(model, data)
+    model.opt.timestep = TIMED
     count = max(STEPS, 20_000 // len(links))
     best = np.inf
     for _ in range(repeats):
@@ -144,9 +194,11 @@ def mujoco(links: list[Link], repeats: int) -> tuple[float, NDArray[np.float64]]
 
 
 def pinocchio(links: list[Link], repeats: int) -> float:
-    """Microseconds of one evaluation at a bent and moving pose."""
+    """Microseconds of one evaluation at bent and moving poses."""
     import pinocchio as pin
 
+    pair = len(links) == 1  # its arrays of one row are not taken: two side by side, halved
+    links = links * 2 if pair else links
     tree = pin.Model()
     tree.gravity.linear = np.array(GRAVITY)
     places: list[int] = []
@@ -161,20 +213,91 @@ def pinocchio(links: list[Link], repeats: int) -> float:
         )
         places.append(joint)
     data, rng = tree.createData(), np.random.default_rng(1)
-    q = pin.integrate(tree, pin.neutral(tree), 0.1 * rng.normal(size=tree.nv))
-    v, tau = rng.normal(size=tree.nv), np.zeros(tree.nv)
-    best, count = np.inf, max(10, 10_000 // len(links))
+    count = max(10, 10_000 // len(links))
+    q = np.column_stack(
+        [
+            pin.integrate(tree, pin.neutral(tree), 0.1 * rng.normal(size=tree.nv))
+            for _ in range(count)
+        ]
+    )
+    v, tau = rng.normal(size=(tree.nv, count)), np.zeros((tree.nv, count))
+    pool, best, out = pin.ModelPool(tree, 1), np.inf, np.zeros((tree.nv, count))
     for _ in range(repeats):
         begin = time.process_time()
-        for _ in range(count):
-            pin.aba(tree, data, q, v, tau)
+        pin.abaInParallel(1, pool, q, v, tau, out)
         best = min(best, (time.process_time() - begin) / count)
-    return 1e6 * best
+    one = pin.aba(tree, data, q[:, 0], v[:, 0], tau[:, 0])
+    if len(links) <= 30:  # mass matrices of long chains are badly conditioned
+        assert np.abs(out[:, 0] - one).max() <= 1e-4 * np.abs(one).max()
+    return 1e6 * best / (2 if pair else 1)
 
 
 def _hinge(pin: Any, axis: tuple[float, float, float]) -> Any:
     kinds = (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ)
     return kinds[int(np.argmax(axis))]()
+
+
+def exudyn(links: list[Link], repeats: int) -> tuple[float, Array]:
+    """Microseconds of a step, and where the end of the last link is after SPAN with STEP."""
+    sys.exudynFast = True  # type: ignore[attr-defined]  # its build without range checks
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn as exu
+        import exudyn.itemInterface as eii
+
+    n, kinds = len(links), exu.JointType
+    turns = (kinds.RevoluteX, kinds.RevoluteY, kinds.RevoluteZ)
+    mbs = exu.SystemContainer().AddSystem()
+    none = [0.0] * n
+    node = mbs.AddNode(
+        eii.NodeGenericODE2(
+            numberOfODE2Coordinates=n,
+            referenceCoordinates=none,
+            initialCoordinates=none,
+            initialCoordinates_t=none,
+        )
+    )
+    tree = mbs.AddObject(
+        eii.ObjectKinematicTree(
+            nodeNumber=node,
+            gravity=list(GRAVITY),
+            jointTypes=[turns[int(np.argmax(link.axis))] for link in links],
+            linkParents=[link.parent for link in links],
+            jointTransformations=exu.Matrix3DList([np.eye(3)] * n),
+            jointOffsets=exu.Vector3DList([np.array(link.at) for link in links]),
+            linkInertiasCOM=exu.Matrix3DList([np.diag(INERTIA)] * n),
+            linkCOMs=exu.Vector3DList([np.array(CENTER)] * n),
+            linkMasses=[MASS] * n,
+        )
+    )
+    sensor = mbs.AddSensor(
+        eii.SensorKinematicTree(
+            objectNumber=tree,
+            linkNumber=n - 1,
+            localPosition=[LENGTH, 0.0, 0.0],
+            outputVariableType=exu.OutputVariableType.Position,
+            writeToFile=False,
+        )
+    )
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.explicit.useLieGroupIntegration = False
+    settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    settings.parallel.numberOfThreads = 1
+
+    def run(step: float, count: int) -> float:
+        settings.timeIntegration.numberOfSteps = count
+        settings.timeIntegration.endTime = step * count
+        begin = time.process_time()
+        mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+        return time.process_time() - begin
+
+    run(STEP, round(SPAN / STEP))
+    place = np.array(mbs.GetSensorValues(sensor))
+    count = max(STEPS, 20_000 // n)
+    short, long = (min(run(TIMED, k) for _ in range(repeats)) for k in (count, 3 * count))
+    return 1e6 * (long - short) / (2 * count), place
 
 
 def cases(quick: bool) -> dict[str, list[Link]]:
@@ -184,30 +307,91 @@ def cases(quick: bool) -> dict[str, list[Link]]:
     return made | {"six-axis arm": arm(), "figure of 30": figure()}
 
 
+@dataclass(frozen=True)
+class Peer:
+    """What another program needs for a step, us, and its error, m; nan where not measured."""
+
+    time: float = np.nan
+    error: float = np.nan
+
+    def ratio(self, own: float) -> str:
+        return "" if np.isnan(self.time) else f"{self.time:.3g} ({self.time / own:.1f})"
+
+
+def measured(links: list[Link], limits: dict[str, int]) -> dict[str, Any]:
+    """Times, us, and errors, m, of everything for one machine."""
+    made = mechanism(links)
+    joint, maximal = (jo.compile(made, core=core) for core in ("joint", "maximal"))
+    truth = our_place(joint, "rk4", FINER)
+
+    def off(place: Array) -> float:
+        return float(np.abs(place - truth).max())
+
+    found: dict[str, Any] = {
+        "joint": Peer(ours(joint, "rk4", 5), off(our_place(joint, "rk4"))),
+        "ros2": Peer(ours(joint, "ros2", 5), off(our_place(joint, "ros2"))),
+        "0.1.0": Peer(ours(maximal, "rk4", 3), off(our_place(maximal, "rk4"))),
+    }
+    size = len(links) * (1 if all(link.kind == "hinge" for link in links) else 3)
+    for name, run in (("mujoco", mujoco), ("exudyn", exudyn)):
+        only_hinges = name == "exudyn" and size != len(links)
+        found[name] = Peer()
+        if size <= limits[name] and not only_hinges:
+            with contextlib.suppress(ImportError):
+                theirs, place = run(links, 3)
+                found[name] = Peer(theirs, off(place))
+    found["pinocchio"] = Peer()
+    with contextlib.suppress(ImportError):
+        found["pinocchio"] = Peer(4.0 * pinocchio(links, 5), found["joint"].error)
+    return found
+
+
+def equal(own: Peer, other: Peer, floor: float) -> float:
+    """Return how much longer another program takes for our error."""
+    ratio = other.time / own.time
+    if np.isfinite(other.error) and min(own.error, other.error) > floor:
+        ratio *= (other.error / own.error) ** 0.25
+    return ratio
+
+
+def report(results: dict[str, dict[str, Any]]) -> None:
+    """Print both tables, and how far the goals are."""
+    print("| case | evaluation | RK4 | ROS2 | 0.1.0 | MuJoCo | 4 x Pinocchio | EXUDYN | best |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    peers, best, former = ("mujoco", "pinocchio", "exudyn"), {}, {}
+    for name, x in results.items():
+        own, floor = x["joint"], ROUNDING * LENGTH * x["links"]
+        ratios = {p: equal(own, x[p], floor) for p in peers if np.isfinite(x[p].time)}
+        best[name] = min(ratios.items(), key=lambda r: r[1], default=("", np.nan))
+        former[name] = x["0.1.0"].time / own.time
+        others = " | ".join(x[p].ratio(own.time) for p in ("0.1.0", *peers))
+        line = f"| {name} | {own.time / 4:.3g} | {own.time:.3g} | {x['ros2'].time:.3g} | {others}"
+        print(f"{line} | {best[name][1]:.1f}, {best[name][0]} |" if ratios else f"{line} | |")
+    print("\n| error, m | RK4 | ROS2 | 0.1.0 | MuJoCo | EXUDYN |")
+    print("|---|---|---|---|---|---|")
+    for name, x in results.items():
+        keys = ("joint", "ros2", "0.1.0", "mujoco", "exudyn")
+        errors = ("" if np.isnan(x[k].time) else f"{x[k].error:.0e}" for k in keys)
+        print(f"| {name} | {' | '.join(errors)} |")
+    small = [name for name, x in results.items() if x["links"] <= 10]
+    if any(np.isfinite(best[name][1]) for name in small):
+        worst = min(small, key=lambda name: best[name][1])
+        print(
+            f"\nUp to 10 links: at least {best[worst][1]:.1f} times as fast a step as the best of "
+            f"the others at equal error ({worst}, {best[worst][0]}; the goal is 2.5)"
+        )
+    worst = min(small, key=lambda name: former[name])
+    print(f"and {former[worst]:.1f} times as 0.1.0 ({worst}; the goal is 5).")
+
+
 def main() -> None:
     quick = "quick" in sys.argv[1:]
-    print(
-        "us: step joint, step maximal (ratio) | MuJoCo step (ratio), apart m | Pinocchio evaluation"
-    )
+    # coordinates: beyond, a step of theirs takes a good part of a second
+    limits = {"mujoco": 300 if quick else 1000, "exudyn": 10 if quick else 100}
+    results = {}
     for name, links in cases(quick).items():
-        made = mechanism(links)
-        one, place = ours(jo.compile(made, core="joint"), 5)
-        other, q = ours(jo.compile(made, core="maximal"), 3)
-        apart = np.abs(place - q).max()
-        line = f"{name:24} {one:9.2f} {other:9.2f} ({other / one:4.1f}) {apart:8.1e}"
-        try:
-            if len(links) > 500:  # seconds a step
-                raise ImportError
-            theirs, r = mujoco(links, 3)
-            line += f" | {theirs:10.2f} ({theirs / one:5.1f}) {np.abs(place - r).max():8.1e}"
-        except ImportError:
-            line += " | -"
-        try:
-            theirs = pinocchio(links, 5)
-            line += f" | {theirs:8.2f}, a quarter of our step {one / 4:8.2f}"
-        except ImportError:
-            line += " | -"
-        print(line, flush=True)
+        results[name] = measured(links, limits) | {"links": len(links)}
+    report(results)
 
 
 if __name__ == "__main__":
