@@ -58,7 +58,8 @@ def pays(model: Model) -> bool:
     Loops that have many links in common fill a dense matrix, and each of their rows runs along all
     of the links: then sparse rows of all joints are less work.
     """
-    return len(loops_of(model).meets) <= MEETINGS * len(model.bodies)
+    plan = loops_of(model)
+    return not plan.loops or len(plan.meets) < MEETINGS * len(model.bodies)
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
