@@ -58,7 +58,7 @@ void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count)
 static void place_coordinates(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nforce; i++) {
-        const int c = m->force[i].type == JO_FORCE_along ? m->force[i].coordinate : -1;
+        const int c = m->force[i].coordinate;
         if (c < 0 || m->coordinate[c].link < 0) continue;
         const jo_link *k = &m->link[m->coordinate[c].link];
         d->coordinate[c].value = jo_link_sign(k) * d->tree.x[k->x];

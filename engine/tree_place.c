@@ -152,7 +152,7 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
     if (m->nlink) t->constants->nhinge = count;
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        const int c = f->type == JO_FORCE_along ? f->coordinate : -1;
+        const int c = f->coordinate;
         if (c >= 0 && m->coordinate[c].link >= 0) continue;
         note(t->coordinate, &t->ncoordinate, c);
         note_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
