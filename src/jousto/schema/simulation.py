@@ -35,7 +35,7 @@ class Simulation(Declared):
 
     core: Choice = field(
         "What runs it: joint coordinates (`joint`), the positions of all bodies (`maximal`), or "
-        "joint coordinates if it can (`auto`)",
+        "the choice of jousto (`auto`)",
         words=CORES,
         default="auto",
     )
