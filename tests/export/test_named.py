@@ -110,9 +110,9 @@ def test_what_parts_are_made_of_is_not_tried(
     tried: list[str] = []
     variant = named._variant
 
-    def seen(file: object, values: dict[str, float], kept: dict[object, object]) -> object:
+    def seen(file: object, values: dict[str, float], *rest: object) -> object:
         tried.extend(values)
-        return variant(file, values, kept)
+        return variant(file, values, *rest)
 
     monkeypatch.setattr(named, "_variant", seen)
     assert [x.name for x in named_constants(file, model)] == ["k"]
