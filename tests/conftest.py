@@ -59,6 +59,14 @@ def pytest_configure(config: pytest.Config) -> None:
     compiling.with_core = forcing  # type: ignore[attr-defined]
 
 
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Name a failed test at once: a run that is stopped half-way tells what it has found."""
+    if report.failed and "PYTEST_XDIST_WORKER" not in os.environ:
+        crash = getattr(report.longrepr, "reprcrash", None)
+        what = str(crash.message if crash else report.longrepr).strip().splitlines()
+        print(f"\nfailed: {report.nodeid}: {' '.join(what[:3])[:400]}", flush=True)
+
+
 @pytest.fixture
 def rng() -> np.random.Generator:
     """The same random numbers in every run."""
