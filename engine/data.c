@@ -41,7 +41,7 @@ static void lay_state(const jo_model *m, arena *a, jo_data *d)
     d->end_lam = reals(a, m->nrow);
     d->end_time = reals(a, 1);
     d->started = take(a, sizeof(int));
-    d->tree.x = reals(a, m->nx + m->nu);
+    d->tree.x = reals(a, m->nx + m->nu + JO_WIDTH - 1);   /* u too, which need not lie where vectors of the registers end */
     d->tree.u = d->tree.x + m->nx;
     d->tree.ud = reals(a, m->nu);
     d->state_bytes = a->used - state;
@@ -171,6 +171,7 @@ static void lay_tree(const jo_model *m, arena *a, jo_data *d)
     t->link = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_bytes() : 0);
     t->change = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_change_bytes() : 0);
     t->constants = take(a, (size_t)m->nlink * jo_link_constant_bytes());
+    t->hinge = take(a, (size_t)m->nlink * sizeof(int));
     t->marker = take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
     t->coordinate = take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);
     t->body = take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);

@@ -223,6 +223,8 @@ typedef struct {
     jo_real *push;          /* (nu) further forces along the coordinates */
     int *marker, *coordinate, *body;   /* that forces need at every evaluation */
     int nmarker, ncoordinate, nbody;
+    int *hinge, nhinge;     /* links that are hinges */
+    int ndriven;            /* links whose motion is prescribed by a drive */
     int direct;             /* all counted angles are joint coordinates */
     jo_loop_work *loop;     /* (nloop) */
     jo_reach_work *reach;   /* (nreach) */
@@ -441,7 +443,6 @@ void jo_beam_forget(jo_data *d);
 
 /* tree_respond.c */
 void jo_tree_respond_clear(const jo_model *m, jo_data *d);
-void jo_tree_respond_push(jo_data *d, int link, const jo_real *arm, const jo_real *F, const jo_real *T);
 void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate);   /* (nu) changes of the joints' accelerations */
 
 /* tree_friction.c */

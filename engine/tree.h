@@ -144,7 +144,6 @@ struct jo_link_constants {
     jo_real J[9];           /* inertia about its origin, by columns */
     jo_real C[9], c[3];     /* axes, by columns, and origin of the frame of its body */
     int on;                 /* link of the body it hangs on: its parent, or one fixed to that; -1: ground */
-    int nhinge, hinge;      /* of the first link: how many hinges; of the first nhinge links: which link is the next one */
     jo_real all_mass, all_S[3], all_J[9];   /* with the bodies that are fixed to it */
 };
 

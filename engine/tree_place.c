@@ -146,10 +146,11 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         if (m->link[i].type == JO_LINK_BALL || m->link[i].type == JO_LINK_FREE)
             t->x[m->link[i].x + (m->link[i].type == JO_LINK_FREE ? 3 : 0)] = 1.0;
     weigh_links(m, d);
-    int count = 0;
-    for (int i = 0; i < m->nlink; i++)
-        if (m->link[i].type == JO_LINK_HINGE) t->constants[count++].hinge = i;
-    if (m->nlink) t->constants->nhinge = count;
+    t->nhinge = t->ndriven = 0;
+    for (int i = 0; i < m->nlink; i++) {
+        if (m->link[i].type == JO_LINK_HINGE) t->hinge[t->nhinge++] = i;
+        t->ndriven += m->link[i].driven >= 0;
+    }
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         const int c = f->coordinate;

@@ -11,15 +11,6 @@ void jo_tree_respond_clear(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nu; i++) d->tree.push[i] = 0.0;
 }
 
-/* force F (world) at `arm` from the origin of a link, and moment T */
-void jo_tree_respond_push(jo_data *d, int link, const jo_real *arm, const jo_real *F, const jo_real *T)
-{
-    jo_link_change *c = &d->tree.change[link + 1];
-    const jo_vec f = jo_vec_load(F);
-    c->f = jo_vec_add(c->f, f);
-    c->t = jo_vec_add(c->t, jo_vec_add(jo_vec_load(T), jo_vec_cross(jo_vec_load(arm), f)));
-}
-
 /* inward: forces that pass a joint, less what it gives way to */
 static void pass(const jo_model *m, jo_data *d)
 {

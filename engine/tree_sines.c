@@ -28,24 +28,24 @@ static inline int moderate(const jo_real *x) { return fabs(x[0]) + fabs(x[1]) + 
 
 void jo_tree_sines(const jo_model *m, jo_data *d)
 {
-    const jo_link_constants *c = d->tree.constants;
+    const int *hinge = d->tree.hinge, n = d->tree.nhinge;
     int i = 0;
 #ifdef JO_PICK
-    for (; i + 2 < c->nhinge; i += 4) {   /* three are worth it as well */
+    for (; i < n; i += 4) {
         jo_real x[4], sine[4], cosine[4];
-        const int count = c->nhinge - i < 4 ? c->nhinge - i : 4;
-        for (int j = 0; j < 4; j++) x[j] = j < count ? d->tree.x[m->link[c[i + j].hinge].x] : 0.0;
+        const int count = n - i < 4 ? n - i : 4;
+        for (int j = 0; j < 4; j++) x[j] = d->tree.x[m->link[hinge[j < count ? i + j : i]].x];
         if (moderate(x)) four(x, sine, cosine);
         for (int j = 0; j < count; j++) {
-            jo_link_work *w = &d->tree.link[c[i + j].hinge + 1];
+            jo_link_work *w = &d->tree.link[hinge[i + j] + 1];
             w->sine = moderate(x) ? sine[j] : jo_sin(x[j]);
             w->cosine = moderate(x) ? cosine[j] : jo_cos(x[j]);
         }
     }
 #endif
-    for (; i < c->nhinge; i++) {
-        const jo_real x = d->tree.x[m->link[c[i].hinge].x];
-        d->tree.link[c[i].hinge + 1].sine = jo_sin(x);
-        d->tree.link[c[i].hinge + 1].cosine = jo_cos(x);
+    for (; i < n; i++) {
+        const jo_real x = d->tree.x[m->link[hinge[i]].x];
+        d->tree.link[hinge[i] + 1].sine = jo_sin(x);
+        d->tree.link[hinge[i] + 1].cosine = jo_cos(x);
     }
 }

@@ -317,6 +317,15 @@ static void place(const tree *t, frame *f, double *q, double *v)
     }
 }
 
+static jo_solver steps_of(int method, double step)
+{
+    jo_solver s;
+    memset(&s, 0, sizeof s);
+    s.method = method;
+    s.step = step;
+    return s;
+}
+
 /* a workspace with the bodies where x and u of the tree put them, and the numbers of turns with them */
 static jo_data *begin(const tree *t, frame *f)
 {
@@ -442,11 +451,8 @@ static double drift(const tree *t, jo_method method, double step, double *q)
 {
     frame f[LINKS];
     double before[6], after[6];
-    jo_solver s;
-    memset(&s, 0, sizeof s);
-    s.method = method;
+    jo_solver s = steps_of(method, step);
     s.projection = 1;
-    s.step = step;
     jo_data *d = begin(t, f);
     const double start = energy(t, d);
     const int steps = (int)(0.32 / step + 0.5);
@@ -476,10 +482,7 @@ static void check_motion(const tree *t)
 {
     frame f[LINKS];
     double v[3][NV], a[NV], largest = 1.0;
-    jo_solver s;
-    memset(&s, 0, sizeof s);
-    s.method = JO_RK4;
-    s.step = 1e-4;
+    const jo_solver s = steps_of(JO_RK4, 1e-4);
     jo_data *d = begin(t, f);
     CHECK(jo_tree_accelerations(&t->m, d) == JO_OK);
     memcpy(a, jo_data_a(d), sizeof a);
@@ -496,10 +499,7 @@ static void check_motion(const tree *t)
 static void check_rewinding(const tree *t)
 {
     frame f[LINKS];
-    jo_solver s;
-    memset(&s, 0, sizeof s);
-    s.method = JO_ROS2;
-    s.step = 1e-3;
+    const jo_solver s = steps_of(JO_ROS2, 1e-3);
     jo_data *d = begin(t, f), *other = begin(t, f);
     const size_t size = (size_t)jo_data_bytes(&t->m), joint = sizeof(double) * (size_t)(t->m.nx + t->m.nu);
     char *memory = malloc(size);
@@ -527,10 +527,7 @@ static void check_rewinding(const tree *t)
 static void check_rows(const tree *t)
 {
     frame f[LINKS];
-    jo_solver s;
-    memset(&s, 0, sizeof s);
-    s.method = JO_RK4;
-    s.step = 1e-3;
+    const jo_solver s = steps_of(JO_RK4, 1e-3);
     jo_data *d = begin(t, f);
     const int width = jo_row_size(&t->m), joint = t->m.nx + t->m.nu;
     double *rows = malloc(sizeof(double) * 2 * (size_t)width);
@@ -549,10 +546,7 @@ static void check_rows(const tree *t)
 static int stepped(const tree *t, int at, double wrong)
 {
     frame f[LINKS];
-    jo_solver s;
-    memset(&s, 0, sizeof s);
-    s.method = JO_RK4;
-    s.step = 1e-3;
+    const jo_solver s = steps_of(JO_RK4, 1e-3);
     jo_data *d = begin(t, f);
     *(at < 7 * BODIES ? jo_data_q(d) + at : jo_data_v(d) + at - 7 * BODIES) = wrong;
     const int status = jo_step(&t->m, d, &s);
