@@ -180,6 +180,14 @@ static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_re
     }
 }
 
+/* 1 / sqrt(s); near 1, where two unit quaternions have been multiplied, by its series, to the last digit as well */
+static inline jo_real jo_inverse_root(jo_real s)
+{
+    const jo_real off = s - 1.0;
+    if (jo_every(JO_LESS(jo_magnitude(off), 1e-6))) return 1.0 + off * (-0.5 + 0.375 * off);
+    return 1.0 / jo_sqrt(s);
+}
+
 /* e = e o exp(theta), theta a local rotation vector; the norm is kept at 1 */
 static inline void jo_rotate(jo_real *e, const jo_real *theta)
 {
@@ -191,7 +199,7 @@ static inline void jo_rotate(jo_real *e, const jo_real *theta)
     jo_real n1 = e[0] * d1 + e[1] * d0 + e[2] * d3 - e[3] * d2;
     jo_real n2 = e[0] * d2 + e[2] * d0 + e[3] * d1 - e[1] * d3;
     jo_real n3 = e[0] * d3 + e[3] * d0 + e[1] * d2 - e[2] * d1;
-    jo_real norm = 1.0 / jo_sqrt(n0 * n0 + n1 * n1 + n2 * n2 + n3 * n3);
+    const jo_real norm = jo_inverse_root(n0 * n0 + n1 * n1 + n2 * n2 + n3 * n3);
     e[0] = n0 * norm; e[1] = n1 * norm; e[2] = n2 * norm; e[3] = n3 * norm;
 }
 

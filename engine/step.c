@@ -4,6 +4,21 @@
  */
 #include "internal.h"
 
+/* A stage joins the sums of increments and velocities; both move on by `next` for the stage after it. Where nothing has moved yet
+ * increments grow by the velocities. */
+static void gather(jo_data *d, int stage, double share, double next)
+{
+    jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
+    const int n = d->nw;
+    JO_EACH(i, n) {
+        const jo_lanes r = stage ? JO_LOAD(rate + i) : JO_LOAD(w + i), a = JO_LOAD(wd + i);
+        JO_STORE(dq + i) = stage ? JO_LOAD(dq + i) + share * r : share * r;
+        JO_STORE(dv + i) = stage ? JO_LOAD(dv + i) + share * a : share * a;
+        JO_STORE(rate + i) = next * r;
+        JO_STORE(w + i) = JO_LOAD(v0 + i) + next * a;
+    }
+}
+
 /* classical Runge-Kutta (Rantalainen 2007, chapter 4) on the index-1 equations */
 static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage)
 {
@@ -11,20 +26,12 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
     const double h = s->step;
     const jo_real t0 = d->time[0];
     const int baumgarte = jo_stabilised(stage);
-    for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
-    for (int i = 0; i < d->nw; i++) {
-        d->v0[i] = d->w[i];
-        d->dq[i] = d->dv[i] = d->rate[i] = d->acc[i] = jo_same(0.0);
-    }
+    JO_EACH(i, d->ny) JO_STORE(d->q0 + i) = JO_LOAD(d->y + i);
+    JO_EACH(i, d->nw) JO_STORE(d->v0 + i) = JO_LOAD(d->w + i);
     for (int k = 0; k < 4; k++) {
-        if (k) {   /* rate and acc hold the previous stage */
-            const double c = node[k] * h;
-            for (int i = 0; i < d->nw; i++) {
-                d->rate[i] *= c;
-                d->w[i] = d->v0[i] + c * d->acc[i];
-            }
+        if (k) {
             jo_move(m, d, d->rate);
-            d->time[0] = t0 + c;
+            d->time[0] = t0 + node[k] * h;
         }
         if (k || !d->fresh || baumgarte) {
             int status = jo_evaluate(m, d, stage);
@@ -32,16 +39,12 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
             if (!k && d->again && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
         d->again = 0;
-        jo_move_rate(m, d, d->rate, d->rate);
-        for (int i = 0; i < d->nw; i++) {
-            d->acc[i] = d->wd[i];
-            d->dq[i] += weight[k] * h * d->rate[i];
-            d->dv[i] += weight[k] * h * d->wd[i];
-        }
+        if (k) jo_move_rate(m, d, d->rate, d->rate);
+        gather(d, k, weight[k] * h, k < 3 ? node[k + 1] * h : 0.0);
         jo_add_work(&d->work, weight[k] * h, &d->power);
     }
     jo_move(m, d, d->dq);
-    for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i] + d->dv[i];
+    JO_EACH(i, d->nw) JO_STORE(d->w + i) = JO_LOAD(d->v0 + i) + JO_LOAD(d->dv + i);
     return JO_OK;
 }
 

@@ -17,7 +17,7 @@ size_t jo_link_change_bytes(void) { return sizeof(jo_link_change); }
 
 void jo_tree_drives(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         if (k->driven < 0) continue;
         const jo_line_data *line = m->line[k->driven].data;
@@ -39,15 +39,17 @@ static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K
 }
 
 /* orientation at zero times that of a quaternion */
-static void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_real *K, const jo_real *e)
-{
-    jo_real R[9];
-    jo_vec B[3];
-    jo_rotation(R, e);
+static inline void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_real *K, const jo_real *e)
+{   /* (2 e0^2 - 1) E + 2 e e^T + 2 e0 e~ */
+    const jo_real twice = 2.0 * e[0], s = twice * e[0] - 1.0;
+    jo_vec B[3], z;
     for (int i = 0; i < 3; i++) B[i] = jo_vec_mix(p->A, K + 3 * i);
+    z = jo_vec_mix(B, e + 1);
+    z = jo_vec_add(z, z);
     for (int i = 0; i < 3; i++) {
-        const jo_real column[3] = {R[i], R[3 + i], R[6 + i]};
-        w->A[i] = jo_vec_mix(B, column);
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const jo_vec x = jo_vec_with(jo_vec_scale(s, B[i]), e[1 + i], z);
+        w->A[i] = jo_vec_with(jo_vec_with(x, twice * e[1 + k], B[j]), -twice * e[1 + j], B[k]);
     }
 }
 
@@ -314,7 +316,7 @@ static void accelerate(const jo_model *m, jo_data *d)
 static void drive(const jo_model *m, jo_data *d)
 {
     jo_real power = m->nloop ? jo_loop_power(m, d) : 0.0;
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->driven < 0) continue;

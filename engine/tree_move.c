@@ -9,7 +9,9 @@ static int plain(const jo_model *m) { return m->nx == m->nu; }
 void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
 {
     if (plain(m)) {
-        for (int i = 0; i < m->nu; i++) x[i] = x0[i] + increment[i];
+        int i = 0;
+        for (; i + JO_WIDTH <= m->nu; i += JO_WIDTH) JO_STORE(x + i) = JO_LOAD(x0 + i) + JO_LOAD(increment + i);
+        for (; i < m->nu; i++) x[i] = x0[i] + increment[i];   /* rates follow in memory */
         return;
     }
     for (int i = 0; i < m->nlink; i++) {
@@ -35,7 +37,7 @@ void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
 {
     if (plain(m)) {
-        for (int i = 0; i < m->nu; i++) rate[i] = u[i];
+        JO_EACH(i, m->nu) JO_STORE(rate + i) = JO_LOAD(u + i);
         return;
     }
     for (int i = 0; i < m->nlink; i++) {
@@ -71,10 +73,14 @@ void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
 
 int jo_tree_check(const jo_model *m, jo_data *d)
 {
+    const jo_real *x = d->tree.x;   /* and u behind it */
+    const int n = m->nx + m->nu;
+    jo_lanes squares = 0.0 * JO_LOAD(x);
     double sum = 0.0;
-    for (int j = 0; j < m->nx; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
-    for (int j = 0; j < m->nu; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
-    if (sum < JO_LARGEST) return JO_OK;
+    int at = 0;
+    for (; at + JO_WIDTH <= n; at += JO_WIDTH) squares += JO_LOAD(x + at) * JO_LOAD(x + at);
+    for (; at < n; at++) sum += JO_RE(x[at] * x[at]);
+    if (sum + JO_RE(jo_sum(squares)) < JO_LARGEST * JO_LARGEST) return JO_OK;
     sum = 0.0;   /* which link */
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
