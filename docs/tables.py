@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import re
 from collections.abc import Iterator
@@ -17,7 +18,10 @@ PLACED = ("name", "a", "b", "as_placed")  # keys that the page says of all joint
 
 
 def filled(text: str) -> str:
-    """Replace lines ``KINDS section room`` of a page by tables."""
+    """Replace lines ``KINDS section room`` and ``KEYS module class`` of a page by tables."""
+    text = re.sub(
+        r"^KEYS (\S+) (\S+)$", lambda match: "\n".join(keys(*match.groups())), text, flags=re.M
+    )
     return re.sub(
         r"^KINDS (\S+) (\S+)$", lambda match: "\n".join(table(*match.groups())), text, flags=re.M
     )
@@ -57,6 +61,15 @@ def table(section: str, room: str) -> Iterator[str]:
     for (key, meaning), words in meanings.items():
         yield line([f"`{key}`", coded(words), plain(meaning)])
     yield from ["", "</details>"]
+
+
+def keys(module: str, name: str) -> Iterator[str]:
+    """Yield the lines of the table of the keys of a class that stands alone in its section."""
+    entry = entry_of(getattr(importlib.import_module(module), name))
+    yield from ["| key | meaning |", "|---|---|"]
+    for key, field in entry.model_fields.items():
+        needed = "" if field.is_required() else "*"
+        yield line([f"{needed}`{key}`{needed}", plain(field.description or "")])
 
 
 def coordinates(cls: Any) -> Iterator[str]:

@@ -226,6 +226,7 @@ def _robots(made: Made, folder: Path) -> list[Call]:
         (jo.robots.from_dh, {"rows": [(1.0, 0.0, 0.0, 0.0)], "convention": "standard"}),
         (jo.robots.DHRow, {"a": 1.0, "alpha": 0.0}),
         (jo.robots.mechanism, {"robot": robot}),
+        (jo.robots.Mounted, {"name": "arm", "robot": robot, "at": {"j": 0.1}, "prefix": "arm "}),
         (jo.robots.Tree, {"machine": robot}),
         (
             jo.robots.inverse_kinematics,

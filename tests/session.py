@@ -370,6 +370,7 @@ def robots(_: Objects, folder: Path) -> Objects:
         "row": jo.robots.DHRow(1.0, 0.0),
         "mimic": jo.robots.Mimic("j"),
         "tree": tree,
+        "mounted": jo.robots.Mounted("arm", robot),
         "frame": tree.pose("arm", [0.0]),
         "reached": jo.robots.inverse_kinematics(tree, "tip", (0.0, 1.0, 0.0)),
     }

@@ -266,7 +266,9 @@ def test_joints_start_within_their_limits(write: Write) -> None:
     robot = read_urdf(write(LINKS + hinge.replace("continuous", "revolute")))
     run = jo.simulate(jo.compile(mechanism(robot)), 0.01)
     assert run["h"][0, 0] == pytest.approx(0.4, abs=1e-12)
-    with pytest.warns(
-        jo.JoustoWarning, match=r"at\['h'\]: 0.1 lies outside the limits 0.4 and 1.2"
+    with pytest.raises(
+        jo.InputError, match=r"at\['h'\]: 0.1 rad lies outside the limits 0.4 and 1.2"
     ):
         mechanism(robot, at={"h": 0.1})
+    free = mechanism(robot, at={"h": 0.1}, stops=False)
+    assert jo.simulate(jo.compile(free), 0.01)["h"][0, 0] == pytest.approx(0.1, abs=1e-12)

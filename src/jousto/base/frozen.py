@@ -36,7 +36,8 @@ class Frozen(Mapping[K, V]):
 
     def __repr__(self) -> str:
         shown = repr(self._items)
-        if len(shown) < LIMIT:
+        if len(shown) < LIMIT and "array(" not in shown:
             return shown
+        n = len(self._items)
         few = ", ".join(repr(key) for key in list(self._items)[:FEW])
-        return f"<{len(self._items)} entries: {few}, ...>"
+        return f"<{n} {'entry' if n == 1 else 'entries'}: {few}{', ...' * (n > FEW)}>"

@@ -81,6 +81,19 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
         problems.add("mechanism", "has no bodies")
 
 
+def check_assemblies(problems: Problems, mechanism: Members) -> None:
+    """Note robots whose names begin alike."""
+    first: dict[str, Any] = {}
+    for one in mechanism.assemblies:
+        other = first.setdefault(one.prefix, one)
+        if other is not one:
+            problems.add(
+                where(one),
+                f"the names of its bodies and joints begin with {one.prefix!r}, as those of "
+                f"{where(other)}; give it another prefix",
+            )
+
+
 def check_names(problems: Problems, mechanism: Members) -> None:
     """Note names that several items of a kind share."""
     groups: dict[str, tuple[Any, ...]] = {

@@ -24,7 +24,7 @@ class Mechanism(Members):
 
     Parameters
     ----------
-    *items : RigidBody, FlexibleBody, BeamBody, joint, Gravity, force, Initial, Event, sensor or Fmu
+    *items : body, joint, Gravity, force, Initial, Event, sensor, Fmu or robot
         In any order; bodies, joints, forces and sensors keep the order in which they are given.
     name : str
         Name for plots and messages.
@@ -43,6 +43,8 @@ class Mechanism(Members):
         Values and rates of coordinates at the start.
     fmus : tuple of Fmu
         Models of other programs; what they give stands among the sensors.
+    assemblies : tuple of Assembly
+        Robots, whose bodies, joints, forces and sensors stand among the others.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -114,6 +116,7 @@ class Mechanism(Members):
         if problem := core_problem(self.core):
             problems.add(f"mechanism {self.name!r}", problem)
         checks.check_items(problems, self.items)
+        checks.check_assemblies(problems, self)
         checks.check_names(problems, self)
         checks.check_members(problems, self)
         checks.check_events(problems, self)

@@ -12,6 +12,7 @@ from jousto.base.arrays import Array, read_only
 from jousto.base.complexstep import floats
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import rotation_matrix
+from jousto.mechanism.assembly import Assembly, unpacked
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
@@ -54,11 +55,15 @@ class Members:
     sensors: tuple[Sensor, ...]
     initials: tuple[Initial, ...]
     fmus: tuple[Fmu, ...]
+    assemblies: tuple[Assembly, ...]
     gravity: Array
 
     def __init__(self, *items: Any, name: str = "mechanism", core: str = "auto") -> None:
+        assemblies = tuple(x for x in items if isinstance(x, Assembly))
+        items = tuple(unpacked(items)) if assemblies else items
         fmus = tuple(x for x in items if isinstance(x, Fmu))
         fields: dict[str, Any] = {
+            "assemblies": assemblies,
             "bodies": tuple(flattened(items)),
             "beams": tuple(x for x in items if isinstance(x, BeamBody)),
             "joints": tuple(x for x in items if isinstance(x, Joint)),

@@ -1,8 +1,9 @@
-"""Mechanisms of robots: bodies, joints, losses, stops at the limits, rotors."""
+"""Mechanisms of robots: bodies, joints, rotors, and what their joints start from."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,30 +12,86 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
-from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.base.numbers import number
+from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.loads import Gravity
-from jousto.mechanism.forces.springs import Bushing, JointForce, Spring
-from jousto.mechanism.initial import Initial
+from jousto.mechanism.forces.springs import JointForce
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Coupling, Drive
 from jousto.mechanism.joints.hinges import Revolute
-from jousto.mechanism.joints.points import Spherical
-from jousto.mechanism.joints.slides import Fixed, Prismatic
+from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.readings import CoordinateSensor
-from jousto.mechanism.signals.piecewise import Table
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
-from jousto.robots.parts import OF_ROBOT, zero_poses
+from jousto.robots.parts import OF_ROBOT
+from jousto.robots.stops import joint_forces, limit_tables, moving
 from jousto.robots.tree import Tree
 
+SINGLE = ("revolute", "prismatic")
 SHARE = 1e-6  # of what it carries, for a link without mass
-STOP_FREQUENCY = 50.0  # Hz, of what moves against a stop
-YIELD = {"rad": 0.01, "m": 1e-3}  # under the largest effort of the joint
-REACH = 10.0  # rad or m beyond a limit up to which a stop grows
-DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full, or faster, so that
-SOON = 2e-3  # it takes so many seconds to come to rest
+
+
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """Where the root of a robot stands.
+
+    Parameters
+    ----------
+    marker : Marker
+        What carries it.
+    frame : Frame
+        Frame of the root in that of the marker.
+    """
+
+    marker: Marker
+    frame: Frame = field(default_factory=Frame)
+
+    @property
+    def world(self) -> Frame:
+        """Frame of the root in the world at the initial pose."""
+        return Frame(self.marker.r, self.marker.A) @ self.frame
+
+    @property
+    def rigid(self) -> bool:
+        """Whether joints may stand anywhere beside the marker."""
+        return isinstance(self.marker.body, RigidBody | Ground)
+
+    def at(self, frame: Frame) -> Marker:
+        """Return the marker of a frame that is given in that of the root."""
+        own = Frame(np.asarray(self.marker.position_local), np.asarray(self.marker.axes))
+        there = own @ self.frame @ frame
+        body: Any = self.marker.body
+        made: Marker = body.at(there.r, there.A)
+        return made
+
+    def motion(self, r: Array) -> tuple[Array, Array]:
+        """Return velocity and angular velocity of what moves with the carrier at r, world."""
+        body: Any = self.marker.body
+        zero = np.zeros(3)
+        w = np.asarray(getattr(body, "angular_velocity", zero))
+        return np.asarray(getattr(body, "velocity", zero)) + np.cross(w, r - body.position), w
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """What a robot becomes.
+
+    Parameters
+    ----------
+    bodies, joints : dict
+        By the names of links and joints.
+    coordinates : dict
+        Those of joints that have one.
+    items : tuple
+        All of it.
+    """
+
+    bodies: Mapping[str, RigidBody]
+    joints: Mapping[str, Joint]
+    coordinates: Mapping[str, Coordinate]
+    items: tuple[Any, ...]
 
 
 @explained
@@ -52,9 +109,8 @@ def mechanism(
 
     A joint of the robot is a joint of the same name, a link a body; a link without mass that
     carries others gets a millionth of their mass and inertia. A joint that follows another one
-    is held by a `Coupling`. A rotor (armature) is a wheel on the ground that turns, or a mass
-    that slides, with its joint; its weight does not count. Each joint with one coordinate has a
-    `CoordinateSensor` of its name.
+    is held by a `Coupling`. A rotor (armature) is a wheel on the ground that turns with its
+    joint. Each joint with one coordinate has a `CoordinateSensor` of its name.
 
     A limit is a stop: a spring without slack, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)``
     (1 mm for slides), M being the inertia that moves with the joint at its zero while the others
@@ -81,77 +137,134 @@ def mechanism(
     Raises
     ------
     InputError
-        If a joint is not there, or has not one coordinate.
+        If a joint is not there, has not one coordinate, or starts outside its limits.
+
+    See Also
+    --------
+    Mounted : A robot as a part of a larger machine.
     """
-    bodies = make_bodies(robot)
-    joints = make_joints(robot, bodies)
+    asked = {"at": at, "drives": drives, "efforts": efforts}
+    given = {key: dict(value or {}) for key, value in asked.items()}
+    problems = Problems()
+    check_joints(problems, robot, given, stops)
+    problems.raise_if_any()
+    seat, driven = Seat(ground["origin"]), set(given["drives"])
+    made = built(robot, seat, at=given["at"], stops=stops, losses=losses, driven=driven)
+    items: list[Any] = [*made.items]
+    s = made.coordinates
+    items += (Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items())
+    items += (JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items())
+    weight = Gravity(robot.gravity if gravity is None else gravity)
+    return Mechanism(*items, weight, name=robot.name)
+
+
+def built(
+    robot: Robot,
+    seat: Seat,
+    *,
+    at: Mapping[str, float],
+    stops: bool | float,
+    losses: bool,
+    driven: set[str],
+    prefix: str = "",
+) -> Built:
+    """Return the bodies, joints, forces and sensors of a robot on its seat.
+
+    Raises
+    ------
+    InputError
+        If a joint starts outside its limits, or what moves has no mass.
+    """
+    tree = Tree(robot)
+    poses = initial_poses(robot, tree, starts(robot, tree, at, stops, driven), seat)
+    bodies = make_bodies(robot, poses, seat)
+    joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
         joint.name: made.coordinates[0]
         for joint in robot.joints
         if (made := joints.get(joint.name)) is not None and len(made.coordinates) == 1
     }
-    asked = {"at": at, "drives": drives, "efforts": efforts}
-    given = {key: dict(value or {}) for key, value in asked.items()}
-    check_joints(robot, coordinates, given)
-    items: list[Any] = [*bodies.values(), *joints.values()]
-    items += couplings(robot, coordinates)
-    items += (Drive(f"{name} drive", coordinates[name], x) for name, x in given["drives"].items())
-    items += (
-        JointForce(f"{name} motor", coordinates[name], x) for name, x in given["efforts"].items()
-    )
-    tree = Tree(robot)
-    begun = starts(robot, tree, given["at"], set(given["drives"]))
-    items += (Initial(coordinates[name], value=x) for name, x in begun.items())
+    items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
     inertias = moving(tree)
     tables = limit_tables(robot, tree, stops, inertias)
-    weight = Gravity(robot.gravity if gravity is None else gravity)
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), tables, inertias if losses else None)
-        items += rotor(joint, coordinates, weight.acceleration)
+        items += rotor(joint, coordinates)
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
-    return Mechanism(
-        *items, Gravity(robot.gravity if gravity is None else gravity), name=robot.name
-    )
+    return Built(bodies, joints, coordinates, tuple(items))
 
 
 def check_joints(
-    robot: Robot, coordinates: Mapping[str, Coordinate], given: Mapping[str, Mapping[str, Any]]
+    problems: Problems, robot: Robot, given: Mapping[str, Mapping[str, Any]], stops: bool | float
 ) -> None:
-    """Raise InputError for joints that are not there or have not one coordinate."""
-    problems = Problems()
-    kinds = {joint.name: joint.kind for joint in robot.joints}
+    """Note joints that are not there or have not one coordinate, and starts that cannot be."""
     for key, named in given.items():
-        for name in named:
-            if name not in kinds:
-                problems.add(f"{key}[{name!r}]", f"no such joint{suggest(name, coordinates)}")
-            elif name not in coordinates:
-                problems.add(f"{key}[{name!r}]", f"a {kinds[name]} joint has not one coordinate")
-    problems.raise_if_any()
+        for name, value in named.items():
+            said = wrong_joint(robot, name)
+            if not said and key == "at":
+                said = wrong_start(robot, name, value, stops)
+            if said:
+                problems.add(f"{key}[{name!r}]", said)
 
 
-def make_bodies(robot: Robot) -> dict[str, RigidBody]:
-    """Return the bodies by the names of their links; a base that only stands there is left out."""
-    poses = zero_poses(robot)
+def wrong_joint(robot: Robot, name: str) -> str:
+    """Return why a joint has not one coordinate, empty if it has."""
+    known = {joint.name: joint for joint in robot.joints}
+    if name not in known:
+        single = [x.name for x in robot.joints if x.kind in SINGLE]
+        return f"no such joint{suggest(name, single)}"
+    kind = known[name].kind
+    return "" if kind in SINGLE else f"a {kind} joint has not one coordinate"
+
+
+def wrong_start(robot: Robot, name: str, value: Any, stops: bool | float) -> str:
+    """Return why a joint cannot start at a value, empty if it can."""
+    joint = next(x for x in robot.joints if x.name == name)
+    problems = Problems()
+    x = number(problems, "", "it", value)
+    if x is None:
+        return problems.found[0].message.replace("it is", "is", 1)
+    turns = joint.kind == "revolute"
+    unit = "rad" if turns else "m"
+    if joint.mimic is not None:
+        return f"the joint follows {joint.mimic.joint!r}; say where that one starts"
+    if turns and abs(x) > np.pi:
+        return f"is {x:g} rad, must be within half a turn"
+    if stops is not False and not joint.lower <= x <= joint.upper:
+        return (
+            f"{x:g} {unit} lies outside the limits {joint.lower:g} and {joint.upper:g}; start "
+            "between them, or leave out the stops"
+        )
+    return ""
+
+
+def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[str, RigidBody]:
+    """Return the bodies by the names of their links; a base that only stands there is left out.
+
+    A base without mass that is a body gets a millionth of what it carries, which counts for
+    nothing, so that it can be drawn.
+    """
     carried = carrying(robot)
     bodies = {}
     for i, link in enumerate(robot.links):
         mass, inertia, center = link.mass, link.inertia, link.center
-        if mass == 0.0 and i == 0 and robot.fixed_base:
-            if not link.shapes:
-                continue
-            mass, inertia = 1.0, np.eye(3)  # held by the ground
-        elif mass == 0.0:
+        stands = i == 0 and robot.fixed_base
+        if mass == 0.0 and stands and not link.shapes and seat.rigid:
+            continue
+        if mass == 0.0:
             whole = carried[link.name]
-            if whole.mass == 0.0:
+            if whole.mass == 0.0 and not stands:
                 message = "neither it nor what it carries has a mass, which a mechanism needs"
                 raise InputError(Problem(f"link {link.name!r}", message))
-            mass = SHARE * whole.mass
-            moment = float(np.linalg.eigvalsh(whole.inertia)[-1])
+            mass = SHARE * (whole.mass or 1.0)
+            moment = float(np.linalg.eigvalsh(whole.inertia)[-1]) or 1.0
             inertia, center = SHARE * moment * np.eye(3), np.zeros(3)
-            warn(
-                f"link {link.name!r}",
-                f"has no mass; as a body it gets {mass:.3g} kg, a millionth of what it carries",
-            )
+            if not stands:
+                warn(
+                    f"link {link.name!r}",
+                    f"has no mass; as a body it gets {mass:.3g} kg, a millionth of what it carries",
+                )
+        v, w = seat.motion(poses[link.name].r)
         outline = np.concatenate(link.shapes) if link.shapes else None
         bodies[link.name] = RigidBody(
             link.name,
@@ -160,6 +273,8 @@ def make_bodies(robot: Robot) -> dict[str, RigidBody]:
             center=center,
             position=poses[link.name].r,
             orientation=poses[link.name].A,
+            velocity=v,
+            angular_velocity=w,
             markers={name: frame.r for name, frame in link.frames.items()},
             outline=outline,
         )
@@ -175,26 +290,26 @@ def carrying(robot: Robot) -> dict[str, Link]:
     return whole
 
 
-def make_joints(robot: Robot, bodies: Mapping[str, RigidBody]) -> dict[str, Joint]:
-    """Return the joints by name, and that of the base to the ground."""
+def make_joints(
+    robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat, prefix: str
+) -> dict[str, Joint]:
+    """Return the joints by name, and that of the base to what carries it."""
     joints: dict[str, Joint] = {}
     root = robot.links[0]
     if robot.fixed_base and root.name in bodies:
-        base = free_name("base", {joint.name for joint in robot.joints})
-        joints[base] = Fixed(base, ground["origin"], bodies[root.name]["origin"])
+        base = free_name(f"{prefix}base", {joint.name for joint in robot.joints})
+        foot = seat.frame.inverted()
+        joints[base] = Fixed(base, seat.marker, bodies[root.name].at(foot.r, foot.A))
     for joint in robot.joints:
         if joint.kind == "floating":
             continue
-        a = marker(bodies.get(joint.parent), joint.origin @ joint.frame)
-        b = marker(bodies[joint.child], joint.frame)
+        above, frame = bodies.get(joint.parent), joint.origin @ joint.frame
+        a = seat.at(frame) if above is None else above.at(frame.r, frame.A)
+        b = bodies[joint.child].at(joint.frame.r, joint.frame.A)
         kind: Any = OF_ROBOT[joint.kind]
-        joints[joint.name] = kind(joint.name, a, b)
+        # the bodies stand where the joints start, and these count from the frames
+        joints[joint.name] = kind(joint.name, a, b, as_placed=False)
     return joints
-
-
-def marker(body: RigidBody | None, frame: Frame) -> Marker:
-    """Return a marker on a body, or on the ground where the base is not a body."""
-    return (ground if body is None else body).at(frame.r, frame.A)
 
 
 def free_name(name: str, taken: set[str]) -> str:
@@ -218,109 +333,35 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
     return found
 
 
-def starts(robot: Robot, tree: Tree, at: Mapping[str, float], driven: set[str]) -> dict[str, float]:
+def starts(
+    robot: Robot, tree: Tree, at: Mapping[str, float], stops: bool | float, driven: set[str]
+) -> dict[str, float]:
     """Return where joints start: where they shall, and else within their limits."""
-    found = dict(at)
+    found = {name: float(x) for name, x in at.items()}
     kinds = {joint.name: joint.kind for joint in robot.joints}
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         joint = name.rpartition(".")[0]
-        value = at.get(joint, 0.0)
-        if joint in driven or low <= value <= high:
+        near = float(np.clip(0.0, low, high))
+        if joint in driven or joint in found or near == 0.0:
             continue
-        if joint in at:
-            warn(
-                f"at[{joint!r}]",
-                f"{value:g} lies outside the limits {low:g} and {high:g}: the stop pushes it back",
-            )
-        elif kinds.get(joint) == "prismatic" or abs(np.clip(0.0, low, high)) < np.pi:
-            found[joint] = float(np.clip(0.0, low, high))
+        if kinds.get(joint) == "prismatic" or abs(near) < np.pi:
+            found[joint] = near
     return found
 
 
-def moving(tree: Tree) -> dict[str, float]:
-    """Return what moves with each coordinate while the others are free, at the initial pose."""
-    inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
-    inertia = 1.0 / np.maximum(inverse, 1e-300)
-    return dict(zip(tree.velocities, map(float, inertia), strict=True))
+def initial_poses(
+    robot: Robot, tree: Tree, begun: Mapping[str, float], seat: Seat
+) -> dict[str, Frame]:
+    """Return where the links are in the world where the joints start."""
+    q = np.array(tree.initial)
+    for i, name in enumerate(tree.positions):
+        q[i] = begun.get(name.rpartition(".")[0], q[i])
+    places = tree.forward_kinematics(q)
+    return {link.name: seat.world @ places[link.name] for link in robot.links}
 
 
-def limit_tables(
-    robot: Robot, tree: Tree, stops: bool | float, inertias: Mapping[str, float]
-) -> dict[str, Table]:
-    """Return the force of the stops over the coordinate, by the names of coordinates.
-
-    Raises
-    ------
-    InputError
-        If the stiffness is not a positive number.
-    """
-    if stops is False:
-        return {}
-    problems = Problems()
-    if stops is not True:
-        problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
-        problems.raise_if_any()
-    efforts = {joint.name: joint.effort for joint in robot.joints}
-    tables = {}
-    for i, name in enumerate(tree.velocities):
-        ends = tree.lower[i], tree.upper[i]
-        if not np.isfinite(ends).any():
-            continue
-        unit = "rad" if name.endswith(".angle") else "m"
-        k = inertias[name] * (2.0 * np.pi * STOP_FREQUENCY) ** 2
-        effort = efforts.get(name.rpartition(".")[0], np.inf)
-        k = max(k, effort / YIELD[unit]) if np.isfinite(effort) else k
-        tables[name] = stop_table(*ends, k if stops is True else float(stops))
-    return tables
-
-
-def stop_table(lower: float, upper: float, k: float) -> Table:
-    """Return a force that is zero between the limits and grows by k outside."""
-    points: list[tuple[float, float]] = []
-    if np.isfinite(lower):
-        points += [(lower - REACH, k * REACH), (lower, 0.0)]
-    if np.isfinite(upper):
-        points += [(upper, 0.0), (upper + REACH, -k * REACH)]
-    points = [x for i, x in enumerate(points) if i == 0 or x[0] > points[i - 1][0]]
-    s, force = zip(*points, strict=True)
-    return Table(s, force)
-
-
-def joint_forces(
-    joint: RobotJoint,
-    made: Joint | None,
-    tables: Mapping[str, Table],
-    inertias: Mapping[str, float] | None,
-) -> list[Any]:
-    """Return stop and, where inertias are given, spring, damping and dry friction of a joint."""
-    if made is None:
-        return []
-    name = f"{joint.name} limits and losses"
-    if isinstance(made, Spherical):
-        if inertias is None or joint.damping == joint.stiffness == 0.0:
-            return []
-        turn = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
-        K, D = np.multiply(joint.stiffness, turn), np.multiply(joint.damping, turn)
-        return [Bushing(name, made.a, made.b, K, D)]
-    if not isinstance(made, Revolute | Prismatic):
-        return []
-    s = made.coordinates[0]
-    values: dict[str, Any] = {"table": tables.get(s.name)}
-    if inertias is not None:
-        values |= {"damping": joint.damping, "stiffness": joint.stiffness, "free": joint.rest}
-        if joint.friction > 0.0:
-            f = joint.friction
-            slow = max(DRY[s.unit], f * SOON / inertias.get(s.name, np.inf))
-            values["damper_table"] = Table((-slow, slow), (f, -f))
-    active = any(value is not None and value != 0.0 for k, value in values.items() if k != "free")
-    return [Spring(name, s, **values)] if active else []
-
-
-def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate], g: Array) -> list[Any]:
-    """Return a wheel or a mass on the ground that moves with a joint as its rotor.
-
-    A mass slides across the direction of gravity g, so that its weight does no work.
-    """
+def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate]) -> list[Any]:
+    """Return a wheel on the ground that turns with a joint as its rotor, 1 rad for 1 m."""
     if joint.armature == 0.0:
         return []
     if joint.name not in coordinates:
@@ -328,9 +369,6 @@ def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate], g: Array) ->
         return []
     s, J = coordinates[joint.name], joint.armature
     body = RigidBody(f"{joint.name} rotor".replace(".", "_"), J, (J, J, J))
-    kind = Revolute if joint.kind == "revolute" else Prismatic
-    across = np.cross(g, np.eye(3)[np.argmin(np.abs(g))])
-    axis = across if across.any() else None
-    made = kind(f"{joint.name} bearing", ground["origin"], body["origin"], axis=axis)
+    made = Revolute(f"{joint.name} bearing", ground["origin"], body["origin"])
     own = made.coordinates[0]
-    return [body, made, Coupling(f"{joint.name} gearing", [s, own], [-1.0, 1.0], 0.0)]
+    return [body, made, Coupling(f"{joint.name} gearing", [s, own], [-1.0, 1.0], -s.initial)]

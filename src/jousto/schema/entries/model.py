@@ -11,6 +11,7 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.reduction.damping import Rayleigh
+from jousto.robots.mounted import Mounted
 from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
@@ -82,6 +83,15 @@ FORMS.update(
     }
 )
 FmuEntry: Any = alone(Fmu)
+FORMS.update(
+    {
+        "robot": lambda field: Text,
+        "prefix": lambda field: str,
+        "base": lambda field: Text,
+        "robot starts": lambda field: dict[Text, Amount],
+    }
+)
+RobotEntry: Any = alone(Mounted)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
@@ -110,6 +120,7 @@ class ModelEntry(Entry):
     )
     parts: dict[Text, PartEntry] | None = None
     bodies: tuple[BodyEntry, ...]
+    robots: tuple[RobotEntry, ...] | None = None
     joints: tuple[JointEntry, ...] | None = None
     couplings: tuple[CouplerEntry, ...] | None = None
     forces: tuple[ForceEntry, ...] | None = None

@@ -111,6 +111,7 @@ SINGULAR = {
     "sensors": "sensor",
     "events": "event",
     "fmus": "fmu",
+    "robots": "robot",
     "sections": "section",
     "reduce": "reduction",
 }

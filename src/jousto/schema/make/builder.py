@@ -148,6 +148,8 @@ class Builder:
     ) -> None:
         """Note a reference to nothing, unless it is to an entry that failed itself."""
         sections = (section,) if isinstance(section, str) else section
+        if self.lost(name):
+            return
         if not {(s, n) for s in sections for n in (name, None)} & self.broken:
             hint = ""
             if len(self.found) < MOST_HINTS:  # looking for likely names takes its time
@@ -162,9 +164,10 @@ class Builder:
         else:
             name, _, point = entry.partition(".")
             place = loc
-        body = ground if name == "ground" else bodies.get(name)
+        body = ground if name == "ground" else bodies.get(name) or self.frame(name)
         if body is None:
-            self.unknown(place, "bodies", "body", name, [*bodies, "ground"])
+            names = getattr(bodies, "names", bodies.keys)()  # of frames, too
+            self.unknown(place, "bodies", "body", name, [*names, "ground"])
             return None
         marker: Any
         if isinstance(entry, MarkerEntry) and entry.at is not None:
@@ -176,6 +179,14 @@ class Builder:
             return marker
         axes = self.orientations(loc, {"axes": entry.axes})["axes"]
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
+
+    def lost(self, name: str) -> bool:
+        """Return whether a name may be one that a robot with errors would bring."""
+        return False
+
+    def frame(self, name: str) -> Any:
+        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        return None
 
     def event(self, loc: Loc, name: str) -> Any:
         """Return the event that switches a signal, None if there is none that can."""

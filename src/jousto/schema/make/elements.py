@@ -134,6 +134,8 @@ def watched(place: Place, value: Any) -> Any:
         return found
     if isinstance(value, Entry) or "." in value:
         return build_coordinate(builder, place.loc, value, known["bodies"], known["joints"])
+    if builder.lost(value):
+        return None
     builder.note(
         place.loc,
         f"no sensor {value!r}{suggest(value, builder.sensors)}; or a coordinate such as "

@@ -9,6 +9,7 @@ import numpy as np
 
 from jousto.base.errors import InputError, Problems
 from jousto.base.names import check_name
+from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
@@ -20,12 +21,23 @@ from jousto.schema.make.builder import Builder, Section
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.foreign import FORMS as OF_FMUS
+from jousto.schema.make.machines import FORMS as OF_ROBOTS, Joined
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
 from jousto.schema.make.sense import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
 
 LISTS = (
-    *("bodies", "joints", "couplings", "forces", "frictions", "initial", "sensors", "events"),
+    *(
+        "bodies",
+        "robots",
+        "joints",
+        "couplings",
+        "forces",
+        "frictions",
+        "initial",
+        "sensors",
+        "events",
+    ),
     "fmus",
 )
 
@@ -36,7 +48,7 @@ MOST_KEPT = 64
 class ModelBuilder(Builder):
     """Builds parts, bodies and the mechanism of a document."""
 
-    forms = {**OF_FORCES, **OF_SENSORS, **OF_FMUS, **OF_PARTS, **OF_FATIGUE}
+    forms = {**OF_FORCES, **OF_SENSORS, **OF_FMUS, **OF_ROBOTS, **OF_PARTS, **OF_FATIGUE}
 
     # -- parts ------------------------------------------------------------------------------
 
@@ -122,6 +134,16 @@ class ModelBuilder(Builder):
         name: Any = loc[-1]
         return self.recalled(loc, name, entry) if self.part_name(loc, name) else None
 
+    def lost(self, name: str) -> bool:
+        """Return whether a name may be one that a robot with errors would bring."""
+        bodies = self.known.get("bodies")
+        return isinstance(bodies, Joined) and bodies.lost(name)
+
+    def frame(self, name: str) -> Any:
+        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        bodies = self.known.get("bodies")
+        return bodies.frame(name) if isinstance(bodies, Joined) else None
+
     def item(self, loc: Loc, entry: Any) -> Any:
         """Return the object of an entry of a list, None if anything is wrong with it."""
         made = build_declared(self, loc, entry, self.known)
@@ -154,6 +176,11 @@ class ModelBuilder(Builder):
             ]
             known[key] = made = Section(self, key, entries, self.item)
             sections.append(made)
+        named = {made.key: made for made in sections}
+        known |= {
+            key: Joined(named[key], named["robots"], key) for key in ("bodies", "joints", "sensors")
+        }
+        self.sensors += [name for name in known["sensors"] if name not in self.sensors]
         items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
         if not known["bodies"] and (self.found or self.broken):
             return None
@@ -169,6 +196,9 @@ class ModelBuilder(Builder):
         from jousto.mechanism.mechanism import where
 
         places = {where(item): loc for loc, item in items}
+        inner = {
+            where(x): loc for loc, item in items if isinstance(item, Assembly) for x in item.items
+        }
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
@@ -182,12 +212,16 @@ class ModelBuilder(Builder):
                 for problem in error.problems:
                     loc = places.get(problem.where, ())
                     text = problem.message if loc else str(problem)
+                    loc = loc or inner.get(problem.where, ())
                     self.note(self.refine(loc, problem.message) if loc else loc, text)
                 return None
         # what is broken would only cause wrong warnings
         if not (self.found or self.broken):
             for item in caught:
                 text = str(item.message)
+                if one := next((loc for p, loc in inner.items() if text.startswith(f"{p}: ")), ()):
+                    self.warn(one, item, set())
+                    continue
                 place = next((p for p in places if text.startswith(f"{p}: ")), "")
                 self.warn(places.get(place, ()), item, {place.lower()})
         return made

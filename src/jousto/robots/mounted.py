@@ -1,0 +1,228 @@
+"""Mounted: a robot as a part of a larger machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from os import PathLike
+from typing import Any
+
+from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
+from jousto.base.fields import AnyField, Field, Name, OptionalText, field, kept
+from jousto.base.frozen import Frozen
+from jousto.base.numbers import Vector
+from jousto.base.rotations import rotation_matrix
+from jousto.mechanism.assembly import Assembly
+from jousto.mechanism.bodies.body import Ground, RigidBody, ground
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.bodies.posed import ZERO3, Orientation
+from jousto.mechanism.joints.base import Joint
+from jousto.robots.build import Seat, built, check_joints
+from jousto.robots.description import Frame, Robot
+from jousto.robots.files import read_robot
+
+
+class RobotField(Field["Robot | str | PathLike[str]", Robot]):
+    """A robot, or the path of its file."""
+
+    form = "robot"
+    noun = "Robot or path"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the robot, read if it is a file."""
+        if isinstance(value, str | PathLike):
+            try:
+                return read_robot(str(value))
+            except InputError as error:
+                problems.found.extend(error.problems)
+        elif not isinstance(value, Robot):
+            problems.add(where, f"robot is {value!r}, must be a Robot or the path of its file")
+        return value
+
+
+class BaseField(Field["Marker | RigidBody | Ground | None", "Marker"]):
+    """What carries a robot: a body, a marker, or None for the ground or what the robot says."""
+
+    form = "base"
+    noun = "RigidBody or Marker"
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return the marker; that of the origin of a body."""
+        if isinstance(value, RigidBody | Ground):
+            return value["origin"]
+        if not isinstance(value, Marker):
+            problems.add(
+                where, f"base is {value!r}, must be a rigid body, a marker or None for the ground"
+            )
+        return value
+
+
+class Prefix(OptionalText):
+    """What names begin with, which may be nothing, or None."""
+
+    form = "prefix"
+
+
+class Mounted(Assembly, section="robots"):
+    """A robot that stands on the ground or on a body of a larger machine.
+
+    `Mechanism` takes it as it takes bodies; all that the robot consists of gets names with its
+    prefix: ``arm_elbow``. Its joints count as its file counts them. Gravity is that of the
+    machine. What is called `mechanism` for a robot alone holds for its stops, losses and rotors.
+
+    ``robot["tool"]`` is the marker of a link or a named frame, by its name in the file, with its
+    own axes.
+
+    Attributes
+    ----------
+    bodies, joints : dict
+        Bodies and joints by their names in the file.
+    items : tuple
+        All bodies, joints, forces and sensors.
+
+    Examples
+    --------
+    A cart that carries an arm::
+
+        arm = jo.robots.Mounted("arm", "arm.urdf", cart["top"], at={"elbow": 0.5})
+        motor = jo.JointForce("motor", arm.joints["elbow"].angle, jo.Input("u"))
+        machine = jo.Mechanism(cart, slide, arm, motor, jo.Gravity((0, 0, -9.81)))
+    """
+
+    kind = "robot"
+    together = ("robot",)
+    name: Name = field("Unique among the robots")
+    robot: RobotField = field("A Robot, or the file of one: URDF, MJCF or SDF", key="file")
+    base: BaseField = field(
+        "Body, frame or marker that it is fixed to; without one it stands on the ground, or moves "
+        "as its file says",
+        default=None,
+    )
+    position: Vector = field(
+        "Place of the robot's root, in the frame of the base", unit="m", default=ZERO3, kw_only=True
+    )
+    orientation: Orientation = field(
+        "Orientation of the root in the frame of the base", default=None, kw_only=True
+    )
+    prefix: Prefix = field(
+        "What the names of its bodies and joints begin with; its name and _ if not given",
+        default=None,
+        kw_only=True,
+    )
+    stops: AnyField = field(
+        "Whether the limits of the joints are stops; in Python also their stiffness, N m/rad or "
+        "N/m",
+        form="flag",
+        noun="bool or float",
+        default=True,
+        kw_only=True,
+    )
+    losses: AnyField = field(
+        "Whether damping, dry friction and springs of the file count",
+        form="flag",
+        noun="bool",
+        default=True,
+        kw_only=True,
+    )
+    at: AnyField = field(
+        "Where joints start, by their names in the file, rad or m; elsewhere at zero, or at the "
+        "limit that is nearest to it",
+        form="robot starts",
+        noun="dict of str to float",
+        default=None,
+        kw_only=True,
+    )
+    bodies: Mapping[str, RigidBody] = kept()
+    joints: Mapping[str, Joint] = kept()
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Build the bodies and joints, note joints that are not there and starts that cannot be."""
+        robot: Robot = self.robot
+        given: Any = {} if self.at is None else self.at
+        own: Any = self.prefix
+        prefix: str = f"{self.name}_" if own is None else own
+        if any(c in str(prefix) for c in "./"):
+            problems.add(where, f"prefix is {prefix!r}, must contain no '.' and no '/'")
+        if not isinstance(given, Mapping):
+            problems.add(where, f"at is {given!r}, must be a mapping of names of joints to numbers")
+        else:
+            wrong = Problems()
+            check_joints(wrong, robot, {"at": given}, self.stops)
+            for one in wrong.found:
+                problems.add(where, f"{one.where}: {one.message}")
+        if problems.found:
+            return
+        base: Any = self.base
+        if base is not None:
+            robot = replace(robot, fixed_base=True)
+        marker = ground["origin"] if base is None else base
+        seat = Seat(marker, Frame(self.position, rotation_matrix(self.orientation)))
+        try:
+            made = built(
+                prefixed(robot, prefix),
+                seat,
+                at={f"{prefix}{name}": x for name, x in given.items()},
+                stops=self.stops,
+                losses=self.losses,
+                driven=set(),
+                prefix=prefix,
+            )
+        except InputError as error:
+            problems.found.extend(error.problems)
+            return
+        bodies = {name.removeprefix(prefix): body for name, body in made.bodies.items()}
+        joints = {name.removeprefix(prefix): joint for name, joint in made.joints.items()}
+        kept = {"prefix": prefix, "bodies": bodies, "joints": joints, "at": dict(given)}
+        for key, value in kept.items():
+            frozen = Frozen(value) if isinstance(value, dict) else value
+            object.__setattr__(self, key, frozen)
+        object.__setattr__(self, "items", made.items)
+        object.__setattr__(self, "_seat", seat)
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        """Names of its links and of the frames on them."""
+        named = [name for link in self.robot.links for name in (link.name, *link.frames)]
+        return tuple(dict.fromkeys(named))
+
+    def __getitem__(self, name: str) -> Marker:
+        """Return the marker of a link or a named frame, with the axes of the file.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none; names the nearest one.
+        """
+        for link in self.robot.links:
+            if name == link.name or name in link.frames:
+                frame = Frame() if name == link.name else link.frames[name]
+                body = self.bodies.get(link.name)
+                if body is not None:
+                    return body.at(frame.r, frame.A, name)
+                seat: Seat = vars(self)["_seat"]
+                return seat.at(frame)
+        raise UnknownNameError(
+            Problem(f"robot {self.name!r}", f"no frame {name!r}{suggest(name, self.frames)}")
+        )
+
+    def __repr__(self) -> str:
+        moving = sum(bool(joint.coordinates) for joint in self.joints.values())
+        base: Any = self.base
+        label = "the ground" if base is None else base.label
+        return f"<Mounted {self.name!r}: {len(self.bodies)} bodies, {moving} joints, on {label}>"
+
+
+def prefixed(robot: Robot, prefix: str) -> Robot:
+    """Return a robot whose links and joints have names with a prefix; frames keep theirs."""
+    links = tuple(replace(link, name=f"{prefix}{link.name}") for link in robot.links)
+    joints = tuple(
+        replace(
+            joint,
+            name=f"{prefix}{joint.name}",
+            parent=f"{prefix}{joint.parent}",
+            child=f"{prefix}{joint.child}",
+            mimic=joint.mimic and replace(joint.mimic, joint=f"{prefix}{joint.mimic.joint}"),
+        )
+        for joint in robot.joints
+    )
+    return replace(robot, links=links, joints=joints)

@@ -1,0 +1,195 @@
+"""Robots in model files: what they are made of, and the names that they bring."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jousto.base.errors import Problem, UnknownNameError
+from jousto.mechanism.bodies.body import FlexibleBody, ground
+from jousto.mechanism.bodies.marker import Marker, marker_axes
+from jousto.mechanism.sensors.base import Sensor
+from jousto.robots.build import SINGLE, wrong_joint, wrong_start
+from jousto.robots.files import read_robot
+from jousto.robots.mounted import Mounted
+from jousto.schema.make.amounts import build_amount
+from jousto.schema.make.builder import Section
+from jousto.schema.make.declared import Place
+
+
+class Joined(Mapping[str, Any]):
+    """The objects of a section by their names, and those that robots bring, with their prefixes.
+
+    Parameters
+    ----------
+    own, robots : Section
+    key : str
+        The section: bodies, joints or sensors.
+    """
+
+    def __init__(self, own: Section, robots: Section, key: str) -> None:
+        self.own, self.robots, self.key = own, robots, key
+
+    def brought(self, robot: Mounted) -> Mapping[str, Any]:
+        """Return what a robot brings, by the names that it has in the machine."""
+        if self.key == "sensors":
+            return {x.name: x for x in robot.items if isinstance(x, Sensor)}
+        return {x.name: x for x in getattr(robot, self.key).values()}
+
+    def likely(self, name: str) -> Iterator[Mounted]:
+        """Yield the robots whose names may begin as this one, those of long prefixes first."""
+        for i, prefix in sorted(self._prefixes(), key=lambda x: -len(x[1])):
+            if name.startswith(prefix) and i not in self.robots.open:
+                robot = self.robots.object(i)
+                if robot is not None:
+                    yield robot
+
+    def lost(self, name: str) -> bool:
+        """Return whether a name may be that of something in a robot with errors."""
+        given = self.robots.builder.document.data.get("robots")
+        entries = given if isinstance(given, list) else []
+        places = {loc: i for i, (_, loc, _) in enumerate(self.robots.entries)}
+        for k, entry in enumerate(entries):
+            i = places.get(("robots", k), -1)
+            if i < 0 or (i in self.robots.made and self.robots.made[i] is None):
+                if name.startswith(prefix_of(entry if isinstance(entry, dict) else {})):
+                    return True
+        return False
+
+    def opened(self, name: str) -> bool:
+        """Return whether a name may be that of something in a robot that is being made."""
+        return any(i in self.robots.open and name.startswith(p) for i, p in self._prefixes())
+
+    def names(self) -> list[str]:
+        """Return the names of the section, and of frames of robots that are made already."""
+        made = [robot for robot in self.robots.made.values() if robot is not None]
+        return [*self.own, *(f"{robot.prefix}{name}" for robot in made for name in robot.frames)]
+
+    def _prefixes(self) -> list[tuple[int, str]]:
+        return [(i, prefix_of(vars(entry))) for i, (_, _, entry) in enumerate(self.robots.entries)]
+
+    def __getitem__(self, name: str) -> Any:
+        """Return an object; raise KeyError where none has that name or it cannot be made."""
+        if name in self.own.places:
+            return self.own[name]
+        for robot in self.likely(name):
+            found = self.brought(robot)
+            if name in found:
+                return found[name]
+        raise KeyError(name)
+
+    def frame(self, name: str) -> Any:
+        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        for robot in self.likely(name):
+            own = name.removeprefix(robot.prefix)
+            if own in robot.frames:
+                return Held(name, robot[own])
+        return None
+
+    def __iter__(self) -> Iterator[str]:
+        names = [*self.own]
+        for _, robot in self.robots.all():
+            names += self.brought(robot)
+        yield from dict.fromkeys(names)
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+    @property
+    def places(self) -> Mapping[str, Any]:
+        """The names."""
+        return dict.fromkeys([*self.own.places, *self])
+
+    def entry(self, name: str) -> Any:
+        """Return the entry of a name, of what a robot brings that of the robot."""
+        if name in self.own.places:
+            return self.own.entry(name)
+        return next(self.robots.entry(robot.name) for robot in self.likely(name))
+
+
+class Held:
+    """A frame on a link of a robot, as bodies give their points."""
+
+    def __init__(self, name: str, marker: Marker) -> None:
+        self.name, self.marker = name, marker
+
+    def __getitem__(self, point: str) -> Marker:
+        """Return the marker of the frame."""
+        if point != "origin":
+            message = f"no point {point!r}; a frame has its origin alone"
+            raise UnknownNameError(Problem(f"frame {self.name!r}", message))
+        return self.marker
+
+    def at(self, position: ArrayLike, axes: Any = None) -> Marker:
+        """Return a marker at a position in the frame, m, with axes relative to it."""
+        A = np.asarray(self.marker.axes)
+        body: Any = self.marker.body
+        r = self.marker.position_local + A @ np.asarray(position)
+        made: Marker = body.at(r, A @ marker_axes(self.name, axes))
+        return made
+
+
+def prefix_of(entry: Mapping[str, Any]) -> str:
+    """Return what the names of a robot begin with, from what the file says of it."""
+    prefix, name = entry.get("prefix"), entry.get("name")
+    if isinstance(prefix, str):
+        return prefix
+    return f"{name}_" if isinstance(name, str) else ""
+
+
+# -- fields ---------------------------------------------------------------------------------
+
+
+def robot(place: Place, name: str) -> Any:
+    """Return the robot of a file, relative to the model file."""
+    return place.builder.make(place.loc, read_robot, place.builder.file(name))
+
+
+def base(place: Place, name: str) -> Any:
+    """Return the marker of a body, a frame or a point; None if there is none."""
+    builder, bodies = place.builder, place.known["bodies"]
+    if "." in name:
+        return builder.marker(place.loc, name, bodies)
+    if name == "ground":
+        return ground["origin"]
+    body = bodies.get(name) or builder.frame(name)
+    if body is None and bodies.opened(name):
+        builder.note(place.loc, f"{name!r} stands on this robot itself")
+    elif body is None:
+        builder.unknown(place.loc, "bodies", "body", name, [*bodies.names(), "ground"])
+    elif isinstance(body, FlexibleBody):
+        builder.note(place.loc, f"body {name!r} is flexible; name a point of it, {name}.POINT")
+        return None
+    return None if body is None else builder.make(place.loc, body.__getitem__, "origin")
+
+
+def starts(place: Place, given: Mapping[str, Any]) -> Any:
+    """Return where joints start, rad or m, None if one cannot."""
+    made, stops = place.values["robot"], place.values.get("stops", True)
+    if made is None:
+        return None
+    kinds = {joint.name: joint.kind for joint in made.joints}
+    found: dict[str, float] = {}
+    for name, value in given.items():
+        here = place.at(name)
+        said, x = wrong_joint(made, name), None
+        if not said:
+            unit = "rad" if kinds[name] == SINGLE[0] else "m"
+            x = build_amount(here.builder, here.loc, value, unit)
+            said = "" if x is None else wrong_start(made, name, x, stops)
+        if said:
+            here.builder.note(here.loc, said)
+        elif x is not None:
+            found[name] = x
+    return found if len(found) == len(given) else None
+
+
+FORMS: dict[str, Callable[[Place, Any], Any]] = {
+    "robot": robot,
+    "base": base,
+    "robot starts": starts,
+}
+"""How the fields of a robot become objects."""
