@@ -232,6 +232,13 @@ def _robots(made: Made, folder: Path) -> list[Call]:
             jo.robots.inverse_kinematics,
             {"tree": tree, "frame": "tip", "position": (0.0, 1.0, 0.0)},
         ),
+        (
+            jo.robots.posed,
+            {"tree": tree, "model": jo.compile(jo.robots.mechanism(robot)), "q": [0.0]},
+        ),
+        (tree.coordinate, {"coordinate": "j.angle", "q": [0.0]}),
+        (tree.constraints, {"q": [0.0]}),
+        (tree.constraint_jacobian, {"q": [0.0]}),
         (tree.forward_kinematics, {"q": [0.0]}),
         (tree.pose, {"frame": "tip", "q": [0.0]}),
         (tree.jacobian, {"frame": "tip", "q": [0.0]}),

@@ -372,6 +372,7 @@ def robots(_: Objects, folder: Path) -> Objects:
         "tree": tree,
         "mounted": jo.robots.Mounted("arm", robot),
         "frame": tree.pose("arm", [0.0]),
+        "posed": jo.robots.posed(tree, jo.compile(jo.robots.mechanism(robot)), [0.1]),
         "reached": jo.robots.inverse_kinematics(tree, "tip", (0.0, 1.0, 0.0)),
     }
 

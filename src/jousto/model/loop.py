@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from jousto.model.model import LinkModel, Model
@@ -24,6 +24,43 @@ class Loops(NamedTuple):
     loops: list[tuple[int, int, int, int, int]]
     reaches: list[tuple[int, int]]
     meets: list[tuple[int, int]]
+
+
+def spanning(edges: Sequence[tuple[int, int, int]]) -> list[int]:
+    """Return which joints span a tree: of those that close a loop those with most rows.
+
+    Parameters
+    ----------
+    edges : sequence of (int, int, int)
+        Bodies of both sides, from 0, -1 for the ground, and rows of each joint. Of joints with
+        the same number of rows the later ones are cut.
+
+    Returns
+    -------
+    list of int
+        Places in `edges`, ascending.
+
+    Examples
+    --------
+    A triangle on the ground whose last side is a ball:
+
+    >>> spanning([(-1, 0, 5), (0, 1, 3), (1, -1, 5)])
+    [0, 2]
+    """
+    roots = {body: body for a, b, _ in edges for body in (a, b)}
+
+    def root(body: int) -> int:
+        while roots[body] != body:
+            body = roots[body]
+        return body
+
+    found = []
+    for k in sorted(range(len(edges)), key=lambda k: -edges[k][2]):
+        a, b = (root(body) for body in edges[k][:2])
+        if a != b:
+            roots[max(a, b)] = min(a, b)
+            found.append(k)
+    return sorted(found)
 
 
 def cut_joints(model: Model, links: Iterable[LinkModel]) -> list[int]:

@@ -10,7 +10,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.members import core_problem
-from jousto.model.loop import cut_joints, pays
+from jousto.model.loop import cut_joints, pays, spanning
 from jousto.model.model import JointModel, LinkModel, Model
 
 AUTOMATIC = False
@@ -145,20 +145,8 @@ class _Tree:
                     known.append(k)
             elif joint.lock < 0 and self._drives(joint):
                 self.drives.setdefault(joint.lines[0].coordinates[0], k)
-        roots = list(range(-1, len(self.model.bodies)))
-
-        def root(body: int) -> int:
-            while roots[body + 1] != body:
-                body = roots[body + 1]
-            return body
-
-        found = []
-        for k in sorted(known, key=lambda k: -joints[k].rows):
-            a, b = (root(body) for body in self._ends(k))
-            if a != b:
-                roots[max(a, b) + 1] = min(a, b)
-                found.append(k)
-        return sorted(found)
+        kept = spanning([(*self._ends(k), joints[k].rows) for k in known])
+        return [known[i] for i in kept]
 
     def _known(self, joint: JointModel) -> bool:
         try:

@@ -92,6 +92,11 @@ class ReducedPart(Content):
         """Diagonal of the modal stiffness matrix, ``omega_j^2`` (n,), 1/s2."""
         return np.asarray((2.0 * np.pi * self.frequencies) ** 2)
 
+    @property
+    def named_nodes(self) -> dict[str, Array]:
+        """Undeformed positions (3,), m, of the nodes that have a set of their own."""
+        return {key: self.nodes[m[0]] for key, m in self.node_sets.items() if len(m) == 1}
+
     @explained
     def node(self, name: str) -> int:
         """Return the number of the node with this name, from 0.

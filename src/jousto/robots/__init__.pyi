@@ -12,6 +12,7 @@ from .files import read_robot as read_robot
 from .inverse import Reached as Reached, inverse_kinematics as inverse_kinematics
 from .mjcf import read_mjcf as read_mjcf
 from .mounted import Mounted as Mounted
+from .posed import posed as posed
 from .sdf import read_sdf as read_sdf
 from .tree import Tree as Tree
 from .urdf import read_urdf as read_urdf

@@ -44,13 +44,7 @@ class Step:
 
 
 def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
-    """Return the steps from the ground outward, the step of each body, and the coordinates.
-
-    Raises
-    ------
-    InputError
-        If a joint closes a loop.
-    """
+    """Return the steps from the ground outward, the step of each body, and the coordinates."""
     joined: dict[int, list[int]] = {}
     for k, joint in enumerate(parts.joints):
         for end in {joint.a, joint.b}:
@@ -63,7 +57,6 @@ def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
     waiting = [(-1, k) for k in reversed(joined.get(-1, []))]
     # every component that hangs on nothing begins with its first body
     starts = list(free)
-    problems: list[Problem] = []
     while waiting or starts:
         if not waiting:
             body = starts.pop(0)
@@ -78,20 +71,9 @@ def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
         used.add(k)
         joint = parts.joints[k]
         far = joint.b if near == joint.a else joint.a
-        if far in at:
-            problems.append(
-                Problem(
-                    f"joint {joint.name!r}",
-                    "closes a loop; a tree has none. Leave it out, or use `compile` and the "
-                    "verbs of simulation, which take loops",
-                )
-            )
-            continue
         steps += climb(joint, at[near], names, len(steps), far, forward=near == joint.a)
         at[far] = len(steps) - 1
         waiting += [(far, i) for i in reversed(joined.get(far, [])) if i not in used]
-    if problems:
-        raise InputError(problems)
     return tuple(steps), tuple(at[i] for i in range(len(parts.bodies))), names
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,7 @@ from jousto.robots.tree import Tree
 SMALLEST, LARGEST = 1e-12, 1e8  # damping, in squares of the largest column
 SEED = 20
 STALLED = 1e-10  # gain of an iteration below which a start is given up
+WEIGHTS = 10.0, 100.0, 1000.0  # of the loops where the target is out of reach
 
 
 @described
@@ -31,7 +32,7 @@ class Reached:
     q : (nq,) array
         Positions of the tree, within their limits.
     reached : bool
-        Whether the frame is there within the tolerances.
+        Whether the frame is there within the tolerances, and all loops are closed.
     distance : float
         From the wanted position, m.
     angle : float
@@ -42,6 +43,10 @@ class Reached:
         In all.
     starts : int
         From how many places it was tried.
+    gap : float
+        By how much the most open joint of a loop misses, m, angles times the size of the machine.
+    open : tuple of str
+        Joints and couplings that stay open, and coordinates of theirs past their limits.
     """
 
     q: Array
@@ -51,6 +56,8 @@ class Reached:
     at_limit: tuple[str, ...]
     iterations: int
     starts: int
+    gap: float = 0.0
+    open: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         return self.reached
@@ -60,6 +67,8 @@ class Reached:
         text = f"{word}: {self.distance:.3g} m and {self.angle:.3g} rad off"
         if not self.reached and self.at_limit:
             text += f", with {', '.join(self.at_limit)} at the limit"
+        if self.open:
+            text += f"; the loops cannot be closed, {', '.join(self.open)} by {self.gap:.3g} m"
         return f"{text} ({self.iterations} iterations from {self.starts} starts)"
 
 
@@ -82,6 +91,11 @@ def inverse_kinematics(
     first matrix (Levenberg and Marquardt); d grows where a step does not bring the frame nearer.
     Coordinates at a limit that would leave it stand still in that step. Where a start leads to
     no solution, others within the limits are tried, always the same ones.
+
+    What joints ask that close loops (``tree.constraints``) is part of e, and so is what a
+    coordinate of theirs exceeds its limits by. Every start is closed first. Loops count as closed
+    within 1e-12 of the size of the machine; where a place is out of reach, the nearest is sought
+    among positions with closed loops. Flexible bodies keep their undeformed shape.
 
     Parameters
     ----------
@@ -127,20 +141,39 @@ def inverse_kinematics(
     problems.raise_if_any()
     assert q is not None
     target = _Target(tree, frame, r, None if e is None else rotation_matrix(e))
-    near = (tolerance, angle_tolerance)
+    search = _Search(target, (tolerance, angle_tolerance), iterations)
     rng = np.random.default_rng(SEED)
-    best, used, tried = target.inside(q), 0, 0
-    best, used = target.descend(best, iterations, near)
-    tried = 1
-    while tried < starts and not target.there(best, near):
-        found, more = target.descend(target.drawn(q, rng), iterations, near)
-        used, tried = used + more, tried + 1
-        if target.size(found) < target.size(best):
-            best = found
+    best, tried = search.tried(target.inside(q)), 1
+    while tried < starts and not search.there(best, ALL):
+        found, tried = search.tried(target.drawn(q, rng)), tried + 1
+        best = min(best, found, key=target.rank)
+    if tree.cut and not search.there(best, ALL):
+        best = min(best, search.nearest(best), key=target.rank)
     distance, angle = target.off(best)
     stuck = target.at_limit(best)
-    names = tuple(name for name, there in zip(tree.velocities, stuck, strict=True) if there)
-    return Reached(read_only(best), target.there(best, near), distance, angle, names, used, tried)
+    names = [name for name, there in zip(tree.velocities, stuck, strict=True) if there]
+    gaps = tree.loops.gaps(tree.view(best))
+    return Reached(
+        read_only(best),
+        search.there(best, ALL),
+        distance,
+        angle,
+        (*names, *tree.loops.at_bounds(tree.view(best))),
+        search.used,
+        tried,
+        max(gaps.values(), default=0.0),
+        tuple(name for name, gap in gaps.items() if gap > tree.loops.tolerance),
+    )
+
+
+class _Aim(NamedTuple):
+    """What counts: the place of the frame, and the loops by a weight."""
+
+    place: bool
+    weight: float
+
+
+ALL, LOOPS = _Aim(True, 1.0), _Aim(False, 1.0)
 
 
 class _Target:
@@ -152,42 +185,53 @@ class _Target:
         here = tree.pose(frame, tree.initial).r
         # an angle of 1 rad counts as so many m
         self.length = max([float(np.linalg.norm(here - x.r)) for x in poses], default=1.0) or 1.0
+        self.units = np.where(tree.lengths, self.length, 1.0)
         self.index = {
             tree.velocities.index(name): tree.positions.index(name)
             for name in tree.velocities
             if name in tree.positions
         }
 
-    def error(self, q: Array) -> Array:
-        """Return what is missing: position, m, and turn times the length of the machine, m."""
-        here = self.tree.pose(self.frame, q)
-        parts = [] if self.r is None else [self.r - here.r]
-        if self.A is not None:
-            parts.append(self.length * turn_vector(self.A @ here.A.T))
+    def error(self, q: Array, aim: _Aim = ALL) -> Array:
+        """Return what is missing: position, m, turn times the length of the machine, m, loops."""
+        parts = [-aim.weight * self.tree.loops.missing(self.tree.view(q))[0]]
+        if aim.place:
+            here = self.tree.pose(self.frame, q)
+            parts += [] if self.r is None else [self.r - here.r]
+            if self.A is not None:
+                parts.append(self.length * turn_vector(self.A @ here.A.T))
         return np.concatenate(parts)
 
-    def rows(self, q: Array) -> Array:
+    def rows(self, q: Array, aim: _Aim = ALL) -> Array:
         """Return the Jacobian of what counts."""
-        J = self.tree.jacobian(self.frame, q)
-        parts = [] if self.r is None else [J[:3]]
-        if self.A is not None:
-            parts.append(self.length * J[3:])
+        parts = [aim.weight * self.tree.loops.missing(self.tree.view(q))[1]]
+        if aim.place:
+            J = self.tree.jacobian(self.frame, q)
+            parts += [] if self.r is None else [J[:3]]
+            if self.A is not None:
+                parts.append(self.length * J[3:])
         return np.concatenate(parts)
 
-    def size(self, q: Array) -> float:
+    def size(self, q: Array, aim: _Aim = ALL) -> float:
         """Return how far it is away, m."""
-        return float(np.linalg.norm(self.error(q)))
+        return float(np.linalg.norm(self.error(q, aim)))
+
+    def gap(self, q: Array) -> float:
+        """Return by how much the loops are open, m."""
+        found = self.tree.loops.missing(self.tree.view(q))[0]
+        return float(np.abs(found).max(initial=0.0))
+
+    def rank(self, q: Array) -> tuple[float, float]:
+        """Return what orders positions: open loops, then the way to the place."""
+        gap = self.gap(q)
+        return (gap if gap > self.tree.loops.tolerance else 0.0), self.size(q)
 
     def off(self, q: Array) -> tuple[float, float]:
         """Return the distance, m, and the angle, rad."""
-        e = self.error(q)
-        distance = 0.0 if self.r is None else float(np.linalg.norm(e[:3]))
-        return distance, 0.0 if self.A is None else float(np.linalg.norm(e[-3:])) / self.length
-
-    def there(self, q: Array, near: tuple[float, float]) -> bool:
-        """Return whether it is near enough."""
-        distance, angle = self.off(q)
-        return distance <= near[0] and angle <= near[1]
+        here = self.tree.pose(self.frame, q)
+        distance = 0.0 if self.r is None else float(np.linalg.norm(self.r - here.r))
+        turn = np.zeros(3) if self.A is None else turn_vector(self.A @ here.A.T)
+        return distance, float(np.linalg.norm(turn))
 
     def inside(self, q: Array) -> Array:
         """Return positions within their limits."""
@@ -210,31 +254,58 @@ class _Target:
     def drawn(self, q: Array, rng: np.random.Generator) -> Array:
         """Return other positions within the limits."""
         tree = self.tree
-        found = tree.moved(q, rng.uniform(-np.pi, np.pi, tree.nv))
+        spread = np.where(tree.lengths, self.length, np.pi)
+        found = tree.moved(q, spread * rng.uniform(-1.0, 1.0, tree.nv))
         for i, place in self.index.items():
             low, high = tree.lower[i], tree.upper[i]
             if np.isfinite(low) and np.isfinite(high):
                 found[place] = rng.uniform(low, high)
         return self.inside(found)
 
-    def descend(self, q: Array, most: int, near: tuple[float, float]) -> tuple[Array, int]:
-        """Return where damped least squares ends, and after how many iterations."""
-        damping, size = 1e-3, self.size(q)
-        for k in range(most):
-            if self.there(q, near):
-                return q, k
-            e, J = self.error(q), self.rows(q)
+
+class _Search:
+    """Damped least squares from one place after the other."""
+
+    def __init__(self, target: _Target, near: tuple[float, float], most: int) -> None:
+        self.target, self.tree, self.near, self.most = target, target.tree, near, most
+        self.used = 0
+
+    def tried(self, q: Array) -> Array:
+        """Return where a start leads: to the place, or near it with closed loops."""
+        found = self.descend(self.descend(q, LOOPS), ALL)
+        return found if self.there(found, ALL) else self.descend(found, LOOPS)
+
+    def nearest(self, q: Array) -> Array:
+        """Return where the closed loops come nearest to a place out of reach."""
+        for weight in WEIGHTS:
+            q = self.descend(q, _Aim(True, weight))
+        return self.descend(q, LOOPS)
+
+    def there(self, q: Array, aim: _Aim) -> bool:
+        """Return whether it is near enough."""
+        if self.target.gap(q) > self.tree.loops.tolerance:
+            return False
+        distance, angle = self.target.off(q) if aim.place else (0.0, 0.0)
+        return distance <= self.near[0] and angle <= self.near[1]
+
+    def descend(self, q: Array, aim: _Aim) -> Array:
+        """Return where damped least squares ends."""
+        target, damping, size = self.target, 1e-3, self.target.size(q, aim)
+        for _ in range(self.most):
+            if self.there(q, aim):
+                return q
+            self.used += 1
+            e, J = target.error(q, aim), target.rows(q, aim)
             while True:
-                step = self.step(q, J, e, damping)
-                new = self.inside(self.tree.moved(q, step))
-                there = self.size(new)
+                new = target.inside(self.tree.moved(q, self.step(q, J, e, damping)))
+                there = target.size(new, aim)
                 if there < size or damping > LARGEST:
                     break
                 damping *= 4.0
             if there >= size * (1.0 - STALLED):
-                return (new if there < size else q), k + 1
+                return new if there < size else q
             q, size, damping = new, there, max(0.2 * damping, SMALLEST)
-        return q, most
+        return q
 
     def step(self, q: Array, J: Array, e: Array, damping: float) -> Array:
         """Return a step (nv,) that leaves no limit."""
@@ -242,19 +313,21 @@ class _Target:
         step = np.zeros(self.tree.nv)
         for _ in range(self.tree.nv + 1):
             K = J[:, ~held]
-            H = K.T @ K
-            top = float(np.diag(H).max(initial=0.0))
+            squares = (K * K).sum(axis=0)
+            top = float(squares.max(initial=0.0))
             if top == 0.0:
                 return np.zeros(self.tree.nv)
-            H += damping * np.diag(np.maximum(np.diag(H), 1e-6 * top))
+            # as least squares: squares of K would lose the digits that close loops
+            D = np.diag(np.sqrt(damping * np.maximum(squares, 1e-6 * top)))
+            rhs = np.concatenate([e, np.zeros(len(D))])
             step[:] = 0.0
-            step[~held] = np.linalg.solve(H, K.T @ e)
-            more = self.at_limit(q, step) & ~held
+            step[~held] = np.linalg.lstsq(np.vstack([K, D]), rhs, rcond=None)[0]
+            more = self.target.at_limit(q, step) & ~held
             if not more.any():
                 break
             held |= more
         # a turn by more than a radian says nothing of where it leads
-        return step / max(1.0, float(np.abs(step).max(initial=0.0)))
+        return step / max(1.0, float(np.abs(step / self.target.units).max(initial=0.0)))
 
 
 def turn_vector(R: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,14 +10,17 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.inertia import rigid_inertia
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import Joint
-from jousto.mechanism.joints.coordinate import Coordinate
+from jousto.mechanism.joints.coordinate import Coordinate, Line
 from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.joints.hinges import Cylindrical, Revolute, Screw, Universal
 from jousto.mechanism.joints.points import Spherical
 from jousto.mechanism.joints.slides import Fixed, Planar, Prismatic
 from jousto.mechanism.mechanism import Mechanism
+from jousto.model.loop import spanning
+from jousto.robots.closure import Closure, Measured, Place, Sum
 from jousto.robots.description import Frame, Robot, RobotJoint
 
 E3 = np.eye(3)
@@ -103,6 +105,12 @@ class Parts:
         By the names of coordinates.
     frames : dict of str to (int, Frame)
         Named frames: number of the body, -1 for the ground, and where on it.
+    closures : tuple of Closure
+        Joints and couplings that are none of the tree.
+    measured : dict of str to Measured
+        Coordinates of such joints.
+    size : float
+        Of the machine and its place in the world, m.
     """
 
     bodies: tuple[Carried, ...]
@@ -112,85 +120,135 @@ class Parts:
     armature: dict[str, float] = field(default_factory=dict)
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
     frames: dict[str, tuple[int, Frame]] = field(default_factory=dict)
+    closures: tuple[Closure, ...] = ()
+    measured: dict[str, Measured] = field(default_factory=dict)
+    size: float = 1.0
 
 
 def of_mechanism(mechanism: Mechanism) -> Parts:
-    """Return the parts of a mechanism.
+    """Return the parts of a mechanism; of joints that close a loop those with fewest rows are cut.
 
     Raises
     ------
     InputError
-        If a body is flexible, or a joint is of a kind that leaves no coordinates.
+        If a body is a beam.
     """
     problems = Problems()
     numbers: dict[int, int] = {}
     bodies: list[Carried] = []
+    frames: dict[str, tuple[int, Frame]] = {}
     for body in mechanism.bodies:
-        if isinstance(body, FlexibleBody | BeamNode):
-            what = "is flexible" if isinstance(body, FlexibleBody) else "belongs to a beam"
-            problems.add(
-                f"body {body.name!r}",
-                f"{what}; a tree has rigid bodies alone, read_model(..., rigid=True) makes them so",
-            )
+        if isinstance(body, BeamNode):
+            message = "belongs to a beam; a tree has no exact beams, leave it out"
+            problems.add(f"body {body.name!r}", message)
             continue
         r, A, _ = mechanism.pose(body)
         numbers[id(body)] = len(bodies)
-        bodies.append(Carried(body.name, float(body.mass), body.center, body.inertia, Frame(r, A)))
-    joints, relations = [], []
-    for joint in mechanism.joints:
-        kind = next((kind for kind in MOVES if isinstance(joint, kind)), None)
-        if kind is None:
-            known = ", ".join(kind.__name__ for kind in MOVES)
-            problems.add(
-                f"joint {joint.name!r}",
-                f"is a {type(joint).__name__}; joints of a tree are {known}",
-            )
+        if isinstance(body, FlexibleBody):
+            mass = float(body.reduced.invariants.mass)
+            center, inertia = rigid_inertia(body.reduced.invariants)
+        else:
+            mass, center, inertia = float(body.mass), body.center, body.inertia
+        frames |= points_of(len(bodies), body, center)
+        bodies.append(Carried(body.name, mass, center, inertia, Frame(r, A)))
+    problems.raise_if_any()
+    look = _Look(numbers)
+    kinds = [next((kind for kind in MOVES if isinstance(j, kind)), None) for j in mechanism.joints]
+    known = [k for k, kind in enumerate(kinds) if kind is not None]
+    edges = [(*look.ends(mechanism.joints[k]), mechanism.joints[k].rows) for k in known]
+    kept = {known[i] for i in spanning(edges)}
+    joints, relations, closures = [], [], []
+    for k, (joint, kind) in enumerate(zip(mechanism.joints, kinds, strict=True)):
+        if kind is None or k not in kept:
+            closures.append(look.closure(joint))
             continue
-        ends = [numbers.get(id(marker.body), -1) for marker in (joint.a, joint.b)]
-        a, b = (placed(marker) for marker in joint.frames)
+        joints.append(look.tie(joint, kind))
+        if isinstance(joint, Screw):
+            relations.append(relation(joint.name, joint.lines[-1]))
+    look.own = {name for joint in joints for name in joint.names}
+    for coupling in mechanism.couplings:
+        if isinstance(coupling, Drive):
+            continue
+        line = coupling.lines[0]
+        if all(s.name in look.own for s in line.coordinates):
+            relations.append(relation(coupling.name, line))
+        else:
+            closures.append(Closure(coupling.name, lines=(look.line(line),)))
+    measured = {
+        s.name: look.measured(s)
+        for k, joint in enumerate(mechanism.joints)
+        if k not in kept
+        for s in joint.coordinates
+    }
+    return Parts(
+        tuple(bodies),
+        tuple(joints),
+        tuple(relations),
+        mechanism.gravity,
+        frames=frames,
+        closures=tuple(closures),
+        measured=measured,
+        size=max(mechanism.size, *(float(np.linalg.norm(body.pose.r)) for body in bodies), 0.0),
+    )
+
+
+class _Look:
+    """Joints and coordinates of a mechanism, its bodies by number."""
+
+    def __init__(self, numbers: dict[int, int]) -> None:
+        self.numbers = numbers
+        self.own: set[str] = set()  # coordinates of the tree
+
+    def place(self, marker: Marker) -> Place:
+        """Return where a marker is; -1 is the ground."""
+        return self.numbers.get(id(marker.body), -1), placed(marker)
+
+    def ends(self, joint: Joint) -> tuple[int, int]:
+        """Return the numbers of the bodies of a joint."""
+        a, b = (self.place(marker)[0] for marker in (joint.a, joint.b))
+        return a, b
+
+    def tie(self, joint: Joint, kind: type[Joint]) -> Tie:
+        """Return a joint of the tree."""
+        (a, frame_a), (b, frame_b) = (self.place(marker) for marker in joint.frames)
         names = tuple(s.name for s in joint.coordinates)
         if kind is Spherical:
             names = (joint.name,)
         initial = tuple(s.initial for s in joint.coordinates)
-        joints.append(Tie(joint.name, MOVES[kind], names, ends[0], ends[1], a, b, initial))
-        if isinstance(joint, Screw):
-            thread = joint.lines[-1]
-            relations.append(
-                relation(joint.name, thread.coordinates, thread.factors, thread.offset)
-            )
-    known_names = {name for joint in joints for name in joint.names}
-    for coupling in mechanism.couplings:
-        line = coupling.lines[0]
-        if isinstance(coupling, Drive):
-            continue
-        found = relation(coupling.name, line.coordinates, line.factors, line.offset)
-        for name in found.names:
-            if name not in known_names:
-                problems.add(
-                    f"coupling {coupling.name!r}", f"{name} is no coordinate of a joint of the tree"
-                )
-        relations.append(found)
-    problems.raise_if_any()
-    frames: dict[str, tuple[int, Frame]] = {}
-    for i, body in enumerate(x for x in mechanism.bodies if isinstance(x, RigidBody)):
-        frames |= points_of(i, body)
-    return Parts(tuple(bodies), tuple(joints), tuple(relations), mechanism.gravity, frames=frames)
+        return Tie(joint.name, MOVES[kind], names, a, b, frame_a, frame_b, initial)
+
+    def closure(self, joint: Joint) -> Closure:
+        """Return a joint that is none of the tree."""
+        a, b = (self.place(marker) for marker in joint.frames)
+        lines = tuple(self.line(line) for line in joint.lines)
+        return Closure(joint.name, a, b, joint.coincident, joint.perpendicular, lines)
+
+    def line(self, line: Line) -> Sum:
+        """Return a row of coordinates."""
+        terms = tuple(self.measured(s) for s in line.coordinates)
+        return Sum(terms, tuple(map(float, line.factors)), float(line.offset))
+
+    def measured(self, s: Coordinate) -> Measured:
+        """Return a coordinate."""
+        if s.name in self.own:
+            return Measured(s.name, s.engine)
+        return Measured(s.name, s.engine, s.column, self.place(s.a), self.place(s.b))
 
 
-def points_of(number: int, body: RigidBody) -> dict[str, tuple[int, Frame]]:
-    """Return the named points of a body as frames."""
-    named = {"origin": np.zeros(3), "center": body.center, **body.markers}
+def points_of(
+    number: int, body: RigidBody | FlexibleBody, center: Array
+) -> dict[str, tuple[int, Frame]]:
+    """Return the named points of a body as frames; of a flexible one its named nodes."""
+    own = body.markers if isinstance(body, RigidBody) else body.reduced.named_nodes
+    named = {"origin": np.zeros(3), "center": center, **own}
     found = {f"{body.name}.{name}": (number, Frame(r)) for name, r in named.items()}
     return {body.name: (number, Frame()), **found}
 
 
-def relation(
-    name: str, coordinates: Iterable[Coordinate], factors: Sequence[float], offset: float
-) -> Relation:
+def relation(name: str, line: Line) -> Relation:
     """Return a relation of coordinates; two coordinates of the same function are one."""
-    return Relation(
-        name, tuple(s.name for s in coordinates), tuple(map(float, factors)), float(offset)
-    )
+    factors = tuple(map(float, line.factors))
+    return Relation(name, tuple(s.name for s in line.coordinates), factors, float(line.offset))
 
 
 def placed(marker: Marker) -> Frame:

@@ -3,38 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, read_only, skew
 from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
 from jousto.base.rotations import euler_parameters, exp_rotation, rotation_matrix
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
 from jousto.robots.chain import grown, independent
+from jousto.robots.closure import Bound, Measured
 from jousto.robots.description import Frame, Robot
+from jousto.robots.loops import Loops, View
+from jousto.robots.motion import cross, in_motion, unit
 from jousto.robots.parts import Parts, of_mechanism, of_robot
 
-
-class _Motion(NamedTuple):
-    """Steps in the world: axes and origins, Jacobians of origins and turns, and at v: biases."""
-
-    A: Array
-    r: Array
-    Jr: Array
-    Jw: Array
-    w: Array
-    ar: Array
-    aw: Array
+FEW = 3  # names in a message
 
 
 class Tree:
-    """A rigid machine without loops, seen from the coordinates of its joints.
+    """A rigid machine, seen from the coordinates of its joints.
 
-    ``M(q) v' + b(q, v) = tau``, b being the forces of motion and gravity. Positions q (nq,) and
+    ``M(q) v' + b(q, v) = tau``, b being the forces of motion and gravity. Joints that close loops
+    are no part of the tree, of each loop those with the fewest rows: `constraints` has what they
+    ask of q, ``C(q) = 0``, and `inverse_kinematics` finds positions that fulfil it. M and b are
+    those of machines without loops alone.
+
+    Positions q (nq,) and
     velocities v (nv,) stand in this order: bodies that no joint ties to the ground, as declared,
     then joints, as declared (in a robot: every one after that which carries it).
 
@@ -57,12 +56,14 @@ class Tree:
     Parameters
     ----------
     machine : Mechanism, Robot or Model
-        Rigid bodies; revolute, prismatic, cylindrical, screw, universal, planar, spherical and
-        fixed joints.
+        Bodies, joints and couplings of any kind. Flexible bodies are taken as rigid, in their
+        undeformed shape. Joints of the tree are revolute, prismatic, cylindrical, screw, universal,
+        planar, spherical and fixed ones, all others are cut.
     gravity : (3,) array_like, optional
         Acceleration of free fall, m/s2; None for that of the machine.
     limits : dict of str to (float, float), optional
-        Lower and upper limits of coordinates by name, beside those of a robot.
+        Lower and upper limits of coordinates by name, beside those of a robot; of joints that
+        are cut, too.
 
     Attributes
     ----------
@@ -74,13 +75,17 @@ class Tree:
         Positions at the pose in which the machine was declared.
     lower, upper : (nv,) arrays
         Limits of the coordinates, infinite where there are none.
+    cut : tuple of str
+        Joints and couplings that close loops.
+    lengths : (nv,) array of bool
+        Which velocities are m/s; the others are rad/s.
     gravity : (3,) array
         m/s2.
 
     Raises
     ------
     InputError
-        If a body is flexible, a joint closes a loop or is of another kind.
+        If it has exact beams, or couplings contradict each other.
 
     Examples
     --------
@@ -108,6 +113,8 @@ class Tree:
     lower: Array
     upper: Array
     gravity: Array
+    cut: tuple[str, ...]
+    lengths: NDArray[np.bool_]
 
     @explained
     def __init__(
@@ -145,6 +152,13 @@ class Tree:
         self._kept = kept
         start = np.array(names.initial)
         self.initial = read_only([start[names.positions.index(name)] for name in self.positions])
+        self.loops = Loops(parts.closures, parts.size)
+        self.cut = self.loops.names
+        self._view: tuple[bytes, View] | None = None
+        slides = {step.v: 1 for step in self._steps if step.kind == "slide"}
+        slides |= {step.v: 3 for step in self._steps if step.kind == "free"}
+        first = {names.velocities[i + k] for i, n in slides.items() for k in range(n)}
+        self.lengths = np.array([name in first for name in self.velocities], dtype=bool)
         self._limit(parts.limits | dict(limits or {}))
         self._armature = np.zeros(self._all[1])
         for name, inertia in parts.armature.items():
@@ -184,8 +198,9 @@ class Tree:
         problems = Problems()
         for name, given in limits.items():
             where = f"limits[{name!r}]"
-            if name not in rows:
-                problems.add(where, f"no such coordinate{suggest(name, rows)}")
+            if name not in rows and name not in self._parts.measured:
+                known = [*rows, *self._parts.measured]
+                problems.add(where, f"no such coordinate{suggest(name, known)}")
                 continue
             try:
                 low, high = (float(x) for x in given)
@@ -194,6 +209,9 @@ class Tree:
                 continue
             if not low <= high:
                 problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}")
+                continue
+            if name not in rows:
+                self.loops.bounds.append(Bound(self._parts.measured[name], low, high))
                 continue
             factors = self._G[rows[name]]
             lead = np.flatnonzero(factors)
@@ -207,7 +225,8 @@ class Tree:
         self.lower, self.upper = read_only(lower), read_only(upper)
 
     def __repr__(self) -> str:
-        return f"<Tree: {len(self._parts.bodies)} bodies, {self.nv} degrees of freedom>"
+        loops = f", {len(self.cut)} joints cut" if self.cut else ""
+        return f"<Tree: {len(self._parts.bodies)} bodies, {self.nv} degrees of freedom{loops}>"
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -229,19 +248,16 @@ class Tree:
         dict of str to Frame
             Origin (3,), m, and axes (3, 3) of each body frame in the world.
         """
-        A, r = self._places_of(self._full(q))
+        motion = self.view(q).motion
         return {
-            body.name: Frame(r[i], A[i])
+            body.name: Frame(motion.r[i].copy(), motion.A[i].copy())
             for body, i in zip(self._parts.bodies, self._at, strict=True)
         }
 
     def pose(self, frame: str | Marker, q: ArrayLike) -> Frame:
         """Return where a frame is: a body, a point such as ``"hand.tip"``, or a marker."""
-        body, at = self._frame(frame)
-        A, r = self._places_of(self._full(q))
-        i = self._at[body] if body >= 0 else -1
-        base = Frame() if i < 0 else Frame(r[i], A[i])
-        return base @ at
+        at = self.view(q).spot(self._frame(frame))
+        return Frame(at.r, at.A)
 
     def jacobian(self, frame: str | Marker, q: ArrayLike) -> Array:
         """Return J (6, nv), by which a frame moves: ``[r', w] = J v``.
@@ -249,13 +265,55 @@ class Tree:
         The first three rows are the velocity of its origin, m/s, the others its angular velocity,
         rad/s, both in the axes of the world.
         """
-        body, at = self._frame(frame)
-        if body < 0:
-            return np.zeros((6, self.nv))
-        motion = self._moved(self._full(q))
-        i = self._at[body]
-        arm = motion.A[i] @ at.r
-        return np.concatenate([motion.Jr[i] - skew(arm) @ motion.Jw[i], motion.Jw[i]])
+        at = self.view(q).spot(self._frame(frame))
+        return np.concatenate([at.Jr, at.Jw])
+
+    def coordinate(self, coordinate: str | Coordinate, q: ArrayLike) -> float:
+        """Return a coordinate, m or rad: of a joint by its name, also of one that is cut.
+
+        Angles that are no coordinate of the tree lie within half a turn.
+
+        Parameters
+        ----------
+        coordinate : str or Coordinate
+            ``"crank.angle"``, ``crank.angle`` or ``Distance(a, b)``.
+        q : (nq,) array_like
+            Positions.
+
+        Raises
+        ------
+        InputError
+            If there is no such coordinate.
+        """
+        name = coordinate.name if isinstance(coordinate, Coordinate) else coordinate
+        known = [*self._scalar, *self._parts.measured]
+        if name in self._scalar:
+            return float(self.view(q).q[self._scalar[name][0]])
+        if name in self._parts.measured:
+            return self.view(q).measure(self._parts.measured[name])[0]
+        if not isinstance(coordinate, Coordinate):
+            message = f"no coordinate {name!r}{suggest(str(name), known)}"
+            raise UnknownNameError(Problem("coordinate", message))
+        s, places = coordinate, [self._frame(marker) for marker in (coordinate.a, coordinate.b)]
+        return self.view(q).measure(Measured(str(name), s.engine, s.column, *places))[0]
+
+    def constraints(self, q: ArrayLike) -> Array:
+        """Return C (m,), what is missing at the joints that are cut: zero where loops are closed.
+
+        Joint after joint in the order of ``tree.cut``, rows as those of the joint: m where points
+        coincide, the cosine of axes at right angles, and coordinates, m or rad.
+
+        Parameters
+        ----------
+        q : (nq,) array_like
+            Positions.
+        """
+        return np.array([row.value for row in self.loops.rows(self.view(q))])
+
+    def constraint_jacobian(self, q: ArrayLike) -> Array:
+        """Return Cq (m, nv), by which `constraints` change: ``C' = Cq v``."""
+        rows = self.loops.rows(self.view(q))
+        return np.array([row.rates for row in rows]).reshape(len(rows), self.nv)
 
     def moved(self, q: ArrayLike, step: ArrayLike) -> Array:
         """Return the positions (nq,) after a motion with constant velocity for a second.
@@ -277,7 +335,7 @@ class Tree:
         for i, j in self._free:
             here[i] += d[j]
         for i, j in self._turns:
-            A = rotation_matrix(_unit(here[i : i + 4])) @ exp_rotation(d[j : j + 3])
+            A = rotation_matrix(unit(here[i : i + 4])) @ exp_rotation(d[j : j + 3])
             here[i : i + 4] = euler_parameters(A)
         return here
 
@@ -285,7 +343,8 @@ class Tree:
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """Return M (nv, nv), symmetric: ``v . M v / 2`` is the kinetic energy, J."""
-        motion = self._moved(self._full(q))
+        self._without_loops()
+        motion = self.view(q).motion
         M = np.diag(self._armature)
         M = self._Gv.T @ M @ self._Gv
         for body, i in zip(self._parts.bodies, self._at, strict=True):
@@ -317,17 +376,19 @@ class Tree:
         v, a : (nv,) array_like
             Velocities, and their rates.
         """
+        self._without_loops()
         a = self._Gv @ self._vector("a", a, self.nv)
-        motion = self._moved(self._full(q), self._Gv @ self._vector("v", v, self.nv), a)
+        v = self._Gv @ self._vector("v", v, self.nv)
+        motion = in_motion(self._steps, self._Gv, self._full(q), v, a)
         tau = self._Gv.T @ (self._armature * a)
         for body, i in zip(self._parts.bodies, self._at, strict=True):
             c = motion.A[i] @ body.center
             I = motion.A[i] @ body.inertia @ motion.A[i].T
             w, aw = motion.w[i], motion.aw[i]
-            ac = motion.ar[i] + _cross(aw, c) + _cross(w, _cross(w, c))
+            ac = motion.ar[i] + cross(aw, c) + cross(w, cross(w, c))
             force = body.mass * (ac - self.gravity)
-            torque = I @ aw + _cross(w, I @ w)
-            tau += motion.Jr[i].T @ force + motion.Jw[i].T @ (torque + _cross(c, force))
+            torque = I @ aw + cross(w, I @ w)
+            tau += motion.Jr[i].T @ force + motion.Jw[i].T @ (torque + cross(c, force))
         return np.asarray(tau)
 
     def forward_dynamics(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
@@ -347,6 +408,35 @@ class Tree:
             raise InputError(Problem("Tree", message)) from None
 
     # -- inside -----------------------------------------------------------------------------
+
+    def view(self, q: ArrayLike) -> View:
+        """Return the machine at positions q (nq,); that of the last ones is kept."""
+        given = self._vector("q", q, self.nq)
+        key, last = given.tobytes(), self._view
+        if last is not None and last[0] == key:
+            return last[1]
+        full = self._full(given)
+        motion = in_motion(self._steps, self._Gv, full)
+        found = View(motion, self._at, full, self._Gv, self._scalar)
+        self._view = key, found
+        return found
+
+    def angles(self, q: ArrayLike) -> dict[str, float]:
+        """Return the angles that may have made whole turns, rad, by names."""
+        view = self.view(q)
+        own = {name: float(view.q[place]) for name, (place, _) in self._scalar.items()}
+        return own | self.loops.turned(view)
+
+    def _without_loops(self) -> None:
+        """Raise InputError if loops close."""
+        if self.cut:
+            names = ", ".join(repr(name) for name in self.cut[:FEW])
+            names += f" and {len(self.cut) - FEW} more" if len(self.cut) > FEW else ""
+            message = (
+                f"masses and forces are those of machines without loops, but {names} close loops; "
+                "leave them out, or take `compile` and the verbs of simulation, which take loops"
+            )
+            raise InputError(Problem("Tree", message))
 
     def _vector(self, name: str, value: ArrayLike, size: int) -> Array:
         problems = Problems()
@@ -383,90 +473,3 @@ class Tree:
             known = self._parts.frames
             raise UnknownNameError(Problem("frame", f"no frame {frame!r}{suggest(frame, known)}"))
         return self._parts.frames[frame]
-
-    def _places_of(self, q: Array) -> tuple[Array, Array]:
-        motion = self._moved(q, jacobians=False)
-        return motion.A, motion.r
-
-    def _moved(
-        self, q: Array, v: Array | None = None, a: Array | None = None, *, jacobians: bool = True
-    ) -> _Motion:
-        """Return the steps in the world, with accelerations if v and a are given."""
-        n, nv = len(self._steps), self._all[1]
-        A, r = np.zeros((n, 3, 3)), np.zeros((n, 3))
-        Jr, Jw = np.zeros((n, 3, nv)), np.zeros((n, 3, nv))
-        w, vr, ar, aw = (np.zeros((n, 3)) for _ in range(4))
-        for i, step in enumerate(self._steps):
-            p = step.parent
-            base = Frame() if p < 0 else Frame(r[p], A[p])
-            joint = base @ step.before
-            moved, turn, slide = _motion(step.kind, step.sign, joint, q[step.q :])
-            end = moved @ step.after
-            A[i], r[i] = end.A, end.r
-            size = turn.shape[1]
-            out = end.r - moved.r  # from the moved point of the joint
-            if jacobians:
-                if p >= 0:
-                    Jw[i] = Jw[p]
-                    Jr[i] = Jr[p] - skew(end.r - r[p]) @ Jw[p]
-                columns = slice(step.v, step.v + size)
-                Jw[i][:, columns] += turn
-                Jr[i][:, columns] += slide - skew(out) @ turn
-            if v is None or a is None:
-                continue
-            wp = w[p] if p >= 0 else np.zeros(3)
-            dv, da = v[step.v : step.v + size], a[step.v : step.v + size]
-            wj, sv = turn @ dv, slide @ dv
-            w[i] = wp + wj
-            aw[i] = (aw[p] if p >= 0 else 0.0) + turn @ da + _cross(wp, wj)
-            arm = moved.r - (r[p] if p >= 0 else np.zeros(3))
-            if step.kind != "free":
-                lead = (ar[p], aw[p]) if p >= 0 else (np.zeros(3), np.zeros(3))
-                ar[i] = lead[0] + _cross(lead[1], arm) + _cross(wp, _cross(wp, arm))
-                ar[i] += slide @ da + 2.0 * _cross(wp, sv)
-                ar[i] += _cross(aw[i], out) + _cross(w[i], _cross(w[i], out))
-            else:
-                ar[i] = slide @ da
-        Jr, Jw = Jr @ self._Gv, Jw @ self._Gv
-        return _Motion(A, r, Jr, Jw, w, ar, aw)
-
-
-def _motion(kind: str, sign: int, joint: Frame, q: Array) -> tuple[Frame, Array, Array]:
-    """Return a frame after its motion, and how it turns and slides in the world (3, size)."""
-    none = np.zeros((3, 1))
-    z = joint.A[:, 2:]
-    if kind == "turn":
-        angle = sign * q[0]
-        c, s = np.cos(angle), np.sin(angle)
-        R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return Frame(joint.r, joint.A @ R), sign * z, none
-    if kind == "slide":
-        return Frame(joint.r + sign * q[0] * z[:, 0], joint.A), none, sign * z
-    if kind == "ball":
-        R = rotation_matrix(_unit(q[:4]))
-        zero = np.zeros((3, 3))
-        if sign > 0:
-            moved = Frame(joint.r, joint.A @ R)
-            return moved, moved.A, zero
-        # b carries a: its angular velocity against b is turned round, in the axes of b
-        return Frame(joint.r, joint.A @ R.T), -joint.A, zero
-    if kind == "free":
-        R = rotation_matrix(_unit(q[3:7]))
-        zero = np.zeros((3, 3))
-        return Frame(q[:3].copy(), R), np.hstack([zero, R]), np.hstack([np.eye(3), zero])
-    return joint, np.zeros((3, 0)), np.zeros((3, 0))
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Return a x b; numpy's takes ten times as long for two vectors."""
-    (x, y, z), (u, v, w) = a.tolist(), b.tolist()
-    return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
-
-
-def _unit(e: Array) -> Array:
-    """Return Euler parameters of length 1."""
-    length = float(np.linalg.norm(e))
-    if not length > 1e-6:
-        message = "Euler parameters in q are zero; (1, 0, 0, 0) is no turn"
-        raise InputError(Problem("Tree", message))
-    return np.asarray(e / length)

@@ -86,11 +86,16 @@ def rigid_mass(invariants: Invariants, p: Array) -> Array:
     return np.asarray(M_rr - M_rp @ M_rp.T)
 
 
-def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
-    """Return the principal moments of inertia (3,), ascending, kg m2, and their axes (3, 3)."""
+def rigid_inertia(invariants: Invariants) -> tuple[Array, Array]:
+    """Return the centre of mass (3,), m, and the inertia about it (3, 3), kg m2, undeformed."""
     c = invariants.first_moment / invariants.mass
     U = invariants.second_moment - invariants.mass * np.outer(c, c)
-    moments, axes = np.linalg.eigh(np.trace(U) * np.eye(3) - U)
+    return c, np.trace(U) * np.eye(3) - U
+
+
+def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
+    """Return the principal moments of inertia (3,), ascending, kg m2, and their axes (3, 3)."""
+    moments, axes = np.linalg.eigh(rigid_inertia(invariants)[1])
     return np.maximum(moments, 0.0), axes
 
 

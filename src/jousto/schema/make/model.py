@@ -11,6 +11,7 @@ from jousto.base.errors import InputError, Problems
 from jousto.base.names import check_name
 from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.inertia import rigid_inertia
 from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.mechanism import Mechanism
@@ -230,17 +231,13 @@ class ModelBuilder(Builder):
 def rigid_body(body: FlexibleBody) -> RigidBody:
     """Return the rigid body with mass, inertia and named nodes of a flexible one."""
     reduced = body.reduced
-    invariants = reduced.invariants
-    mass, U = invariants.mass, invariants.second_moment
-    center = invariants.first_moment / mass
-    U = U - mass * np.outer(center, center)
-    nodes = {key: reduced.nodes[m[0]] for key, m in reduced.node_sets.items() if len(m) == 1}
+    center, inertia = rigid_inertia(reduced.invariants)
     return RigidBody(
         **{key: getattr(body, key) for key in Posed.fields},
-        mass=mass,
-        inertia=np.trace(U) * np.eye(3) - U,
+        mass=reduced.invariants.mass,
+        inertia=inertia,
         center=center,
-        markers=nodes,
+        markers=reduced.named_nodes,
         outline=drawn_outline(reduced.nodes, reduced.elements),
     )
 
