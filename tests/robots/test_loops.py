@@ -14,9 +14,12 @@ from jousto.model.native.native import Engine
 from jousto.robots import Tree, inverse_kinematics, posed
 from robots.loops import (
     BASE,
+    COUPLER,
     CRANK,
+    GROUND,
     INERTIA,
     PLATE,
+    ROCKER,
     about_z,
     compiled,
     delta,
@@ -108,6 +111,19 @@ def test_out_of_reach_loops_stay_closed() -> None:
     assert "loops" not in str(found)
 
 
+def test_out_of_reach_of_a_rocker_is_its_dead_centre() -> None:
+    # crank and coupler in line: the law of cosines between the pivots; the end of the rocker is
+    # wanted 0.2 rad further on its circle
+    long = CRANK + COUPLER
+    inner = np.arccos((GROUND**2 + ROCKER**2 - long**2) / (2.0 * GROUND * ROCKER))
+    beyond = np.pi - inner - 0.2
+    target = np.array([GROUND + ROCKER * np.cos(beyond), ROCKER * np.sin(beyond), 0.0])
+    found = inverse_kinematics(Tree(four_bar()), "rocker.end", target, starts=4)
+    assert not found and found.open == (), found
+    # stationary there: quadratic in the angle of the crank
+    assert found.distance == pytest.approx(2.0 * ROCKER * np.sin(0.1), abs=1e-9)
+
+
 def test_limits_of_joints_in_and_out_of_the_tree() -> None:
     # the crank at 0.7 rad: two ways to close, the angle of the rocker tells which
     for low, high in ((-0.5, 0.6), (2.2, 2.9)):
@@ -117,6 +133,10 @@ def test_limits_of_joints_in_and_out_of_the_tree() -> None:
         assert found.reached, found
         for name, (lower, upper) in limits.items():
             assert lower - 1e-12 <= tree.coordinate(name, found.q) <= upper + 1e-12
+    # an angle is the same after a turn
+    turn = 2.0 * np.pi
+    tree = Tree(four_bar(), limits={"link.angle": (turn - 3.0, turn + 3.0)})
+    assert inverse_kinematics(tree, "crank", axes=about_z(0.7), starts=1).reached
     tree = Tree(four_bar(), limits={"link.angle": (0.01, 0.02)})
     held = inverse_kinematics(tree, "crank", axes=about_z(2.5), starts=3)
     assert not held and "link.angle" in held.at_limit and held.open == ()
@@ -225,16 +245,17 @@ def test_whole_turns_of_gears_in_a_loop() -> None:
     link = machine.joints[3]
     wheel = jo.RigidBody("wheel", 1.0, INERTIA)
     axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"])
-    gear = jo.Gear("gear", link.angle, axle.angle, 3.0)
+    gear = jo.Gear("gear", link.angle, axle.angle, 8.0)
     whole = quietly(*machine.items, wheel, axle, gear)
     tree, model = Tree(whole), compiled(whole)
     assert set(tree.cut) == {"link", "gear"}
     found = inverse_kinematics(tree, "crank", axes=about_z(3.0), start=tree.initial)
     assert found.reached, found
     angle = tree.coordinate(link.angle, found.q)
-    off = tree.coordinate("axle.angle", found.q) - 3.0 * angle
-    assert abs(off) < 1e-11
-    start = tree.moved(found.q, [2 * np.pi * 3.0 * (n == "axle.angle") for n in tree.velocities])
+    off = tree.coordinate("axle.angle", found.q) - 8.0 * angle
+    assert abs(off) < 1e-11 and abs(angle) > np.pi / 8.0
+    start = tree.moved(found.q, [2 * np.pi * 8.0 * (n == "axle.angle") for n in tree.velocities])
+    assert np.abs(tree.constraints(start)).max() < 1e-11
     state = posed(tree, model, start)
     run = jo.simulate(model, 0.005, state=state, solver=jo.ROS2(1e-3))
     np.testing.assert_allclose(run.q[-1], run.q[0], atol=1e-2)
