@@ -297,6 +297,8 @@ def test_what_cannot_be_is_said() -> None:
             call(tree.initial)
     with pytest.raises(jo.InputError, match=r"no coordinate 'swing\.angel'; did you mean 'swing"):
         tree.coordinate("swing.angel", tree.initial)
+    with pytest.raises(jo.InputError, match=r"no coordinate '\[\]'"):
+        tree.coordinate([], tree.initial)  # type: ignore[arg-type]
     open_ = tree.moved(tree.initial, [0.2, 0.0, 0.0])
     with pytest.raises(jo.InputError, match="joint 'link': is open by 0.0.* at these positions"):
         posed(tree, model, open_)

@@ -285,17 +285,17 @@ class Tree:
         InputError
             If there is no such coordinate.
         """
-        name = coordinate.name if isinstance(coordinate, Coordinate) else coordinate
+        name = str(coordinate.name if isinstance(coordinate, Coordinate) else coordinate)
         known = [*self._scalar, *self._parts.measured]
         if name in self._scalar:
             return float(self.view(q).q[self._scalar[name][0]])
         if name in self._parts.measured:
             return self.view(q).measure(self._parts.measured[name])[0]
         if not isinstance(coordinate, Coordinate):
-            message = f"no coordinate {name!r}{suggest(str(name), known)}"
+            message = f"no coordinate {name!r}{suggest(name, known)}"
             raise UnknownNameError(Problem("coordinate", message))
         s, places = coordinate, [self._frame(marker) for marker in (coordinate.a, coordinate.b)]
-        return self.view(q).measure(Measured(str(name), s.engine, s.column, *places))[0]
+        return self.view(q).measure(Measured(name, s.engine, s.column, *places))[0]
 
     def constraints(self, q: ArrayLike) -> Array:
         """Return C (m,), what is missing at the joints that are cut: zero where loops are closed.
