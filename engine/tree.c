@@ -54,11 +54,13 @@ static inline void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_
 }
 
 /* nothing beyond it, and no forces */
-static inline void unload(jo_link_work *w)
+static inline void unload(const jo_link_constants *c, jo_link_work *w)
 {
     const jo_vec zero = jo_vec_zero();
+    w->own_f = w->own_t = zero;
+    if (!c->gathers) return;
     for (int i = 0; i < 3; i++) w->M[i] = w->H[i] = w->J[i] = zero;
-    w->f = w->t = w->own_f = w->own_t = zero;
+    w->f = w->t = zero;
 }
 
 /* motion of a link from that of its parent */
@@ -115,15 +117,53 @@ static void outward(const jo_model *m, jo_data *d)
     jo_tree_sines(m, d);
     for (int i = 0; i < m->nlink; i++) {
         move(m, d, i);
-        unload(&d->tree.link[i + 1]);
+        unload(&d->tree.constants[i], &d->tree.link[i + 1]);
     }
 }
 
 /* ---- inward: articulated inertias ------------------------------------------------------------- */
 
+/* An articulated inertia as in jo_link_work, on its way inward: where a link hangs on the one before it, what it passes on does not
+ * go through memory. */
+typedef struct { jo_vec M[3], H[3], J[3], f, t; } load;
+
+static inline load no_load(void)
+{
+    const jo_vec o = jo_vec_zero();
+    return (load){{o, o, o}, {o, o, o}, {o, o, o}, o, o};
+}
+
+static inline void put_down(const load *y, jo_link_work *w)
+{
+    for (int i = 0; i < 3; i++) {
+        w->M[i] = y->M[i];
+        w->H[i] = y->H[i];
+        w->J[i] = y->J[i];
+    }
+    w->f = y->f;
+    w->t = y->t;
+}
+
+static inline void pick_up(load *y, const jo_link_work *w)
+{
+    for (int i = 0; i < 3; i++) {
+        y->M[i] = jo_vec_add(y->M[i], w->M[i]);
+        y->H[i] = jo_vec_add(y->H[i], w->H[i]);
+        y->J[i] = jo_vec_add(y->J[i], w->J[i]);
+    }
+    y->f = jo_vec_add(y->f, w->f);
+    y->t = jo_vec_add(y->t, w->t);
+}
+
+static inline void add_force(jo_link_work *p, jo_vec f, jo_vec t)
+{
+    p->f = jo_vec_add(p->f, f);
+    p->t = jo_vec_add(p->t, t);
+}
+
 /* the body of a link and those fixed to it join what follows: their inertia, and the force for the accelerations w0, v0. Here and not outward:
  * beside the inward recursion, each step of which waits for that before, it costs next to nothing. */
-static inline void join(const jo_link_constants *c, jo_link_work *w)
+static inline void join(const jo_link_constants *c, const jo_link_work *w, load *y)
 {
     static const jo_real unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     jo_vec T[3], J[3];
@@ -133,116 +173,99 @@ static inline void join(const jo_link_constants *c, jo_link_work *w)
     const jo_vec Jw = jo_vec_on(J, &w->w);
     const jo_vec f = jo_vec_add(jo_vec_wedge(w->w0, S), jo_vec_wedge(w->w, jo_vec_cross(w->w, S)));
     const jo_vec t = jo_vec_add(jo_vec_wedge(w->w, Jw), jo_vec_wedge(S, w->v0));
-    w->f = jo_vec_add(jo_vec_add(w->f, w->own_f), jo_vec_with(jo_vec_turn(f), c->all_mass, w->v0));
-    w->t = jo_vec_add(jo_vec_add(w->t, w->own_t), jo_vec_add(jo_vec_turn(t), jo_vec_on(J, &w->w0)));
+    y->f = jo_vec_add(y->f, jo_vec_with(jo_vec_turn(f), c->all_mass, w->v0));
+    y->t = jo_vec_add(y->t, jo_vec_add(jo_vec_turn(t), jo_vec_on(J, &w->w0)));
     for (int i = 0; i < 3; i++) {
-        w->M[i] = jo_vec_with(w->M[i], c->all_mass, jo_vec_load(unit[i]));
-        w->J[i] = jo_vec_add(w->J[i], J[i]);
+        y->M[i] = jo_vec_with(y->M[i], c->all_mass, jo_vec_load(unit[i]));
+        y->J[i] = jo_vec_add(y->J[i], J[i]);
     }
-    jo_vec_less_skew(w->H, S);
+    jo_vec_less_skew(y->H, S);
 }
 
 /* M l~ */
-static inline void on_lever(jo_vec *N, const jo_link_work *w)
+static inline void on_lever(jo_vec *N, const jo_vec *M, const jo_vec *l)
 {
-    const jo_real x = jo_vec_parts(&w->l)[0], y = jo_vec_parts(&w->l)[1], z = jo_vec_parts(&w->l)[2];
-    N[0] = jo_vec_less(jo_vec_scale(z, w->M[1]), jo_vec_scale(y, w->M[2]));
-    N[1] = jo_vec_less(jo_vec_scale(x, w->M[2]), jo_vec_scale(z, w->M[0]));
-    N[2] = jo_vec_less(jo_vec_scale(y, w->M[0]), jo_vec_scale(x, w->M[1]));
+    const jo_real x = jo_vec_parts(l)[0], y = jo_vec_parts(l)[1], z = jo_vec_parts(l)[2];
+    N[0] = jo_vec_less(jo_vec_scale(z, M[1]), jo_vec_scale(y, M[2]));
+    N[1] = jo_vec_less(jo_vec_scale(x, M[2]), jo_vec_scale(z, M[0]));
+    N[2] = jo_vec_less(jo_vec_scale(y, M[0]), jo_vec_scale(x, M[1]));
 }
 
-/* the inertia of a link, as seen from the origin of its parent */
-static inline void shift(const jo_link_work *w, jo_vec *H, jo_vec *J)
+/* all of it as seen from the origin of the parent */
+static inline void pass_all(const jo_link_work *w, load *y)
 {
     jo_vec N[3], P[3], Q[3];
-    on_lever(N, w);
+    on_lever(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
-        H[i] = jo_vec_less(w->H[i], N[i]);
-        P[i] = jo_vec_cross(w->l, jo_vec_with(w->H[i], -0.5, N[i]));
+        P[i] = jo_vec_cross(w->l, jo_vec_with(y->H[i], -0.5, N[i]));
+        y->H[i] = jo_vec_less(y->H[i], N[i]);
     }
     jo_vec_transpose(Q, P);
-    for (int i = 0; i < 3; i++) J[i] = jo_vec_add(w->J[i], jo_vec_add(P[i], Q[i]));
-}
-
-static inline void add_force(jo_link_work *p, jo_vec f, jo_vec t)
-{
-    p->f = jo_vec_add(p->f, f);
-    p->t = jo_vec_add(p->t, t);
-}
-
-static inline void pass_all(const jo_link_work *w, jo_link_work *p)
-{
-    jo_vec H[3], J[3];
-    shift(w, H, J);
-    for (int i = 0; i < 3; i++) {
-        p->M[i] = jo_vec_add(p->M[i], w->M[i]);
-        p->H[i] = jo_vec_add(p->H[i], H[i]);
-        p->J[i] = jo_vec_add(p->J[i], J[i]);
-    }
-    add_force(p, w->f, jo_vec_add(w->t, jo_vec_cross(w->l, w->f)));
+    for (int i = 0; i < 3; i++) y->J[i] = jo_vec_add(y->J[i], jo_vec_add(P[i], Q[i]));
+    y->t = jo_vec_add(y->t, jo_vec_cross(w->l, y->f));
 }
 
 /* what is left of it by a hinge or a slide, whose Uf, Ut, r and rest are known; the division comes in last */
-static inline void pass_one(const jo_link_work *w, jo_link_work *p)
+static inline void pass_one(const jo_link_work *w, load *y)
 {
-    jo_vec H[3], J[3];
     const jo_real r = w->r, share = w->rest * r;
-    shift(w, H, J);
-    const jo_vec Uf = w->Uf, Us = w->Us, t = jo_vec_add(w->t, jo_vec_cross(w->l, w->f));
+    const jo_vec Uf = w->Uf, Us = w->Us;
+    pass_all(w, y);
     for (int i = 0; i < 3; i++) {
         const jo_real f = jo_vec_at(Uf, i), s = jo_vec_at(Us, i);
-        p->M[i] = jo_vec_with(jo_vec_add(p->M[i], w->M[i]), -r, jo_vec_scale(f, Uf));
-        p->H[i] = jo_vec_with(jo_vec_add(p->H[i], H[i]), -r, jo_vec_scale(s, Uf));
-        p->J[i] = jo_vec_with(jo_vec_add(p->J[i], J[i]), -r, jo_vec_scale(s, Us));
+        y->M[i] = jo_vec_with(y->M[i], -r, jo_vec_scale(f, Uf));
+        y->H[i] = jo_vec_with(y->H[i], -r, jo_vec_scale(s, Uf));
+        y->J[i] = jo_vec_with(y->J[i], -r, jo_vec_scale(s, Us));
     }
-    p->f = jo_vec_with(jo_vec_add(p->f, w->f), share, Uf);
-    p->t = jo_vec_with(jo_vec_add(p->t, t), share, Us);
+    y->f = jo_vec_with(y->f, share, Uf);
+    y->t = jo_vec_with(y->t, share, Us);
 }
 
 /* A ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left. The division comes in last. */
-static inline int free_turns(jo_link_work *w)
+static inline int free_turns(jo_link_work *w, load *y)
 {
     jo_vec adjoint[3], Y[3];
-    const double scale = JO_RE(jo_vec_at(w->J[0], 0)) + JO_RE(jo_vec_at(w->J[1], 1)) + JO_RE(jo_vec_at(w->J[2], 2));
-    w->D = jo_vec_adjoint(adjoint, w->J);
+    const double scale = JO_RE(jo_vec_at(y->J[0], 0)) + JO_RE(jo_vec_at(y->J[1], 1)) + JO_RE(jo_vec_at(y->J[2], 2));
+    w->D = jo_vec_adjoint(adjoint, y->J);
+    w->t = y->t;
     const jo_real r = 1.0 / w->D;
-    for (int i = 0; i < 3; i++) Y[i] = jo_vec_times(w->H, adjoint[i]);
+    for (int i = 0; i < 3; i++) Y[i] = jo_vec_times(y->H, adjoint[i]);
     for (int i = 0; i < 3; i++) {
-        w->M[i] = jo_vec_with(w->M[i], -r, jo_vec_on_row(Y, w->H, i));
+        y->M[i] = jo_vec_with(y->M[i], -r, jo_vec_on_row(Y, y->H, i));
         w->X[i] = jo_vec_scale(r, Y[i]);
         w->inverse[i] = jo_vec_scale(r, adjoint[i]);
     }
-    w->f = jo_vec_with(w->f, -r, jo_vec_on(Y, &w->t));
+    y->f = jo_vec_with(y->f, -r, jo_vec_on(Y, &w->t));
     return JO_RE(w->D) > JO_LEAST * scale * scale * scale;
 }
 
 /* M and f alone */
-static inline void pass_force(const jo_link_work *w, jo_link_work *p)
+static inline void pass_force(jo_link_work *w, load *y)
 {
     jo_vec N[3];
-    on_lever(N, w);
+    on_lever(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
-        p->M[i] = jo_vec_add(p->M[i], w->M[i]);
-        p->H[i] = jo_vec_less(p->H[i], N[i]);
-        p->J[i] = jo_vec_less(p->J[i], jo_vec_cross(w->l, N[i]));
+        w->Z[i] = jo_vec_cross(w->l, w->X[i]);
+        y->H[i] = jo_vec_scale(-1.0, N[i]);
+        y->J[i] = jo_vec_scale(-1.0, jo_vec_cross(w->l, N[i]));
     }
-    add_force(p, w->f, jo_vec_cross(w->l, w->f));
+    y->t = jo_vec_cross(w->l, y->f);
 }
 
 /* inertia along a hinge or a slide and the force that is left to accelerate it; 0 where there is none */
-static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w)
+static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w, const load *y)
 {
     const jo_vec *a = &w->A[2];
     if (k->type == JO_LINK_HINGE) {
-        w->Uf = jo_vec_on(w->H, a);
-        w->Ut = jo_vec_on(w->J, a);
+        w->Uf = jo_vec_on(y->H, a);
+        w->Ut = jo_vec_on(y->J, a);
         w->D = jo_vec_dot(*a, w->Ut);
-        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, w->t);
+        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, y->t);
     } else {
-        w->Uf = jo_vec_on(w->M, a);
-        w->Ut = jo_vec_across(w->H, *a);
+        w->Uf = jo_vec_on(y->M, a);
+        w->Ut = jo_vec_across(y->H, *a);
         w->D = jo_vec_dot(*a, w->Uf);
-        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, w->f);
+        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, y->f);
     }
     if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
     w->r = 1.0 / w->D;
@@ -250,65 +273,90 @@ static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *
     return JO_RE(w->D) > 0.0;
 }
 
+/* a link with all that follows it in y, which is then what it passes on; 0: it has no inertia along its joint */
+static inline int give_way(const jo_data *d, const jo_stage *stage, const jo_link *k, int kept, jo_link_work *w, load *y)
+{
+    int sound = 1;
+    if (jo_link_given(d, k)) {
+        put_down(y, w);
+        if (k->parent >= 0) pass_all(w, y);
+    } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
+        sound = along(d, stage, k, w, y);
+        if (kept) put_down(y, w);
+        if (k->parent >= 0) pass_one(w, y);
+    } else {
+        sound = free_turns(w, y);
+        if (kept || k->type == JO_LINK_FREE) put_down(y, w);
+        if (k->parent >= 0) pass_force(w, y);
+    }
+    return sound;
+}
+
 static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
+    const int kept = m->nfriction || m->nloop, pushed = d->tree.nbody > 0;   /* somebody reads what links bear */
+    load y = no_load();
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
+        const jo_link_constants *c = &d->tree.constants[i];
         jo_link_work *w = &d->tree.link[i + 1], *p = &d->tree.link[k->parent + 1];
-        int sound = 1;
         if (k->type == JO_LINK_FIXED) {   /* its inertia is in that of the parent, its forces are not */
-            if (k->parent >= 0) add_force(p, w->own_f, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
+            if (pushed && k->parent >= 0) add_force(p, w->own_f, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
             continue;
         }
-        if (k->body >= 0) join(&d->tree.constants[i], w);
-        if (jo_link_given(d, k)) {
-            if (k->parent >= 0) pass_all(w, p);
-        } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
-            sound = along(d, stage, k, w);
-            if (k->parent >= 0) pass_one(w, p);
-        } else {
-            sound = free_turns(w);
-            if (k->parent >= 0) pass_force(w, p);
+        if (c->gathers) pick_up(&y, w);
+        if (k->body >= 0) join(c, w, &y);
+        if (pushed) {
+            y.f = jo_vec_add(y.f, w->own_f);
+            y.t = jo_vec_add(y.t, w->own_t);
         }
-        if (!sound) {
+        if (!give_way(d, stage, k, kept, w, &y)) {
             d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
             return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
         }
+        if (k->parent >= 0 && k->parent == i - 1) continue;
+        if (k->parent >= 0) {
+            pick_up(&y, p);
+            put_down(&y, p);
+        }
+        if (i) y = no_load();
     }
     return JO_OK;
 }
 
 /* ---- outward: accelerations ---------------------------------------------------------------------- */
 
+/* Each waits for the parent: what it has comes in last, and where that is the link before it does not go through memory. */
 static void accelerate(const jo_model *m, jo_data *d)
 {
+    jo_vec aw = jo_vec_zero(), av = jo_vec_zero();
+    int last = -2;   /* the link that moves with these */
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
         jo_real *ud = d->tree.ud + k->u;
-        w->aw = p->aw;
-        w->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
-        if (k->driven >= 0 || k->type == JO_LINK_FIXED) continue;
-        if (jo_link_held(d, k)) {
-            ud[0] = 0.0;
-            continue;
-        }
-        if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {   /* not from aw and av: the next link waits for this */
-            ud[0] = w->r * (w->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
-            if (k->type == JO_LINK_HINGE) w->aw = jo_vec_with(w->aw, ud[0], w->A[2]);
-            else w->av = jo_vec_with(w->av, ud[0], w->A[2]);
-            continue;
-        }
-        if (k->type == JO_LINK_FREE) {
+        const jo_vec aw0 = k->parent == last ? aw : p->aw, av0 = k->parent == last ? av : p->av;
+        aw = aw0;
+        av = jo_vec_add(av0, jo_vec_cross(aw0, w->l));
+        if (k->type == JO_LINK_BALL) {
+            aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_both(w->X, av0, w->Z, aw0)));
+            jo_vec_store(ud, jo_vec_across(w->A, jo_vec_less(aw, aw0)));
+        } else if (k->type == JO_LINK_FREE) {
             jo_vec inverse[3];
             jo_vec_invert(inverse, w->M);
-            w->av = jo_vec_scale(-1.0, jo_vec_times(inverse, w->f));
-            jo_vec_store(ud, w->av);
-            ud += 3;
+            av = jo_vec_scale(-1.0, jo_vec_times(inverse, w->f));
+            aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_across(w->X, av)));
+            jo_vec_store(ud, av);
+            jo_vec_store(ud + 3, jo_vec_across(w->A, aw));
+        } else if (k->driven < 0 && k->type != JO_LINK_FIXED) {
+            ud[0] = jo_link_held(d, k) ? 0.0 : w->r * (w->rest - jo_vec_dots(w->Uf, av0, w->Us, aw0));
+            if (k->type == JO_LINK_HINGE) aw = jo_vec_with(aw, ud[0], w->A[2]);
+            else av = jo_vec_with(av, ud[0], w->A[2]);
         }
-        w->aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_across(w->X, w->av)));
-        jo_vec_store(ud, jo_vec_across(w->A, k->type == JO_LINK_FREE ? w->aw : jo_vec_less(w->aw, p->aw)));
+        w->aw = aw;
+        w->av = av;
+        last = i;
     }
 }
 
@@ -327,14 +375,6 @@ static void drive(const jo_model *m, jo_data *d)
     d->power.forces += power;
 }
 
-static void stand_on_ground(const jo_model *m, jo_data *d)
-{
-    jo_link_work *ground = d->tree.link;
-    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_of(i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0);
-    ground->p = ground->w = ground->v = ground->w0 = ground->av = ground->aw = jo_vec_zero();
-    ground->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));
-}
-
 /* accelerations of the joints at time, x, u */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
@@ -344,7 +384,7 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     d->current = 0;
     d->tree.mirrored = JO_MIRROR_NONE;
     d->tree.summed = 0;
-    stand_on_ground(m, d);
+    d->tree.link->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* the ground's; the rest of it stays, see jo_tree_setup */
     jo_tree_drives(m, d);
     outward(m, d);
     int status = jo_tree_forces(m, d, stage);

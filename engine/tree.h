@@ -11,6 +11,7 @@
 #if defined(__GNUC__) && defined(__AVX__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR)
 typedef double jo_vec __attribute__((vector_size(32)));
 typedef long long jo_lane_places __attribute__((vector_size(32)));
+typedef double jo_vec_anywhere __attribute__((vector_size(32), aligned(8), may_alias));   /* in memory, all four lanes */
 #if defined(__clang__)
 #define JO_PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else
@@ -45,6 +46,13 @@ static inline void jo_vec_less_skew(jo_vec *H, jo_vec a)   /* H - a~ */
 static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)   /* M^T x */
 {
     const jo_vec zero = {0.0}, a = M[0] * x, b = M[1] * x, c = M[2] * x;
+    const jo_vec ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
+    const jo_vec c0 = JO_PICK(c, zero, 0, 4, 2, 6) + JO_PICK(c, zero, 1, 5, 3, 7);
+    return JO_PICK(ab, c0, 0, 1, 4, 5) + JO_PICK(ab, c0, 2, 3, 6, 7);
+}
+static inline jo_vec jo_vec_both(const jo_vec *M, jo_vec x, const jo_vec *N, jo_vec y)   /* M^T x + N^T y */
+{
+    const jo_vec zero = {0.0}, a = M[0] * x + N[0] * y, b = M[1] * x + N[1] * y, c = M[2] * x + N[2] * y;
     const jo_vec ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
     const jo_vec c0 = JO_PICK(c, zero, 0, 4, 2, 6) + JO_PICK(c, zero, 1, 5, 3, 7);
     return JO_PICK(ab, c0, 0, 1, 4, 5) + JO_PICK(ab, c0, 2, 3, 6, 7);
@@ -89,6 +97,10 @@ static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)
 {
     return jo_vec_of(jo_vec_dot(M[0], x), jo_vec_dot(M[1], x), jo_vec_dot(M[2], x));
 }
+static inline jo_vec jo_vec_both(const jo_vec *M, jo_vec x, const jo_vec *N, jo_vec y)
+{
+    return jo_vec_add(jo_vec_across(M, x), jo_vec_across(N, y));
+}
 static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)
 {
     const jo_vec b[3] = {a[0], a[1], a[2]};
@@ -122,13 +134,36 @@ static inline jo_vec jo_vec_on_row(const jo_vec *M, const jo_vec *B, int i)
     return jo_vec_with(x, jo_vec_parts(B + 2)[i], M[2]);
 }
 
+/* e = e0 o exp(theta), as jo_rotate */
+#ifdef JO_PICK
+static inline void jo_turn_on(jo_real *e, const jo_real *e0, const jo_real *theta)
+{
+    const jo_vec a = *(const jo_vec_anywhere *)e0, swapped = JO_PICK(a, a, 1, 0, 3, 2), crossed = JO_PICK(a, a, 2, 3, 0, 1);
+    const jo_vec both = JO_PICK(a, a, 3, 2, 1, 0);
+    const double quarter = 0.25 * jo_dot3(theta, theta);
+    double f[3];
+    jo_sinc(quarter, f);
+    const jo_vec t = theta[0] * ((jo_vec){-1.0, 1.0, 1.0, -1.0} * swapped) + theta[1] * ((jo_vec){-1.0, -1.0, 1.0, 1.0} * crossed)
+                     + theta[2] * ((jo_vec){-1.0, 1.0, -1.0, 1.0} * both);
+    const jo_vec n = (1.0 - quarter * f[1]) * a + (0.5 * f[0]) * t, s = n * n;
+    *(jo_vec_anywhere *)e = jo_inverse_root((s[0] + s[1]) + (s[2] + s[3])) * n;
+}
+#else
+static inline void jo_turn_on(jo_real *e, const jo_real *e0, const jo_real *theta)
+{
+    for (int i = 0; i < 4; i++) e[i] = e0[i];
+    jo_rotate(e, theta);
+}
+#endif
+
 /* adjoint of a symmetric matrix, its inverse times its determinant, which it returns */
 static inline jo_real jo_vec_adjoint(jo_vec *y, const jo_vec *a)
 {
-    y[0] = jo_vec_cross(a[1], a[2]);
+    const jo_vec first = jo_vec_wedge(a[1], a[2]);
+    y[0] = jo_vec_turn(first);
     y[1] = jo_vec_cross(a[2], a[0]);
     y[2] = jo_vec_cross(a[0], a[1]);
-    return jo_vec_dot(a[0], y[0]);
+    return jo_vec_dot(jo_vec_turn(jo_vec_turn(a[0])), first);   /* y[0] comes later */
 }
 static inline void jo_vec_invert(jo_vec *y, const jo_vec *a)
 {
@@ -143,12 +178,13 @@ struct jo_link_constants {
     jo_real mass, S[3];     /* kg; first moment about its origin, kg m */
     jo_real J[9];           /* inertia about its origin, by columns */
     jo_real C[9], c[3];     /* axes, by columns, and origin of the frame of its body */
+    int gathers;            /* a link that is not the next one hangs on it, or one that is fixed */
     int on;                 /* link of the body it hangs on: its parent, or one fixed to that; -1: ground */
     jo_real all_mass, all_S[3], all_J[9];   /* with the bodies that are fixed to it */
 };
 
-/* Resolved in the world, about the origin of the link; f = M a + H w', t = H^T a + J w' of an articulated inertia. M .. t are first
- * what follows it passes on, then all that the link moves with. */
+/* Resolved in the world, about the origin of the link; f = M a + H w', t = H^T a + J w' of an articulated inertia. M .. t are all that
+ * the link moves with, where somebody reads that; before, what it gathers from links that do not follow it at once. */
 struct jo_link_work {
     jo_vec M[3], H[3], J[3];
     jo_vec f, t;            /* force and moment that the articulated inertia needs without joint accelerations */
@@ -160,6 +196,7 @@ struct jo_link_work {
     jo_real rest, D, r;     /* force along the joint less that of the bias; inertia along it, 1 / D */
     jo_vec aw, av;          /* what joint accelerations add */
     jo_vec X[3], inverse[3];   /* ball, free: H J^-1 and J^-1 */
+    jo_vec Z[3];            /* ball: l~ X */
     jo_vec p, v;            /* position; velocity, in jo_tree_kinematics only */
 };
 

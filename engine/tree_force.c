@@ -122,7 +122,8 @@ static void relieve(const jo_model *m, jo_data *d)
 int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const int pushed = d->tree.nbody > 0;
-    for (int i = 0; i < m->nu; i++) d->tree.tau[i] = 0.0;
+    const jo_lanes none = {0.0};
+    JO_EACH(i, m->nu) JO_STORE(d->tree.tau + i) = none;
     if (!m->nforce && !pushed) {
         if (stage->set)
             for (int i = 0; i < m->nu; i++) d->tree.stiffness[i] = d->tree.damping[i] = 0.0;

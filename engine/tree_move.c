@@ -26,8 +26,7 @@ void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo
             to += 3, from += 3, by += 3;
             /* fall through */
         case JO_LINK_BALL:
-            for (int j = 0; j < 4; j++) to[j] = from[j];
-            jo_rotate(to, by);
+            jo_turn_on(to, from, by);
             break;
         default: break;
         }
@@ -75,7 +74,7 @@ int jo_tree_check(const jo_model *m, jo_data *d)
 {
     const jo_real *x = d->tree.x;   /* and u behind it */
     const int n = m->nx + m->nu;
-    jo_lanes squares = 0.0 * JO_LOAD(x);
+    jo_lanes squares = {0.0};
     double sum = 0.0;
     int at = 0;
     for (; at + JO_WIDTH <= n; at += JO_WIDTH) squares += JO_LOAD(x + at) * JO_LOAD(x + at);

@@ -139,9 +139,16 @@ static void note_marker(const jo_model *m, jo_tree *t, int marker)
     if (marker >= 0) note(t->body, &t->nbody, m->marker[marker].body);
 }
 
+static void lay_ground(jo_link_work *ground)
+{
+    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_load(NO_TURN + 3 * i);
+    ground->p = ground->w = ground->v = ground->w0 = ground->av = ground->aw = jo_vec_zero();
+}
+
 void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
+    lay_ground(t->link);
     for (int i = 0; i < m->nlink; i++)
         if (m->link[i].type == JO_LINK_BALL || m->link[i].type == JO_LINK_FREE)
             t->x[m->link[i].x + (m->link[i].type == JO_LINK_FREE ? 3 : 0)] = 1.0;
@@ -150,6 +157,8 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         if (m->link[i].type == JO_LINK_HINGE) t->hinge[t->nhinge++] = i;
         t->ndriven += m->link[i].driven >= 0;
+        const int parent = m->link[i].parent;
+        if (parent >= 0 && (parent != i - 1 || m->link[i].type == JO_LINK_FIXED)) t->constants[parent].gathers = 1;
     }
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
@@ -177,9 +186,6 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
 /* A, l, p, w, v of all links */
 void jo_tree_kinematics(const jo_model *m, jo_data *d)
 {
-    jo_link_work *ground = d->tree.link;
-    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_load(NO_TURN + 3 * i);
-    ground->p = ground->w = ground->v = jo_vec_zero();
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_constants *c = &d->tree.constants[i];

@@ -35,11 +35,15 @@ void jo_tree_sines(const jo_model *m, jo_data *d)
         jo_real x[4], sine[4], cosine[4];
         const int count = n - i < 4 ? n - i : 4;
         for (int j = 0; j < 4; j++) x[j] = d->tree.x[m->link[hinge[j < count ? i + j : i]].x];
-        if (moderate(x)) four(x, sine, cosine);
+        four(x, sine, cosine);
+        for (int j = 0; j < 4 && !moderate(x); j++) {
+            sine[j] = jo_sin(x[j]);
+            cosine[j] = jo_cos(x[j]);
+        }
         for (int j = 0; j < count; j++) {
             jo_link_work *w = &d->tree.link[hinge[i + j] + 1];
-            w->sine = moderate(x) ? sine[j] : jo_sin(x[j]);
-            w->cosine = moderate(x) ? cosine[j] : jo_cos(x[j]);
+            w->sine = sine[j];
+            w->cosine = cosine[j];
         }
     }
 #endif
