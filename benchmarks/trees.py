@@ -19,7 +19,8 @@ time, least of several runs:
 Errors: how far the origin of the last link is, after SPAN with STEP, from where ours in joint
 coordinates takes it in steps of a sixteenth. "At equal error" scales the ratio of two times by
 (their error / our error)^(1/4), the order of all these steps, where both errors lie above what
-rounding leaves. Programs that are not installed are left out, and so are runs of minutes.
+rounding leaves. Programs that are not installed are left out, and so are runs of minutes, each with
+a sentence below the tables.
 Both tables are printed as they stand in docs/benchmarks.md.
 """
 
@@ -239,6 +240,8 @@ def _hinge(pin: Any, axis: tuple[float, float, float]) -> Any:
 
 def exudyn(links: list[Link], repeats: int) -> tuple[float, Array]:
     """Microseconds of a step, and where the end of the last link is after SPAN with STEP."""
+    if any(link.kind != "hinge" for link in links):
+        raise NotImplementedError("its ObjectKinematicTree has no ball joints and no free bodies")
     sys.exudynFast = True  # type: ignore[attr-defined]  # its build without range checks
     with contextlib.redirect_stdout(io.StringIO()):
         import exudyn as exu
@@ -333,16 +336,21 @@ def measured(links: list[Link], limits: dict[str, int]) -> dict[str, Any]:
         "0.1.0": Peer(ours(maximal, "rk4", 3), off(our_place(maximal, "rk4"))),
     }
     size = len(links) * (1 if all(link.kind == "hinge" for link in links) else 3)
+    found["left out"] = []
     for name, run in (("mujoco", mujoco), ("exudyn", exudyn)):
-        only_hinges = name == "exudyn" and size != len(links)
         found[name] = Peer()
-        if size <= limits[name] and not only_hinges:
-            with contextlib.suppress(ImportError):
-                theirs, place = run(links, 3)
-                found[name] = Peer(theirs, off(place))
+        try:
+            if size > limits[name]:
+                raise NotImplementedError(f"{size} coordinates take it minutes")
+            theirs, place = run(links, 3)
+            found[name] = Peer(theirs, off(place))
+        except (ImportError, NotImplementedError) as why:
+            found["left out"].append(f"{name}: {why}")
     found["pinocchio"] = Peer()
-    with contextlib.suppress(ImportError):
+    try:
         found["pinocchio"] = Peer(4.0 * pinocchio(links, 5), found["joint"].error)
+    except ImportError as why:
+        found["left out"].append(f"pinocchio: {why}")
     return found
 
 
@@ -373,6 +381,10 @@ def report(results: dict[str, dict[str, Any]]) -> None:
         keys = ("joint", "ros2", "0.1.0", "mujoco", "exudyn")
         errors = ("" if np.isnan(x[k].time) else f"{x[k].error:.0e}" for k in keys)
         print(f"| {name} | {' | '.join(errors)} |")
+    print()
+    for name, x in results.items():
+        for sentence in x["left out"]:
+            print(f"{name}, {sentence}.")
     small = [name for name, x in results.items() if x["links"] <= 10]
     if any(np.isfinite(best[name][1]) for name in small):
         worst = min(small, key=lambda name: best[name][1])
