@@ -30,6 +30,7 @@ typedef double jo_real;
  * along: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
  *   reference = free + its signal; limited to +-limit if limit > 0
  * bushing: [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]; matrices by rows
+ * stop: f = -stiffness d (1 + loss s(d'/speed)) against d, how far s is beyond lower or upper; see force_stop.c
  * modal_load: on the body's frame, local, then (np) on its modes; times signal
  * user: calls its function, has no data
  * moving_load: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
@@ -38,6 +39,7 @@ typedef double jo_real;
     ROW(load, force[3], torque[3]) \
     ROW(along, stiffness, damping, free, preload, limit) \
     ROW(bushing, K[36], D[36], preload[6]) \
+    ROW(stop, stiffness, lower, upper, loss, speed) \
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
@@ -49,7 +51,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 13 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 14 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */

@@ -78,6 +78,7 @@ def reaching_arm() -> jo.Mechanism:
         jo.JointForce("push", lift.angle, jo.Input("push", -12.0)),
         jo.Spring("stay", slide.coordinates[0], stiffness=900.0, damping=4.0),
         jo.Servo("servo", lift.angle, jo.Harmonic(amplitude=0.2, frequency=2.0), kp=40.0, kd=2.0),
+        jo.mechanism.Stop("end", slide.coordinates[0], -0.01, 0.01, stiffness=4e3, speed=0.5),
         jo.Spring("coil", twist.coordinates[1], stiffness=12.0, damping=0.3),
         jo.Spring.between("line", plate.at((0.6, 0, 0)), kite["origin"], 30.0, damping=0.5),
         jo.Bushing("pad", ground.at((2, 0, 0)), cross.at((0, 0, 0)), (40, 40, 40, 1, 1, 1), 0.5),

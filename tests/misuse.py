@@ -171,6 +171,7 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.Spring, {"name": "f", "coordinate": angle, "stiffness": 1.0}),
         (jo.Bushing, {"name": "f", "a": a, "b": b, "stiffness": 1.0}),
         (jo.JointForce, {"name": "f", "coordinate": angle, "signal": one}),
+        (jo.mechanism.Stop, {"name": "f", "coordinate": angle, "lower": 0.0, "stiffness": 1.0}),
         (jo.Servo, {"name": "f", "coordinate": angle, "reference": one, "kp": 1.0}),
         (jo.UserForce, {"name": "f", "marker": b, "function": lambda t, x: [0.0] * 6}),
         (jo.mechanism.ModalLoad, {"name": "f", "body": arm, "pattern": np.zeros((5, 3))}),

@@ -18,12 +18,17 @@ LIMIT = '<limit lower="-1" upper="0.5" effort="{}" velocity="9"/>'
 
 
 def turning(
-    folder: Path, inner: str, kind: str = "revolute", rate: float = 0.0, t_end: float = 1.0
+    folder: Path,
+    inner: str,
+    kind: str = "revolute",
+    rate: float = 0.0,
+    t_end: float = 1.0,
+    restitution: float = 1.0,
 ) -> jo.Solution:
     """Run the wheel without weight from a rate."""
     path = folder / "wheel.urdf"
     path.write_text(WHEEL.format(kind, inner), encoding="utf-8")
-    machine = mechanism(read_urdf(path), gravity=(0, 0, 0))
+    machine = mechanism(read_urdf(path), gravity=(0, 0, 0), restitution=restitution)
     (axle,) = machine.joints
     begun = jo.Initial(axle.coordinates[0], rate=rate)
     speed = jo.RateSensor("speed", axle.coordinates[0])
@@ -50,6 +55,16 @@ def test_a_stop_is_a_spring(
     # a step over the kink of the force misses up to k v h^2 / M of the speed, here 1e-3
     assert speed[-1] == pytest.approx(-rate, rel=2e-3)
     assert s[-1] == pytest.approx(0.5 - rate * (t_end - 0.25 - stay), abs=1e-3)
+
+
+@pytest.mark.parametrize(("kind", "unit"), [("revolute", 0.1), ("prismatic", 0.02)])
+def test_a_stop_gives_back_a_share_of_the_speed(kind: str, unit: float, tmp_path: Path) -> None:
+    """``v_out^2 = e^2 v_in^2 + C speed^2`` with C = 0.2127 for e = 0.5, by quadrature."""
+    speed = max(unit, 9 / 20)  # a twentieth of what the file allows
+    run = turning(tmp_path, LIMIT.format(10.0), kind, 2.0, 0.5, restitution=0.5)
+    back = np.sqrt(0.25 * 2.0**2 + 0.21266 * speed**2)
+    # a step over a kink misses up to k v h^2 / M of the speed, 1e-3, twice
+    assert run["speed"][-1, 0] == pytest.approx(-back, abs=4e-3)
 
 
 def test_dry_friction_stops_the_wheel(tmp_path: Path) -> None:
@@ -81,3 +96,5 @@ def test_wrong_names_and_stiffness_are_told(tmp_path: Path) -> None:
         mechanism(robot, at={"axl": 0.1})
     with pytest.raises(jo.InputError, match="stops is -1 N/m or N m/rad, must be a positive"):
         mechanism(robot, stops=-1.0)
+    with pytest.raises(jo.InputError, match="restitution is 2, must be between 0 and 1"):
+        mechanism(robot, restitution=2.0)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from jousto.base.errors import InputError, Problem
 from jousto.export.constants import Constants
+from jousto.mechanism.forces.stop import NEVER
 from jousto.model.model import CoordinateModel, ForceModel, Model, SignalModel
 from jousto.model.native.header import named, places
 from jousto.model.packing.foreign import without_fmus
@@ -215,6 +216,13 @@ def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, 
         }
         for name, at in places("jo_along_data").items():
             yield name, units[name], f"{name} of {force.name}", at.start
+    elif force.kind == "stop":
+        angular = model.coordinates[force.coordinate].kind in ANGULAR
+        s, f = ("rad", "N m") if angular else ("m", "N")
+        units = {"stiffness": f"{f}/{s}", "loss": "1", "speed": f"{s}/s"}
+        for name, at in places("jo_stop_data").items():
+            if abs(force.data[at.start]) < NEVER:
+                yield name, units.get(name, s), f"{name} of {force.name}", at.start
     elif force.kind == "bushing":
         for field, letter, tail in (("K", "k", ""), ("D", "d", " s")):
             at = places("jo_bushing_data")[field].start

@@ -6,6 +6,7 @@ from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.springs import ModalLoad as ModalLoad
+from .forces.stop import Stop as Stop
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
 from .sensors.body import (
     DeformationMomentumSensor as DeformationMomentumSensor,

@@ -19,6 +19,7 @@ from jousto.mechanism.forces.line_load import LineLoad
 from jousto.mechanism.forces.loads import Force, PointLoad, Torque
 from jousto.mechanism.forces.moving import MovingLoad
 from jousto.mechanism.forces.springs import JointForce, Servo, Spring
+from jousto.mechanism.forces.stop import Stop
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Coordinate
 from jousto.mechanism.joints.coupling import Coupler, Drive
@@ -230,6 +231,8 @@ def force_kind(force: ForceElement) -> str:
         slow = force.damping or force.damper_table is not None
         kind = "spring-damper" if soft and slow else "damper" if slow else "spring"
         return f"torsion-{kind}" if turning else kind
+    if isinstance(force, Stop):
+        return "torsion-spring" if turning else "spring"
     if isinstance(force, JointForce | Servo):
         return "motor" if turning else "actuator"
     if isinstance(force, Force | Torque):

@@ -26,7 +26,7 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.readings import CoordinateSensor
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
 from jousto.robots.parts import OF_ROBOT
-from jousto.robots.stops import joint_forces, limit_tables, moving
+from jousto.robots.stops import RESTITUTION, joint_forces, limits_of, moving
 from jousto.robots.tree import Tree
 
 SINGLE = ("revolute", "prismatic")
@@ -101,6 +101,7 @@ def mechanism(
     gravity: ArrayLike | None = None,
     at: Mapping[str, float] | None = None,
     stops: bool | float = True,
+    restitution: float = RESTITUTION,
     losses: bool = True,
     drives: Mapping[str, Any] | None = None,
     efforts: Mapping[str, Any] | None = None,
@@ -112,9 +113,9 @@ def mechanism(
     is held by a `Coupling`. A rotor (armature) is a wheel on the ground that turns with its
     joint. Each joint with one coordinate has a `CoordinateSensor` of its name.
 
-    A limit is a stop: a spring without slack, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)``
-    (1 mm for slides), M being the inertia that moves with the joint at its zero while the others
-    are free. It gives back what it takes.
+    A limit is a `Stop`, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)`` (1 mm for slides), M being
+    the inertia that moves with the joint at its zero while the others are free. Its restitution
+    holds for blows from 0.1 rad/s or 20 mm/s on, or a twentieth of the largest rate of the joint.
 
     Parameters
     ----------
@@ -126,6 +127,8 @@ def mechanism(
         Where joints start, rad or m; elsewhere at zero, or at the limit that is nearest to it.
     stops : bool or float
         Whether limits are stops; a number is their stiffness, N m/rad or N/m.
+    restitution : float
+        Of a blow on a stop: speed after it by the speed before.
     losses : bool
         Whether damping, dry friction and springs of the joints count. Dry friction is full from
         0.01 rad/s or 1 mm/s on, later where it would stop the joint in less than 2 ms.
@@ -149,7 +152,9 @@ def mechanism(
     check_joints(problems, robot, given, stops)
     problems.raise_if_any()
     seat, driven = Seat(ground["origin"]), set(given["drives"])
-    made = built(robot, seat, at=given["at"], stops=stops, losses=losses, driven=driven)
+    made = built(
+        robot, seat, at=given["at"], stops=(stops, restitution), losses=losses, driven=driven
+    )
     items: list[Any] = [*made.items]
     s = made.coordinates
     items += (Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items())
@@ -163,7 +168,7 @@ def built(
     seat: Seat,
     *,
     at: Mapping[str, float],
-    stops: bool | float,
+    stops: tuple[bool | float, float],
     losses: bool,
     driven: set[str],
     prefix: str = "",
@@ -176,7 +181,9 @@ def built(
         If a joint starts outside its limits, or what moves has no mass.
     """
     tree = Tree(robot)
-    poses = initial_poses(robot, tree, starts(robot, tree, at, stops, driven), seat)
+    poses = initial_poses(
+        robot, tree, starts(tree, at, {x.name: x.kind for x in robot.joints}, driven), seat
+    )
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
@@ -186,9 +193,9 @@ def built(
     }
     items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
     inertias = moving(tree)
-    tables = limit_tables(robot, tree, stops, inertias)
+    limits = limits_of(robot, tree, *stops, inertias)
     for joint in robot.joints:
-        items += joint_forces(joint, joints.get(joint.name), tables, inertias if losses else None)
+        items += joint_forces(joint, joints.get(joint.name), limits, inertias if losses else None)
         items += rotor(joint, coordinates)
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
     return Built(bodies, joints, coordinates, tuple(items))
@@ -334,11 +341,10 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
 
 
 def starts(
-    robot: Robot, tree: Tree, at: Mapping[str, float], stops: bool | float, driven: set[str]
+    tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str], driven: set[str]
 ) -> dict[str, float]:
     """Return where joints start: where they shall, and else within their limits."""
     found = {name: float(x) for name, x in at.items()}
-    kinds = {joint.name: joint.kind for joint in robot.joints}
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         joint = name.rpartition(".")[0]
         near = float(np.clip(0.0, low, high))

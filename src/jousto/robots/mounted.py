@@ -10,7 +10,7 @@ from typing import Any
 from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
 from jousto.base.fields import AnyField, Field, Name, OptionalText, field, kept
 from jousto.base.frozen import Frozen
-from jousto.base.numbers import Vector
+from jousto.base.numbers import Number, Vector
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
@@ -20,6 +20,7 @@ from jousto.mechanism.joints.base import Joint
 from jousto.robots.build import Seat, built, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.files import read_robot
+from jousto.robots.stops import RESTITUTION
 
 
 class RobotField(Field["Robot | str | PathLike[str]", Robot]):
@@ -117,6 +118,14 @@ class Mounted(Assembly, section="robots"):
         default=True,
         kw_only=True,
     )
+    restitution: Number = field(
+        "Of a blow on a stop: speed after it by the speed before",
+        unit="1",
+        least=0,
+        most=1,
+        default=RESTITUTION,
+        kw_only=True,
+    )
     losses: AnyField = field(
         "Whether damping, dry friction and springs of the file count",
         form="flag",
@@ -162,7 +171,7 @@ class Mounted(Assembly, section="robots"):
                 prefixed(robot, prefix),
                 seat,
                 at={f"{prefix}{name}": x for name, x in given.items()},
-                stops=self.stops,
+                stops=(self.stops, self.restitution),
                 losses=self.losses,
                 driven=set(),
                 prefix=prefix,

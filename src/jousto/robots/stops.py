@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from jousto.base.errors import Problems
+from jousto.base.numbers import number
 from jousto.mechanism.forces.springs import Bushing, Spring
+from jousto.mechanism.forces.stop import SLOW, Stop
 from jousto.mechanism.joints.base import Joint
+from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.hinges import Revolute
 from jousto.mechanism.joints.points import Spherical
 from jousto.mechanism.joints.slides import Prismatic
@@ -18,8 +22,9 @@ from jousto.robots.description import Robot, RobotJoint
 from jousto.robots.tree import Tree
 
 STOP_FREQUENCY = 50.0  # Hz, of what moves against a stop
+RESTITUTION = 0.5
 YIELD = {"rad": 0.01, "m": 1e-3}  # under the largest effort of the joint
-REACH = 10.0  # rad or m beyond a limit up to which a stop grows
+QUICK = 20.0  # times the speed of a stop is the fastest that the joint may be
 DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full, or faster, so that
 SOON = 2e-3  # it takes so many seconds to come to rest
 
@@ -31,73 +36,101 @@ def moving(tree: Tree) -> dict[str, float]:
     return dict(zip(tree.velocities, map(float, inertia), strict=True))
 
 
-def limit_tables(
-    robot: Robot, tree: Tree, stops: bool | float, inertias: Mapping[str, float]
-) -> dict[str, Table]:
-    """Return the force of the stops over the coordinate, by the names of coordinates.
+@dataclass(frozen=True)
+class Limits:
+    """What a stop at the limits of a joint is.
+
+    Parameters
+    ----------
+    lower, upper : float
+        Limits, rad or m, infinite where there are none.
+    stiffness : float
+        N m/rad or N/m.
+    restitution : float
+        Of a blow.
+    speed : float
+        From which on it holds, rad/s or m/s.
+    """
+
+    lower: float
+    upper: float
+    stiffness: float
+    restitution: float
+    speed: float
+
+    def stop(self, name: str, s: Coordinate) -> Stop:
+        """Return the stop on a coordinate."""
+        low, high = (x if np.isfinite(x) else None for x in (self.lower, self.upper))
+        rest = {"restitution": self.restitution, "speed": self.speed}
+        return Stop(name, s, low, high, stiffness=self.stiffness, **rest)
+
+
+def limits_of(
+    robot: Robot,
+    tree: Tree,
+    stops: bool | float,
+    restitution: float,
+    inertias: Mapping[str, float],
+) -> dict[str, Limits]:
+    """Return what the stops are, by the names of coordinates.
 
     Raises
     ------
     InputError
-        If the stiffness is not a positive number.
+        If the stiffness is not a positive number, or the restitution not between 0 and 1.
     """
     if stops is False:
         return {}
     problems = Problems()
     if stops is not True:
         problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
-        problems.raise_if_any()
-    efforts = {joint.name: joint.effort for joint in robot.joints}
-    tables = {}
+    e = number(problems, "mechanism", "restitution", restitution)
+    if e is not None and not 0.0 <= e <= 1.0:
+        problems.add("mechanism", f"restitution is {e:g}, must be between 0 and 1")
+    problems.raise_if_any()
+    joints = {joint.name: joint for joint in robot.joints}
+    found = {}
     for i, name in enumerate(tree.velocities):
-        ends = tree.lower[i], tree.upper[i]
+        ends = float(tree.lower[i]), float(tree.upper[i])
         if not np.isfinite(ends).any():
             continue
         unit = "rad" if name.endswith(".angle") else "m"
         k = inertias[name] * (2.0 * np.pi * STOP_FREQUENCY) ** 2
-        effort = efforts.get(name.rpartition(".")[0], np.inf)
-        k = max(k, effort / YIELD[unit]) if np.isfinite(effort) else k
-        tables[name] = stop_table(*ends, k if stops is True else float(stops))
-    return tables
-
-
-def stop_table(lower: float, upper: float, k: float) -> Table:
-    """Return a force that is zero between the limits and grows by k outside."""
-    points: list[tuple[float, float]] = []
-    if np.isfinite(lower):
-        points += [(lower - REACH, k * REACH), (lower, 0.0)]
-    if np.isfinite(upper):
-        points += [(upper, 0.0), (upper + REACH, -k * REACH)]
-    points = [x for i, x in enumerate(points) if i == 0 or x[0] > points[i - 1][0]]
-    s, force = zip(*points, strict=True)
-    return Table(s, force)
+        joint = joints[name.rpartition(".")[0]]
+        k = max(k, joint.effort / YIELD[unit]) if np.isfinite(joint.effort) else k
+        fast = joint.velocity if np.isfinite(joint.velocity) else 0.0
+        speed = max(SLOW[unit], fast / QUICK)
+        found[name] = Limits(*ends, k if stops is True else float(stops), float(restitution), speed)
+    return found
 
 
 def joint_forces(
     joint: RobotJoint,
     made: Joint | None,
-    tables: Mapping[str, Table],
+    limits: Mapping[str, Limits],
     inertias: Mapping[str, float] | None,
 ) -> list[Any]:
     """Return stop and, where inertias are given, spring, damping and dry friction of a joint."""
     if made is None:
         return []
-    name = f"{joint.name} limits and losses"
     if isinstance(made, Spherical):
         if inertias is None or joint.damping == joint.stiffness == 0.0:
             return []
         turn = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
         K, D = np.multiply(joint.stiffness, turn), np.multiply(joint.damping, turn)
-        return [Bushing(name, made.a, made.b, K, D)]
+        return [Bushing(f"{joint.name} losses", made.a, made.b, K, D)]
     if not isinstance(made, Revolute | Prismatic):
         return []
     s = made.coordinates[0]
-    values: dict[str, Any] = {"table": tables.get(s.name)}
-    if inertias is not None:
-        values |= {"damping": joint.damping, "stiffness": joint.stiffness, "free": joint.rest}
-        if joint.friction > 0.0:
-            f = joint.friction
-            slow = max(DRY[s.unit], f * SOON / inertias.get(s.name, np.inf))
-            values["damper_table"] = Table((-slow, slow), (f, -f))
-    active = any(value is not None and value != 0.0 for k, value in values.items() if k != "free")
-    return [Spring(name, s, **values)] if active else []
+    found: list[Any] = []
+    if s.name in limits:
+        found.append(limits[s.name].stop(f"{joint.name} stop", s))
+    if inertias is None or joint.damping == joint.stiffness == joint.friction == 0.0:
+        return found
+    values: dict[str, Any] = {}
+    if joint.friction > 0.0:
+        f = joint.friction
+        slow = max(DRY[s.unit], f * SOON / inertias.get(s.name, np.inf))
+        values["damper_table"] = Table((-slow, slow), (f, -f))
+    k, c = joint.stiffness, joint.damping
+    return [*found, Spring(f"{joint.name} losses", s, k, c, joint.rest, **values)]

@@ -21,7 +21,7 @@ from jousto.model.native.native import Engine
 Bytes = NDArray[np.uint8]
 Words = NDArray[np.uint64]
 
-FORCES = ("load", "along", "bushing", "modal load")
+FORCES = ("load", "along", "bushing", "stop", "modal load")
 """Kinds of force that lanes know: CMakeLists.txt compiles them for vectors."""
 
 OWN = ("size", "gravity")

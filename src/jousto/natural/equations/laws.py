@@ -164,6 +164,33 @@ def along(push: Push, frames: Frames, scalars: Scalars) -> Law:
     return apply
 
 
+def stop(push: Push, frames: Frames, scalars: Scalars) -> Law:
+    """Return a push back beyond the limits of a coordinate."""
+    assert push.coordinate is not None
+    place = scalars.coordinate(push.coordinate)
+    k, low, high, loss, speed = (
+        float(np.asarray(push.data[key]))
+        for key in ("stiffness", "lower", "upper", "loss", "speed")
+    )
+
+    def apply(now: Instant, out: Action) -> None:
+        i = scalars.number(place)
+        s, rate = float(now.s[i]), float(now.rate[i])
+        side, d = (1.0, s - high) if s > high else (-1.0, max(0.0, low - s))
+        x = float(np.clip(side * rate / speed, -1.0, 1.0))
+        share = loss * 0.5 * x * (3.0 - x * x)
+        f = -side * k * d
+        out.along[i] += f * (1.0 + share)
+        out.felt.append(np.array([f * (1.0 + share)]))
+        slope = k * (1.0 + share) if d > 0.0 else 0.0
+        steep = k * d * 1.5 * loss * (1.0 - x * x) / speed
+        out.slopes.append((np.array([i]), np.array([[slope]]), np.array([[steep]])))
+        out.stored += 0.5 * k * d * d
+        out.damping -= f * share * rate
+
+    return apply
+
+
 def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
     """Return ``[d, theta]`` (6,) of b against a, resolved in a, and its gradients (6, 4, 3) each.
 
@@ -292,6 +319,7 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
     "load": load,
     "along": along,
     "bushing": bushing,
+    "stop": stop,
     "modal load": modal_load,
     "user": user,
 }

@@ -14,7 +14,7 @@ from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 
-ELASTIC = ("along", "bushing")  # kinds of forces that may be stiff
+ELASTIC = ("along", "bushing", "stop")  # kinds of forces that may be stiff
 DISTANCE = 1e-7  # m and rad, of the differences
 SPEED = 1e-5  # m/s and rad/s
 

@@ -1,0 +1,91 @@
+"""Stops: limits of a coordinate that push back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number, OptionalNumber
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.joints.coordinate import RATE, STIFFNESS, VALUE, CoordinateField
+
+NEVER = 1e300
+"""A limit that no coordinate reaches stands for none."""
+SLOW = {"rad": 0.1, "m": 0.02}
+"""Speed of a stop where none is given, rad/s and m/s."""
+
+
+class Stop(ForceElement, tag="stop"):
+    """Limits of a coordinate that push back, harder on the way in than on the way out.
+
+    ``f = -k d (1 + h s(d'/speed))`` where d is how far the coordinate is beyond the limit, ``h =
+    (1 - e^2)/(1 + e^2)`` and ``s(x) = x (3 - x^2)/2`` up to ``|x| = 1``, from there on the sign of
+    x. A blow comes back with the share e of its speed, whatever strikes and however stiff the stop
+    is; since ``h <= 1`` it never pulls.
+
+    In ``m v dv = -k d phi(v) dd``, ``phi = 1 + h s``, the variables separate as with the law of
+    Hunt and Crossley (Journal of Applied Mechanics 42, 1975, 440-445), ``phi = 1 + a v``, whose
+    restitution falls with the speed of the blow. Here it is ``v_out^2 = e^2 v_in^2 + C speed^2``
+    where both are faster than `speed`; C is between 0 and 1. Slower ones lose less, and a body that
+    lies on the stop comes to rest as on a damper of ``3 h F / (2 speed)``, F being its load.
+
+    Examples
+    --------
+    >>> from jousto import Revolute, RigidBody, ground
+    >>> door = RigidBody("door", 20.0, (1, 1, 2), center=(0.4, 0, 0))
+    >>> hinge = Revolute("hinge", ground["origin"], door["origin"])
+    >>> stop = Stop("stop", hinge.angle, upper=1.6, stiffness=5e3, restitution=0.4)
+    >>> round(stop.loss, 4)
+    0.7241
+    """
+
+    kind = "stop"
+    together = ("lower", "upper")
+    coordinate: CoordinateField = field("A distance or displacement (N, m) or an angle (N m, rad)")
+    lower: OptionalNumber = field("Lower limit; None for none", unit=VALUE, default=None)
+    upper: OptionalNumber = field("Upper limit; None for none", unit=VALUE, default=None)
+    stiffness: Number = field("k", unit=STIFFNESS, above=0, kw_only=True)
+    restitution: Number = field(
+        "e, speed after a blow by the speed before; 1 loses nothing",
+        unit="1",
+        least=0,
+        most=1,
+        default=0.5,
+        kw_only=True,
+    )
+    speed: OptionalNumber = field(
+        "Speed from which on the restitution holds, slower blows lose less; None for 0.1 rad/s or "
+        "0.02 m/s",
+        unit=RATE,
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note limits that are missing or the wrong way round."""
+        low, high = self.lower, self.upper
+        if low is None and high is None:
+            problems.add(where, "has no limit; give lower, upper or both")
+        elif low is not None and high is not None and np.real(low) > np.real(high):
+            problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}")
+
+    @property
+    def loss(self) -> float:
+        """h, the share by which the force differs from that of a spring."""
+        e = self.restitution
+        return (1.0 - e * e) / (1.0 + e * e)
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The law along the coordinate."""
+        s = self.coordinate
+        data = {
+            "stiffness": self.stiffness,
+            "lower": -NEVER if self.lower is None else self.lower,
+            "upper": NEVER if self.upper is None else self.upper,
+            "loss": self.loss,
+            "speed": SLOW[s.unit] if self.speed is None else self.speed,
+        }
+        return (Push("stop", data, coordinate=s),)
