@@ -136,7 +136,9 @@ def check_tree(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) 
     if not roots:
         add(None, "the joints go round in a circle: no link is without a parent")
         return None
-    if len(roots) > 1:
+    # a child of a wrong name leaves a link without a parent, which was told
+    astray = len({joint.name for joint in joints if joint.child not in known})
+    if len(roots) > 1 + astray:
         names = ", ".join(repr(link.name) for link in roots[:6])
         more = ", ..." if len(roots) > 6 else ""
         add(None, f"{len(roots)} links have no parent: {names}{more}; a robot has one root")
