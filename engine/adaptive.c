@@ -345,7 +345,7 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
 {
     *written = 0;
     d->logged = 0;
-    int status = m->nlink ? jo_tree_enter(m, d) : JO_OK;
+    int status = m->nlink && !jo_mixed(m) ? jo_tree_enter(m, d) : JO_OK;
     if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
     if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
     jo_tree_leave(m, d);

@@ -317,7 +317,7 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
     return JO_OK;
 }
 
-int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n ? factor(b, w, set) : w->status; }
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->port ? factor(b, w, set) : w->status; }
 
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
 {

@@ -82,6 +82,7 @@ static void lay_bodies(const jo_model *m, arena *a, jo_data *d)
         w->extra = reals(a, np);
         w->Dd = reals(a, 6 * np);
         w->H = reals(a, 3 * np);
+        w->port = jo_bears(m, i) ? reals(a, 36) : 0;
         for (int s = 0; s < 2; s++) {
             w->set[s].weight = reals(a, np);
             w->set[s].I3w = reals(a, 3 * np);
@@ -168,6 +169,7 @@ static void lay_tree(const jo_model *m, arena *a, jo_data *d)
     jo_real **along[4] = {&t->tau, &t->stiffness, &t->damping, &t->push};
     for (int i = 0; i < 4; i++) *along[i] = reals(a, m->nu);
     t->pull = reals(a, m->nlink);
+    t->seen = reals(a, m->nlink ? m->nq + m->nv : 0);
     t->link = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_bytes() : 0);
     t->change = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_change_bytes() : 0);
     t->constants = take(a, (size_t)m->nlink * jo_link_constant_bytes());
@@ -175,6 +177,11 @@ static void lay_tree(const jo_model *m, arena *a, jo_data *d)
     t->marker = take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
     t->coordinate = take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);
     t->body = take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);
+    if (!jo_mixed(m)) return;
+    t->away_body = take(a, (size_t)m->nbody * sizeof(int));
+    t->away_marker = take(a, (size_t)m->nmarker * sizeof(int));
+    t->away_coordinate = take(a, (size_t)m->ncoordinate * sizeof(int));
+    t->away_joint = take(a, (size_t)m->njoint * sizeof(int));
 }
 
 /* loops of a tree and the matrices of their rows */
@@ -261,6 +268,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
     jo_use_core(m, d, 0);
+    if (jo_mixed(m)) jo_ports_setup(m, d);
     if (m->nlink) jo_tree_setup(m, d);
     if (m->nloop) jo_loop_setup(m, d);
     jo_beam_setup(m, d);

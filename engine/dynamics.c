@@ -14,13 +14,17 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
 /* poses, velocities, inertia and forces at time, q, v */
 static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    if (!d->current) {
+    if (d->tree.narrow) {
+        jo_ports_place(m, d);
+    } else if (!d->current) {
         jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     d->current = 0;
-    for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
+    for (int i = 0; i < m->nbody; i++)
+        if (!jo_body_away(d, i)) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
+    if (d->tree.narrow) return jo_ports_load(m, d, stage);
     const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
     if (status != JO_OK || !m->nbeam) return status;
     return jo_beam_forces(m, d, stage->second ? d->base : 0);
@@ -30,7 +34,9 @@ static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
-        const int status = jo_body_factor(&m->body[i], &d->body[i], stage->set);
+        if (jo_body_away(d, i)) continue;
+        const int ported = d->tree.narrow && d->body[i].port;
+        const int status = ported ? jo_ports_factor(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
         if (status != JO_OK) {
             d->error_index = i;
             return status;
@@ -62,11 +68,10 @@ static int solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     return status;
 }
 
-/* a and lam at time, q, v; the modal mass is that of the set */
-int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* a and lam by the rows of the joints */
+static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
-    if (d->tree.on) return jo_tree_evaluate(m, d, stage);
     d->power = none;
     d->counts.evaluations++;
     int status = load(m, d, stage);
@@ -76,19 +81,31 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
     d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+        for (int r = 0; r < m->joint[i].nrow && !jo_joint_away(d, i); r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
     if (jo_couples(m, stage)) return JO_OK;
     jo_joint_apply(m, d, stage->set);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
         jo_real *a = d->a + b->iv;
+        if (jo_body_away(d, i)) continue;
         jo_mul3(a, w->A, w->y);
         jo_add3(a, m->gravity);   /* gravity is a frame acceleration */
         jo_set3(a + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
     }
+    if (d->tree.narrow) jo_ports_follow(m, d);
     return JO_OK;
+}
+
+/* a and lam at time, q, v, or what belongs to x, u; the modal mass is that of the set */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    if (d->tree.on && !d->tree.kept) return jo_tree_evaluate(m, d, stage);
+    d->tree.narrow = d->tree.on;
+    const int status = evaluate(m, d, stage);
+    d->tree.narrow = 0;
+    return status;
 }
 
 /* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
@@ -96,7 +113,7 @@ void jo_mirror_all(const jo_model *m, jo_data *d)
 {
     const int known = !d->tree.on || d->tree.mirrored == JO_MIRROR_ALL;
     jo_mirror(m, d, JO_MIRROR_ALL);
-    if (known || !m->nloop || m->redundant <= 0) return;
+    if (known || !(m->nloop || d->tree.kept) || m->redundant <= 0) return;
     const jo_work power = d->power;
     const jo_real drive = d->drive;
     const jo_counts counts = d->counts;
@@ -164,6 +181,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
     }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
+        if (jo_body_away(d, i)) continue;
         for (int j = 0; j < 6; j++) w->z[j] = jo_same(0.0);
         for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
     }
@@ -173,6 +191,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
         jo_real *x = increment + b->iv;
+        if (jo_body_away(d, i)) continue;
         jo_mul3(x, w->A, w->y);
         jo_set3(x + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
@@ -195,14 +214,17 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
     const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
-    jo_refresh(m, d);
+    d->tree.narrow = d->tree.on;
+    if (d->tree.narrow) jo_ports_place(m, d);
+    else jo_refresh(m, d);
     jo_real residual = jo_joint_residual(m, d);
     jo_mask open = JO_ALL;
     for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
         const jo_real before = residual;
         newton(m, d, stage, 0);
         jo_only(open, d->rate, m->nv);
-        jo_displace(m, d->q, d->q, d->rate);
+        for (int i = 0; i < m->nbody; i++)
+            if (!jo_body_away(d, i)) jo_body_displace(&m->body[i], d->q, d->q, d->rate);
         jo_refresh(m, d);
         residual = jo_joint_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
@@ -213,13 +235,19 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
         newton(m, d, stage, 1);
         jo_only(open, d->rate, m->nv);
-        for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
-        for (int i = 0; i < m->nbody; i++) jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
+        for (int i = 0; i < m->nbody; i++) {
+            const jo_body *b = &m->body[i];
+            if (jo_body_away(d, i)) continue;
+            for (int j = b->iv; j < b->iv + 6 + b->n; j++) d->v[j] += d->rate[j];
+            jo_body_twist(b, &d->body[i], d->v + b->iv);
+        }
         jo_marker_velocity(m, d, m->nactive);
         open &= JO_LESS(jo_same(small_rate), jo_joint_residual_rate(m, d));
     }
     d->fresh = 0;
-    d->current = 1;
+    d->current = !d->tree.narrow;
+    if (d->tree.narrow) jo_ports_accept(m, d);
+    d->tree.narrow = 0;
 }
 
 /* of the position residuals: Newton's direction always lowers it */

@@ -27,6 +27,8 @@ typedef struct {
     jo_real *extra;         /* (np) additional modal force of an implicit stage */
     int status;             /* rigid: of the factor, which is constant */
     int pushed;             /* y and yp hold a change of force, see friction_solve.c */
+    int modes;              /* place of the modal velocities in what is integrated */
+    jo_real *port;          /* (6 x 6) inertia with that of the trees it carries, see tree_ports.c; 0: it carries none */
     jo_real *Dd, *H;        /* (6 x np) ED p', (3 x np) EB p'' for Newton's matrix */
     jo_real turn[9];        /* change of orientation (local) by a change of the increment of a step */
     jo_body_set set[2];
@@ -197,7 +199,8 @@ typedef struct {
 typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
 typedef struct jo_link_change jo_link_change;
-typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_STATE = 1, JO_MIRROR_ALL = 2 } jo_mirrored;
+typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_PART = 1,   /* PART: the bodies that run by rows, with their markers */
+               JO_MIRROR_STATE = 2, JO_MIRROR_ALL = 3 } jo_mirrored;
 typedef struct jo_loop_work jo_loop_work;
 typedef struct jo_reach_work jo_reach_work;
 
@@ -225,12 +228,17 @@ typedef struct {
     int nmarker, ncoordinate, nbody;
     int *hinge, nhinge;     /* links that are hinges */
     int ndriven;            /* links whose motion is prescribed by a drive */
+    jo_real *seen;          /* (nq + nv) what q and v are by x and u */
     int direct;             /* all counted angles are joint coordinates */
     jo_loop_work *loop;     /* (nloop) */
     jo_reach_work *reach;   /* (nreach) */
     jo_gram *gram;          /* (ngroup) */
     int ngroup;
     int *closing, nclosing; /* markers of the loops */
+    int kept;               /* bodies that run by the rows of their joints, the first links; 0: the links have all */
+    int narrow;             /* the core in q and v works on these alone */
+    int *away_body, *away_marker, *away_coordinate, *away_joint;   /* what it leaves out then */
+    int column, pair, fill; /* where its columns and fills begin and its pairs end */
 } jo_tree;
 
 struct jo_data {
@@ -346,6 +354,23 @@ static inline int jo_released(const jo_data *d, int event) { return event >= 0 &
 static inline int jo_absent(const jo_data *d, const jo_joint *k)
 {
     return (k->lock >= 0 && !d->locked[k->lock]) || jo_released(d, k->release);
+}
+
+/* what the core in q and v leaves out now, because joint coordinates carry it */
+static inline int jo_body_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_body[i]; }
+static inline int jo_marker_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_marker[i]; }
+static inline int jo_coordinate_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_coordinate[i]; }
+static inline int jo_joint_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_joint[i]; }
+
+/* whether rows of joints and joint coordinates run a model together */
+static inline int jo_mixed(const jo_model *m) { return m->nlink && m->link->type == JO_LINK_BODY; }
+
+/* whether a body runs by rows and has links on it */
+static inline int jo_bears(const jo_model *m, int body)
+{
+    for (int i = 0; i < m->nlink && jo_mixed(m); i++)
+        if (m->link[i].parent >= 0 && m->link[m->link[i].parent].type == JO_LINK_BODY && m->link[m->link[i].parent].body == body) return 1;
+    return 0;
 }
 
 /* body.c */
@@ -470,6 +495,7 @@ void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how);
 void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u);
 void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* below half a turn, in the frame of e0 */
+void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
 int jo_tree_check(const jo_model *m, jo_data *d);
 double jo_tree_turned(const jo_model *m, jo_data *d);   /* largest turn of a body by the increments dq, about */
 
@@ -478,6 +504,7 @@ void jo_use_core(const jo_model *m, jo_data *d, int tree);   /* what is integrat
 void jo_move(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
 void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
 void jo_refresh(const jo_model *m, jo_data *d);
+void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
 int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
@@ -568,8 +595,18 @@ jo_real jo_loop_power(const jo_model *m, const jo_data *d);
 size_t jo_link_bytes(void);
 size_t jo_link_constant_bytes(void);
 size_t jo_link_change_bytes(void);
-void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
+int jo_tree_load(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forces and articulated inertias */
+void jo_tree_follow(const jo_model *m, jo_data *d);   /* accelerations of the joints after that */
+jo_real jo_tree_drive(const jo_model *m, jo_data *d); /* forces of what is prescribed; their power */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* tree_ports.c */
+void jo_ports_setup(const jo_model *m, jo_data *d);
+void jo_ports_place(const jo_model *m, jo_data *d);   /* bodies that run by rows and their markers are at x and u */
+void jo_ports_accept(const jo_model *m, jo_data *d);  /* x and u of these are q and v, where the markers are */
+int jo_ports_load(const jo_model *m, jo_data *d, const jo_stage *stage);   /* all forces, and the inertia of what is carried */
+int jo_ports_factor(const jo_body *b, jo_body_work *w);
+void jo_ports_follow(const jo_model *m, jo_data *d);  /* accelerations of what is carried */
 
 /* tree_close.c */
 /* Loops are closed in the metric of the masses, with the factors of the last evaluation; whether they are then. */

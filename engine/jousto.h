@@ -198,15 +198,17 @@ typedef struct {
  * frame of a marker of that one's body. Its own frame is that of its inner marker; a hinge turns about z and a slide moves along it.
  * A joint of two motions has a link without a body for the first one: slide, then hinge of a cylindrical joint; of a universal joint
  * hinge about z, then about what was x. */
-typedef enum { JO_LINK_FIXED = 0, JO_LINK_HINGE = 1, JO_LINK_SLIDE = 2, JO_LINK_BALL = 3, JO_LINK_FREE = 4 } jo_link_type;
+typedef enum { JO_LINK_FIXED = 0, JO_LINK_HINGE = 1, JO_LINK_SLIDE = 2, JO_LINK_BALL = 3, JO_LINK_FREE = 4,
+               JO_LINK_BODY = 5     /* runs by the rows of its joints and carries rigid trees, see tree_ports.c; all of them come first */
+} jo_link_type;
 typedef struct {
     int type;               /* jo_link_type; BALL: (4) quaternion, (3) angular velocity against the parent, local;
-                             * FREE: [R e] and [R' w_local] of the body */
+                             * FREE, BODY: [R e p] and [R' w_local p'] of the body */
     int parent;             /* a link before it; -1: ground */
     int body;               /* -1: none, its only child has the body of the joint */
-    int outer;              /* marker on the body of the parent; -1: the frame of the parent, which has no body; ground: of FREE */
+    int outer;              /* marker on the body of the parent; -1: the frame of the parent, which has no body; ground: of FREE, BODY */
     int crossed;            /* outer -1: y, z, x of the parent are its x, y, z */
-    int inner;              /* marker on its body; -1: none, or FREE */
+    int inner;              /* marker on its body; -1: none, or FREE, BODY */
     int joint;              /* whose reaction it bears; -1: none */
     int reversed;           /* its body has side 0 of the joint: the coordinates of the joint are the opposite of its own */
     int x, u;               /* first of its coordinates and of their rates */

@@ -47,13 +47,13 @@ static inline void unreduced(jo_real *Xt, const jo_real *u)
     for (int j = 0; j < 18; j++) Xt[j] = rigid[j];
 }
 
-/* on a rigid body all that is constant */
+/* on a rigid body all that is constant; L is 0 where its factor is not */
 static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
 {
     jo_set3(w->u, k->u0);
     unreduced(w->Xt, w->u);
     for (int j = 0; j < 18; j++) w->Xr[j] = j == 3 || j == 10 || j == 17 ? jo_same(1.0) : jo_same(0.0);
-    for (int r = 0; r < 3; r++) {
+    for (int r = 0; L && r < 3; r++) {
         jo_body_forward(L, w->Xt + 6 * r);
         jo_body_forward(L, w->Xr + 6 * r);
     }
@@ -65,7 +65,7 @@ void jo_marker_setup(const jo_model *m, jo_data *d, int set)
         const jo_marker *k = &m->marker[i];
         if (k->body < 0) continue;
         if (!m->body[k->body].n) {
-            rigid_rows(k, d->body[k->body].L, &d->marker[i]);
+            rigid_rows(k, d->body[k->body].port ? 0 : d->body[k->body].L, &d->marker[i]);
             continue;
         }
         weigh(&m->body[k->body], d->body[k->body].set[set].weight, &d->marker[i], &d->marker[i].set[set]);
@@ -138,7 +138,7 @@ void jo_marker_position(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0) continue;   /* ground markers are set once */
+        if (k->body < 0 || jo_marker_away(d, i)) continue;   /* ground markers are set once */
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
         if (k->chi) shapes_at(b, k, bw->p, w->shapes);
@@ -168,7 +168,7 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0) continue;
+        if (k->body < 0 || jo_marker_away(d, i)) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         jo_real t[3];
@@ -193,7 +193,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0) continue;
+        if (k->body < 0 || jo_marker_away(d, i)) continue;
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
         jo_real t[3], c[3];
@@ -242,7 +242,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0) continue;
+        if (k->body < 0 || jo_marker_away(d, i)) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         const jo_marker_set *s = &w->set[set];

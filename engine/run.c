@@ -15,10 +15,11 @@ static void enter(jo_data *d)
     if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
 }
 
-/* what is integrated: a tree in joint coordinates, unless the method is implicit */
+/* what is integrated: a tree in joint coordinates, unless the method is implicit, or errors of modal bodies are controlled */
 static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    return m->nlink && s->method != JO_ALPHA ? jo_tree_enter(m, d) : JO_OK;
+    const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
+    return m->nlink && fits ? jo_tree_enter(m, d) : JO_OK;
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)

@@ -62,7 +62,7 @@ static void plan_sides(const jo_model *m, jo_data *d)
             const jo_marker *k = &m->marker[m->joint[i].side[s]];
             w->marker = &d->marker[m->joint[i].side[s]];
             w->body = k->body < 0 ? 0 : &d->body[k->body];
-            w->L = k->body < 0 || !m->body[k->body].n ? 0 : w->body->L;
+            w->L = k->body < 0 || !(m->body[k->body].n || w->body->port) ? 0 : w->body->L;
             w->T = k->Psi ? w->marker->T : 0;
         }
 }
@@ -77,7 +77,7 @@ static void plan_pairs(const jo_model *m, jo_data *d)
         w->S = d->S + JO_BLOCK * p->block;
         w->k = &d->joint[p->joint_k].side[p->side_k];
         w->l = &d->joint[p->joint_l].side[p->side_l];
-        w->flexible = w->k->L != 0;
+        w->flexible = m->body[m->marker[m->joint[p->joint_k].side[p->side_k]].body].n > 0;
         w->kind = kind_of(jo_padded(m->joint[p->joint_k].nrow), m->joint[p->joint_l].nrow);
         w->first = JO_COMMON(w->S[0]) != 0.0;
         w->lock_k = lock_of(m, d, p->joint_k);
@@ -126,6 +126,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
     plan_sides(m, d);
     plan_pairs(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
+        if (c == d->tree.column) d->tree.fill = d->nfill;
         const jo_column *col = &m->column[c];
         jo_joint_work *joint = &d->joint[col->joint];
         jo_column_plan *w = &d->columns[c];
@@ -275,9 +276,13 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
     }
 }
 
+/* joints that run in joint coordinates have the first columns */
+static int first_column(const jo_data *d) { return d->tree.narrow ? d->tree.column : 0; }
+
 static void assemble(const jo_model *m, jo_data *d, int set)
 {
-    for (int i = 0; i < m->npair; i++) {
+    const int npair = d->tree.narrow ? d->tree.pair : m->npair;
+    for (int i = 0; i < npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
         if (off(p->lock_k) || off(p->lock_l)) {
             for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
@@ -294,7 +299,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, set);
         add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
-    for (int i = 0; i < d->nfill; i++)
+    for (int i = d->tree.narrow ? d->tree.fill : 0; i < d->nfill; i++)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 
@@ -302,7 +307,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
 static void regularise(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
-    for (int c = 0; c < m->ncolumn; c++) {
+    for (int c = first_column(d); c < m->ncolumn; c++) {
         const int n = m->joint[m->column[c].joint].nrow, ld = jo_padded(n);
         for (int r = 0; r < n; r++) d->S[JO_BLOCK * c + (ld + 1) * r] *= 1.0 + JO_REGULAR;
     }
@@ -312,14 +317,14 @@ static void regularise(const jo_model *m, jo_data *d)
 static int factor(const jo_model *m, jo_data *d, int set)
 {
     assemble(m, d, set);
-    for (int c = 0; c < m->ncolumn; c++) {
+    for (int c = first_column(d); c < m->ncolumn; c++) {
         jo_column_plan *w = &d->columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
         if (off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
     if (d->regular) regularise(m, d);
-    for (int c = 0; c < m->ncolumn; c++) {
+    for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         int regular;
         if (off(w->lock)) continue;
@@ -416,7 +421,7 @@ static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X
 /* S^-1 x for all joints: x of the later ones lose what the earlier take, all are divided, and what the later give goes back */
 static void solve_factored(const jo_model *m, jo_data *d)
 {
-    for (int c = 0; c < m->ncolumn; c++) {
+    for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         if (off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
@@ -430,7 +435,7 @@ static void solve_factored(const jo_model *m, jo_data *d)
         JO_BY_ROWS(w->n, CALL)
 #undef CALL
     }
-    for (int c = m->ncolumn - 1; c >= 0; c--) {
+    for (int c = m->ncolumn - 1; c >= first_column(d); c--) {
         const jo_column_plan *w = &d->columns[c];
         if (off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
@@ -452,7 +457,7 @@ static void residual(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].right[r];
-    for (int c = 0; c < m->ncolumn; c++) {
+    for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         jo_joint_work *w = &d->joint[col->joint];
         const int n = m->joint[col->joint].nrow, own = jo_padded(n);

@@ -14,6 +14,8 @@ void jo_use_core(const jo_model *m, jo_data *d, int tree)
     d->wd = tree ? d->tree.ud : d->a;
     d->ny = tree ? m->nx : m->nq;
     d->nw = tree ? m->nu : m->nv;
+    for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
+    for (int i = 0; tree && i < d->tree.kept; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
 
 void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
@@ -32,9 +34,10 @@ void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_r
 /* poses and velocities of the bodies and positions of the markers at q, v */
 void jo_refresh(const jo_model *m, jo_data *d)
 {
-    jo_mirror(m, d, JO_MIRROR_STATE);
+    if (!d->tree.narrow) jo_mirror(m, d, JO_MIRROR_STATE);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
+        if (jo_body_away(d, i)) continue;
         jo_body_pose(b, &d->body[i], d->q + b->iq);
         jo_body_twist(b, &d->body[i], d->v + b->iv);
     }
@@ -62,18 +65,20 @@ void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
         }
 }
 
-/* q = q0 moved by increments [dR (world), dtheta (local), dp] */
+/* q = q0 moved by increments [dR (world), dtheta (local), dp], of one body and of all */
+void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment)
+{
+    const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
+    jo_real *y = q + b->iq;
+    for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
+    for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
+    jo_rotate(y + 3, dx + 3);
+    for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
+}
+
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
 {
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
-        jo_real *y = q + b->iq;
-        for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
-        for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
-        jo_rotate(y + 3, dx + 3);
-        for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
-    }
+    for (int i = 0; i < m->nbody; i++) jo_body_displace(&m->body[i], q, q0, increment);
 }
 
 /* rate of the increments x at the velocities v */

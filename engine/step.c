@@ -80,7 +80,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     stage->gh = gh;
     for (int i = 0; i < m->nbody; i++) {   /* stage 1: extra = -g h K p' */
         const jo_body *b = &m->body[i];
-        for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->v[b->iv + 6 + j];
+        for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->w[d->body[i].modes + j];
     }
     stage->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
     int status = jo_evaluate(m, d, stage);
@@ -105,7 +105,8 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
         const jo_body *b = &m->body[i];
-        const jo_real *a1 = d->acc + b->iv + 6, *v0 = d->v0 + b->iv + 6, *v = d->v + b->iv + 6;
+        const int at = d->body[i].modes;
+        const jo_real *a1 = d->acc + at, *v0 = d->v0 + at, *v = d->w + at;
         for (int j = 0; j < b->n; j++)
             d->body[i].extra[j] = gh * (b->K[j] * (2.0 * v0[j] - v[j] + 4.0 * gh * a1[j]) + 2.0 * b->D[j] * a1[j]);
     }
@@ -141,7 +142,8 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
         else if (status == JO_OK && d->tree.on) {   /* what is prescribed, and loops; nothing else has to be kept */
             jo_tree_drives(m, d);
-            if (s->projection) jo_tree_close(m, d);
+            if (s->projection && d->tree.kept) jo_project(m, d, &stage);
+            else if (s->projection) jo_tree_close(m, d);
         } else if (status == JO_OK && s->projection) jo_project(m, d, &stage);
     }
     if (status != JO_OK) return status;

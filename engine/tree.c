@@ -15,20 +15,6 @@ size_t jo_link_change_bytes(void) { return sizeof(jo_link_change); }
 
 /* ---- outward: motion and bias ------------------------------------------------------------------ */
 
-void jo_tree_drives(const jo_model *m, jo_data *d)
-{
-    for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
-        const jo_link *k = &m->link[i];
-        if (k->driven < 0) continue;
-        const jo_line_data *line = m->line[k->driven].data;
-        const jo_signal_work s = jo_signal_at(m, d, m->line[k->driven].signal, d->time[0]);
-        const jo_real factor = jo_link_sign(k) * line->factor[0];
-        d->tree.x[k->x] = (s.value + line->offset) / factor;
-        d->tree.u[k->u] = s.rate / factor;
-        d->tree.ud[k->u] = s.second / factor;
-    }
-}
-
 /* orientation at zero of the link, then turned about z */
 static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real c, jo_real s)
 {
@@ -115,7 +101,7 @@ static inline void move(const jo_model *m, jo_data *d, int i)
 static void outward(const jo_model *m, jo_data *d)
 {
     jo_tree_sines(m, d);
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = d->tree.kept; i < m->nlink; i++) {
         move(m, d, i);
         unload(&d->tree.constants[i], &d->tree.link[i + 1]);
     }
@@ -304,8 +290,14 @@ static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
             if (pushed && k->parent >= 0) add_force(p, w->own_f, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
             continue;
         }
+        if (k->type == JO_LINK_BODY && !d->body[k->body].port) continue;
         if (c->gathers) pick_up(&y, w);
         if (k->body >= 0) join(c, w, &y);
+        if (k->type == JO_LINK_BODY) {
+            put_down(&y, w);
+            y = no_load();
+            continue;
+        }
         if (pushed) {
             y.f = jo_vec_add(y.f, w->own_f);
             y.t = jo_vec_add(y.t, w->own_t);
@@ -327,11 +319,11 @@ static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
 /* ---- outward: accelerations ---------------------------------------------------------------------- */
 
 /* Each waits for the parent: what it has comes in last, and where that is the link before it does not go through memory. */
-static void accelerate(const jo_model *m, jo_data *d)
+void jo_tree_follow(const jo_model *m, jo_data *d)
 {
     jo_vec aw = jo_vec_zero(), av = jo_vec_zero();
     int last = -2;   /* the link that moves with these */
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = d->tree.kept; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
@@ -361,7 +353,7 @@ static void accelerate(const jo_model *m, jo_data *d)
 }
 
 /* the forces of what is prescribed, from all that it passes on, and their power */
-static void drive(const jo_model *m, jo_data *d)
+jo_real jo_tree_drive(const jo_model *m, jo_data *d)
 {
     jo_real power = m->nloop ? jo_loop_power(m, d) : 0.0;
     for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
@@ -371,8 +363,17 @@ static void drive(const jo_model *m, jo_data *d)
         d->tree.pull[i] = jo_link_pull(d, k, w);
         power += d->tree.pull[i] * d->tree.u[k->u];
     }
-    d->drive = power;
-    d->power.forces += power;
+    return power;
+}
+
+int jo_tree_load(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    d->tree.summed = 0;
+    d->tree.link->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* the ground's; the rest of it stays, see jo_tree_setup */
+    jo_tree_drives(m, d);
+    outward(m, d);
+    const int status = jo_tree_forces(m, d, stage);
+    return status == JO_OK ? inward(m, d, stage) : status;
 }
 
 /* accelerations of the joints at time, x, u */
@@ -383,16 +384,12 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     d->counts.evaluations++;
     d->current = 0;
     d->tree.mirrored = JO_MIRROR_NONE;
-    d->tree.summed = 0;
-    d->tree.link->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* the ground's; the rest of it stays, see jo_tree_setup */
-    jo_tree_drives(m, d);
-    outward(m, d);
-    int status = jo_tree_forces(m, d, stage);
-    if (status == JO_OK) status = inward(m, d, stage);
+    int status = jo_tree_load(m, d, stage);
     if (status == JO_OK && m->nloop) status = jo_loop_evaluate(m, d, stage);
     if (status != JO_OK) return status;
-    accelerate(m, d);
+    jo_tree_follow(m, d);
     if (m->nfriction) status = jo_friction_solve(m, d, stage);
-    drive(m, d);
+    d->drive = jo_tree_drive(m, d);
+    d->power.forces += d->drive;
     return status;
 }

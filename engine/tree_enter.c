@@ -56,10 +56,9 @@ void jo_tree_leave(const jo_model *m, jo_data *d)
 /* the angles where it stands are accepted */
 void jo_tree_count_turns(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.direct) {
-        jo_refresh(m, d);
-        jo_count_turns(m, d);
-    }
+    if (!d->tree.direct) jo_refresh(m, d);
+    else if (d->tree.kept) jo_ports_place(m, d);
+    if (!d->tree.direct || d->tree.kept) jo_count_turns(m, d);
     for (int i = 0; i < m->ncoordinate; i++) {
         const jo_coordinate *c = &m->coordinate[i];
         if (c->turn >= 0 && c->link >= 0) d->turn[c->turn] = jo_link_sign(&m->link[c->link]) * d->tree.x[m->link[c->link].x];
@@ -78,7 +77,7 @@ int jo_tree_accelerations(const jo_model *m, jo_data *d)
     d->fresh = d->current = 0;
     int status = jo_tree_enter(m, d);
     if (status != JO_OK) return status;
-    status = jo_tree_evaluate(m, d, &jo_now);
+    status = jo_evaluate(m, d, &jo_now);
     d->fresh = status == JO_OK;
     jo_tree_leave(m, d);
     return status;

@@ -12,13 +12,13 @@ void jo_tree_bodies(const jo_model *m, jo_data *d)
         w->p = jo_vec_add(p->p, w->l);
         w->v = jo_vec_add(p->v, jo_vec_cross(p->w, w->l));
         if (k->type == JO_LINK_SLIDE) w->v = jo_vec_with(w->v, t->u[k->u], w->A[2]);
-        if (k->type == JO_LINK_FREE) w->v = jo_vec_load(t->u + k->u);
+        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) w->v = jo_vec_load(t->u + k->u);
     }
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_constants *c = &t->constants[i];
         const jo_link_work *w = &t->link[i + 1];
-        if (k->body < 0) continue;
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;
         jo_body_work *b = &d->body[k->body];
         jo_real v[3], om[3];
         for (int j = 0; j < 3; j++) {
@@ -108,7 +108,7 @@ static void relieve(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         jo_link_work *w = &d->tree.link[i + 1];
-        if (k->body < 0) continue;
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;
         const jo_body_work *b = &d->body[k->body];
         jo_real F[3], T[3];
         jo_mul3(F, b->A, b->fr);

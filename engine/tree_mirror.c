@@ -33,6 +33,11 @@ static void write_state(const jo_model *m, const jo_data *d, jo_real *q, jo_real
         jo_real A[9], r[3], e[4], om[3];
         if (k->body < 0) continue;
         const jo_body *b = &m->body[k->body];
+        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) {   /* they are the same, to the last digit */
+            for (int j = 0; j < 7 + b->n; j++) q[b->iq + j] = d->tree.x[k->x + j];
+            for (int j = 0; j < 6 + b->n; j++) v[b->iv + j] = d->tree.u[k->u + j];
+            continue;
+        }
         body_frame(c, w, A, r);
         quaternion(e, A, d->q + b->iq + 3);
         jo_set3(q + b->iq, r);
@@ -40,17 +45,15 @@ static void write_state(const jo_model *m, const jo_data *d, jo_real *q, jo_real
         jo_vec_store(v + b->iv, jo_vec_add(w->v, jo_vec_cross(w->w, jo_vec_mix(w->A, c->c))));
         jo_vec_store(om, w->w);
         jo_mul3t(v + b->iv + 3, A, om);
-        if (k->type != JO_LINK_FREE) continue;
-        for (int j = 0; j < 7; j++) q[b->iq + j] = d->tree.x[k->x + j];   /* they are the same, to the last digit */
-        for (int j = 0; j < 6; j++) v[b->iv + j] = d->tree.u[k->u + j];
     }
 }
 
 int jo_tree_stands(const jo_model *m, jo_data *d)
 {
     jo_tree_kinematics(m, d);
-    write_state(m, d, d->q1, d->v1);
-    return !memcmp(d->q1, d->q, sizeof(jo_real) * (size_t)m->nq) && !memcmp(d->v1, d->v, sizeof(jo_real) * (size_t)m->nv);
+    jo_real *q = d->tree.seen, *v = q + m->nq;
+    write_state(m, d, q, v);
+    return !memcmp(q, d->q, sizeof(jo_real) * (size_t)m->nq) && !memcmp(v, d->v, sizeof(jo_real) * (size_t)m->nv);
 }
 
 /* ---- accelerations and reactions --------------------------------------------------------------- */
@@ -71,7 +74,7 @@ static void totals(const jo_model *m, jo_data *d)
 {
     if (d->tree.summed) return;
     d->tree.summed = 1;
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = d->tree.kept; i < m->nlink; i++) {
         jo_link_work *w = &d->tree.link[i + 1];
         jo_vec f, t;
         w->w0 = jo_vec_add(w->w0, w->aw);
@@ -81,7 +84,7 @@ static void totals(const jo_model *m, jo_data *d)
         w->own_f = jo_vec_add(w->own_f, f);
         w->own_t = jo_vec_add(w->own_t, t);
     }
-    for (int i = m->nlink - 1; i >= 0; i--) {
+    for (int i = m->nlink - 1; i >= d->tree.kept; i--) {
         const int on = d->tree.constants[i].on;   /* not the parent: a fixed joint bears what hangs on its body */
         const jo_link_work *w = &d->tree.link[i + 1];
         jo_link_work *p = &d->tree.link[on + 1];
@@ -95,7 +98,7 @@ static void totals(const jo_model *m, jo_data *d)
 static void write_accelerations(const jo_model *m, jo_data *d)
 {
     const jo_vec g = jo_vec_load(m->gravity);
-    for (int i = 0; i < m->nlink; i++) {
+    for (int i = d->tree.kept; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->body < 0) continue;

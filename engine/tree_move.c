@@ -21,6 +21,9 @@ void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo
         switch (k->type) {
         case JO_LINK_HINGE:
         case JO_LINK_SLIDE: to[0] = from[0] + by[0]; break;
+        case JO_LINK_BODY:
+            for (int j = 0; j < m->body[k->body].n; j++) to[7 + j] = from[7 + j] + by[6 + j];
+            /* fall through */
         case JO_LINK_FREE:
             for (int j = 0; j < 3; j++) to[j] = from[j] + by[j];
             to += 3, from += 3, by += 3;
@@ -45,6 +48,9 @@ void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, 
         switch (k->type) {
         case JO_LINK_HINGE:
         case JO_LINK_SLIDE: rate[at] = u[at]; break;
+        case JO_LINK_BODY:
+            for (int j = 6; j < 6 + m->body[k->body].n; j++) rate[at + j] = u[at + j];
+            /* fall through */
         case JO_LINK_FREE:
             jo_set3(rate + at, u + at);
             jo_rotation_rate(rate + at + 3, x + at + 3, u + at + 3);
@@ -68,6 +74,21 @@ void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
     const jo_real f = JO_RE(s) < 1e-5 ? 2.0 + s * (1.0 / 3.0 + s * (3.0 / 20.0 + s * (5.0 / 56.0)))
                                       : 2.0 * jo_arc_tangent(sine, c) / sine;
     for (int i = 0; i < 3; i++) theta[i] = f * x[i];
+}
+
+/* what is prescribed has its value and rate of this time, and its acceleration */
+void jo_tree_drives(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        if (k->driven < 0) continue;
+        const jo_line_data *line = m->line[k->driven].data;
+        const jo_signal_work s = jo_signal_at(m, d, m->line[k->driven].signal, d->time[0]);
+        const jo_real factor = jo_link_sign(k) * line->factor[0];
+        d->tree.x[k->x] = (s.value + line->offset) / factor;
+        d->tree.u[k->u] = s.rate / factor;
+        d->tree.ud[k->u] = s.second / factor;
+    }
 }
 
 int jo_tree_check(const jo_model *m, jo_data *d)

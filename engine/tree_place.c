@@ -106,14 +106,15 @@ static void weigh_links(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         jo_link_constants *c = &d->tree.constants[i];
-        c->on = k->type == JO_LINK_FREE ? -1 : below(m, i);
-        if (k->type == JO_LINK_FREE) {
+        const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
+        c->on = free ? -1 : below(m, i);
+        if (free) {
             for (int j = 0; j < 9; j++) c->K[j] = NO_TURN[j];
             jo_set3(c->l, NOWHERE);
         } else {
             place_on_parent(m, k, c);
         }
-        if (k->body < 0) continue;
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* of the latter only what is fixed to it joins in */
         weigh(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
         c->all_mass = c->mass;
         for (int j = 0; j < 3; j++) c->all_S[j] = c->S[j];
@@ -135,6 +136,7 @@ static void note(int *list, int *count, int i)
 
 static void note_marker(const jo_model *m, jo_tree *t, int marker)
 {
+    if (t->kept && marker >= 0 && !t->away_marker[marker]) return;   /* placed anyway */
     note(t->marker, &t->nmarker, marker);
     if (marker >= 0) note(t->body, &t->nbody, m->marker[marker].body);
 }
@@ -149,9 +151,11 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
     lay_ground(t->link);
-    for (int i = 0; i < m->nlink; i++)
-        if (m->link[i].type == JO_LINK_BALL || m->link[i].type == JO_LINK_FREE)
-            t->x[m->link[i].x + (m->link[i].type == JO_LINK_FREE ? 3 : 0)] = 1.0;
+    for (int i = 0; i < m->nlink; i++) {
+        const int type = m->link[i].type;
+        if (type == JO_LINK_BALL) t->x[m->link[i].x] = 1.0;
+        if (type == JO_LINK_FREE || type == JO_LINK_BODY) t->x[m->link[i].x + 3] = 1.0;
+    }
     weigh_links(m, d);
     t->nhinge = t->ndriven = 0;
     for (int i = 0; i < m->nlink; i++) {
@@ -164,10 +168,10 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         const jo_force *f = &m->force[i];
         const int c = f->coordinate;
         if (c >= 0 && m->coordinate[c].link >= 0) continue;
-        note(t->coordinate, &t->ncoordinate, c);
+        if (c < 0 || !t->kept || t->away_coordinate[c]) note(t->coordinate, &t->ncoordinate, c);
         note_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
         note_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
-        if (c < 0) note(t->body, &t->nbody, f->body);
+        if (c < 0 && f->body >= 0 && (!t->kept || t->away_body[f->body])) note(t->body, &t->nbody, f->body);
     }
     for (int i = 0; i < m->nloop; i++) {   /* their lines need their coordinates; other rows the links only */
         const jo_joint *k = &m->joint[m->loop[i].joint];
@@ -178,7 +182,7 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
     }
     t->direct = 1;
     for (int i = 0; i < m->ncoordinate; i++)
-        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0) t->direct = 0;
+        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(t->kept && !t->away_coordinate[i])) t->direct = 0;
 }
 
 /* ---- positions and velocities by the joint coordinates ------------------------------------------ */
@@ -191,7 +195,8 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
         const jo_link_constants *c = &d->tree.constants[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
-        const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u, *e = k->type == JO_LINK_FREE ? x + 3 : x;
+        const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
+        const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u, *e = free ? x + 3 : x;
         jo_vec B[3], slid = jo_vec_zero();
         for (int j = 0; j < 3; j++) B[j] = jo_vec_mix(p->A, c->K + 3 * j);
         w->l = jo_vec_mix(p->A, c->l);
@@ -205,16 +210,16 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
         } else if (k->type == JO_LINK_SLIDE) {
             w->l = jo_vec_with(w->l, x[0], B[2]);
             slid = jo_vec_scale(u[0], B[2]);
-        } else if (k->type == JO_LINK_BALL || k->type == JO_LINK_FREE) {
+        } else if (k->type == JO_LINK_BALL || free) {
             jo_real R[9];
             jo_rotation(R, e);
             for (int j = 0; j < 3; j++) {
                 const jo_real column[3] = {R[j], R[3 + j], R[6 + j]};
                 w->A[j] = jo_vec_mix(B, column);
             }
-            w->w = jo_vec_add(p->w, jo_vec_mix(w->A, k->type == JO_LINK_FREE ? u + 3 : u));
+            w->w = jo_vec_add(p->w, jo_vec_mix(w->A, free ? u + 3 : u));
         }
-        if (k->type == JO_LINK_FREE) {
+        if (free) {
             w->l = jo_vec_load(x);
             slid = jo_vec_load(u);
         }
@@ -351,10 +356,10 @@ void jo_tree_read(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link *last = k->body < 0 ? &m->link[i + 1] : k;
-        if (k->type == JO_LINK_FREE) {
+        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) {
             const jo_body *b = &m->body[k->body];
-            for (int j = 0; j < 7; j++) d->tree.x[k->x + j] = d->q[b->iq + j];
-            for (int j = 0; j < 6; j++) d->tree.u[k->u + j] = d->v[b->iv + j];
+            for (int j = 0; j < 7 + b->n; j++) d->tree.x[k->x + j] = d->q[b->iq + j];
+            for (int j = 0; j < 6 + b->n; j++) d->tree.u[k->u + j] = d->v[b->iv + j];
             continue;
         }
         if (k->type == JO_LINK_FIXED) continue;

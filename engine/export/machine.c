@@ -341,7 +341,7 @@ static int possible(const jo_model *m, const double *row)
     for (int i = 0; i < m->nlink; i++) {
         const double *x = row + joint + m->link[i].x;
         if (m->link[i].type == JO_LINK_BALL && !turns(x)) return 0;
-        if (m->link[i].type == JO_LINK_FREE && !turns(x + 3)) return 0;
+        if ((m->link[i].type == JO_LINK_FREE || m->link[i].type == JO_LINK_BODY) && !turns(x + 3)) return 0;
     }
     return 1;
 }

@@ -199,6 +199,32 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return JO_NO_CONVERGENCE;
 }
+void jo_ports_setup(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_ports_place(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+void jo_ports_accept(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
+int jo_ports_load(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+    return JO_NO_CONVERGENCE;
+}
+int jo_ports_factor(const jo_body *b, jo_body_work *w)
+{
+    (void)b; (void)w;
+    return JO_NO_CONVERGENCE;
+}
+void jo_ports_follow(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+}
 int jo_tree_accelerations(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

@@ -14,6 +14,7 @@ import jousto as jo
 from exported import CC, STEP, compiled, expected, reaching_arm, table
 from jousto.export.program import program
 from jousto.export.project import write_program
+from model.test_tree_ports import machine
 
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
@@ -60,3 +61,18 @@ def test_implicit_methods_run_in_the_positions_of_the_bodies(model: jo.Model) ->
     assert ".nlink = 10" in program(model, jo.RK4(step=STEP)).constants.text
     made = program(model, jo.GeneralizedAlpha(step=STEP))
     assert ".nlink = 0" in made.constants.text and not made.model.links
+
+
+@pytest.mark.parametrize("solver", [jo.RK4(step=STEP), jo.ROS2(step=STEP)], ids=["RK4", "ROS2"])
+def test_a_program_runs_trees_on_flexible_bodies(solver: jo.RK4 | jo.ROS2, tmp_path: Path) -> None:
+    """Links of every kind on bodies that stay, drives, springs: the same within round-off."""
+    model = jo.compile(machine(1, drives=True), core="joint")
+    assert {link.kind for link in model.links} == {"body", "hinge", "slide", "ball", "fixed"}
+    write_program(model, tmp_path / "crane.c", solver)
+    found = table(compiled(tmp_path, "crane.c", flags=(*PLAIN, "-DMAIN")), "0.1", "5")
+    run = jo.simulate(model, 0.1, solver=solver, output_step=0.02)
+    want = expected(model, run)
+    scale = np.maximum(np.abs(want).max(axis=0), 1e-3)  # moments about free axes vanish
+    assert found.shape == want.shape
+    # motion, which doubles round-off now and then; the shock is that of accelerations
+    assert (np.abs(found - want) <= 1e-9 * scale).all()

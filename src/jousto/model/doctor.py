@@ -26,7 +26,7 @@ from jousto.model.rank.redundancy import (
     repeated_rows,
     unit_rows,
 )
-from jousto.model.tree import JOINT, core_of
+from jousto.model.tree import BODIES, core_of
 
 LARGE = 2000  # velocities above which the mobility of flexible bodies made rigid is not told
 
@@ -109,7 +109,7 @@ class Diagnosis:
             out.append(("cannot move", ", ".join(self.still)))
         if self.redundancy is not None:
             out.append(("repeated rows", self.redundancy.sentence))
-        if self.core.startswith(JOINT):
+        if self.core and not self.core.startswith(BODIES):
             out.append(("runs in", self.core))
         out += [("problem", str(problem)) for problem in self.problems]
         out += [("warning", text) for text in self.warnings]

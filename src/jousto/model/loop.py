@@ -71,7 +71,7 @@ def cut_joints(model: Model, links: Iterable[LinkModel]) -> list[int]:
 
 def loops_of(model: Model) -> Loops:
     """Return the loops of the tree that runs, those that move one another side by side."""
-    links = model.links
+    links = () if model.mixed else model.links
     cut = cut_joints(model, links) if links else []
     of_body = {link.body: i for i, link in enumerate(links) if link.body >= 0}
     paths = {k: _path(model, links, of_body, k) for k in cut}

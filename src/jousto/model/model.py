@@ -190,8 +190,8 @@ class JointModel:
         return 3 * self.coincident + len(self.perpendicular) + len(self.lines)
 
 
-POSITIONS = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 4, "free": 7}
-RATES = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 3, "free": 6}
+POSITIONS = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 4, "free": 7, "body": 7}
+RATES = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 3, "free": 6, "body": 6}
 
 
 @dataclass(frozen=True)
@@ -200,6 +200,8 @@ class LinkModel:
 
     Attributes
     ----------
+    modes : int
+        Modal coordinates of the body of a link of the kind "body".
     coordinates : tuple of int
         Coordinates of the model that its position is, with the opposite sign if `reversed`.
     """
@@ -217,17 +219,18 @@ class LinkModel:
     drive: int = -1
     driven: int = -1
     lock: int = -1
+    modes: int = 0
     coordinates: tuple[int, ...] = ()
 
     @property
     def positions(self) -> int:
         """Number of its coordinates."""
-        return POSITIONS[self.kind]
+        return POSITIONS[self.kind] + self.modes
 
     @property
     def rates(self) -> int:
         """Number of its rates."""
-        return RATES[self.kind]
+        return RATES[self.kind] + self.modes
 
 
 @described
@@ -400,7 +403,8 @@ class Model:
     fmus : tuple of FmuModel
         Models of other programs, which `simulate` runs beside it.
     tree : tuple of LinkModel
-        Links of a rigid tree that is to run in joint coordinates; empty for what runs in q and v.
+        Links of a rigid tree that is to run in joint coordinates, behind the bodies that run by
+        the rows of their joints and carry it; empty for what runs in q and v.
     tree_of : tuple
         The bodies, markers, joints and coordinates that the links were made for.
     """
@@ -444,13 +448,19 @@ class Model:
     @property
     def parts_of_tree(self) -> tuple[Any, ...]:
         """What the links of a tree depend on."""
-        return self.bodies, self.markers, self.joints, self.coordinates, self.frictions
+        parts = self.bodies, self.markers, self.joints, self.coordinates, self.frictions
+        return *parts, self.elimination
 
     @property
     def links(self) -> tuple[LinkModel, ...]:
         """The links of the tree that runs, none where the model has been changed since."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
         return () if self.beams or not same else self.tree
+
+    @property
+    def mixed(self) -> bool:
+        """Whether rows of joints and joint coordinates run it together."""
+        return bool(self.links) and self.links[0].kind == "body"
 
     def keeping_tree(self, of: Model) -> Model:
         """Return this model with the tree of another one that it was made from, if that has one.

@@ -10,13 +10,21 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.members import core_problem
+from jousto.model.carried import bearers, carried_bodies, is_link, with_ports
 from jousto.model.loop import cut_joints, pays, spanning
 from jousto.model.model import JointModel, LinkModel, Model
 
 AUTOMATIC = False
 """Whether "auto" takes joint coordinates where they pay: not until all tests have run so."""
+PORTS = 0
+"""Fewest bodies that a rigid tree beside flexible ones has for "auto" to take joint coordinates.
+
+0: only on request, until all tests have run so; 2 by what they cost. What a body feels of those
+that it carries costs about as much as the rows of one of them (benchmarks/ports.py).
+"""
 
 JOINT = "joint coordinates"
+BODIES = "positions of the bodies"
 PARALLEL = {(0, 2), (1, 2)}
 NO_TURN = {(0, 2), (1, 2), (0, 1)}
 ALIGNED = 0.5  # least cosine between axes of a and b that a joint keeps together
@@ -41,11 +49,12 @@ def with_core(model: Model, core: str) -> Model:
     """
     if problem := core_problem(core):
         raise InputError(Problem(f"mechanism {model.name!r}", problem))
-    if core == "maximal" or (core == "auto" and not AUTOMATIC):
+    if core == "maximal" or (core == "auto" and not _automatic(model)):
         return replace(model, tree=()) if model.tree else model
     try:
-        made = replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
-        return made if core == "joint" or pays(made) else model
+        made = _treed(model)
+        enough = _carried(made) >= PORTS if made.mixed else pays(made)
+        return made if core == "joint" or enough else model
     except _Unfit as reason:
         if core == "joint":
             where = f"mechanism {model.name!r}"
@@ -58,15 +67,41 @@ def with_core(model: Model, core: str) -> Model:
 
 def core_of(model: Model) -> str:
     """Return which core runs a model and, if it is not the joint coordinates, why not."""
+    if model.mixed:
+        carried, where = _carried(model), ", ".join(bearers(model))
+        kept = len(model.bodies) - carried
+        bodies = "1 body" if kept == 1 else f"{kept} bodies"
+        return f"positions of {bodies}, {JOINT} for {carried} more on {where}"
     if model.links:
         rows = sum(model.joints[k].rows for k in cut_joints(model, model.links))
         loops = f", {rows} rows close its loops" if rows else ""
         return f"{JOINT} ({model.nu} of a tree{loops})"
     try:
-        _Tree(model).links()
+        made = _treed(model)
     except _Unfit as reason:
-        return f"positions of the bodies: {reason}"
-    return "positions of the bodies; core='joint' would run it in joint coordinates"
+        return f"{BODIES}: {reason}"
+    part = f"{_carried(made)} of them" if made.mixed else "it"
+    return f"{BODIES}; core='joint' would run {part} in joint coordinates"
+
+
+def _flexible(model: Model) -> bool:
+    return any(body.n for body in model.bodies)
+
+
+def _automatic(model: Model) -> bool:
+    return PORTS > 0 if _flexible(model) else AUTOMATIC
+
+
+def _carried(model: Model) -> int:
+    """How many bodies joint coordinates carry beside those that run by rows."""
+    return len(model.bodies) - sum(link.kind == "body" for link in model.links)
+
+
+def _treed(model: Model) -> Model:
+    """Return the model with its links, _Unfit if it has none."""
+    if _flexible(model):
+        return with_ports(model, _Tree(model).ports())
+    return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
 
 
 @dataclass(eq=False)
@@ -95,6 +130,44 @@ class _Tree:
             friction, joint = self.model.frictions[0].name, self.model.joints[rest[0]].name
             raise _Unfit(f"friction '{friction}' is beside '{joint}', which is no link of a tree")
         self._note_locks()
+        return tuple(self.made)
+
+    def ports(self) -> tuple[LinkModel, ...]:
+        """Return the links of rigid trees behind the bodies that stay; _Unfit if there are none."""
+        m = self.model
+        if m.beams:
+            raise _Unfit(f"'{m.beams[0].body}' is an exact beam")
+        soft = next(body.name for body in m.bodies if body.n)
+        if m.frictions:
+            friction = m.frictions[0].name
+            raise _Unfit(f"body '{soft}' is flexible, and '{friction}' is friction")
+        alone = [k for k, joint in enumerate(m.joints) if joint.release < 0 and joint.lock < 0]
+        known = {k for k in alone if is_link(m.joints[k]) and self._known(m.joints[k])}
+        drives = {k for k in alone if not is_link(m.joints[k]) and self._drives(m.joints[k])}
+        while carried := carried_bodies(m, known, drives):
+            links = self._on_bodies(carried, drives)
+            taken = {link.drive for link in links}
+            strange = {k for k in drives - taken if set(self._ends(k)) & carried.keys()}
+            if not strange:
+                return links
+            drives -= strange
+        raise _Unfit(f"body '{soft}' is flexible, and no rigid body hangs on another one alone")
+
+    def _on_bodies(self, carried: dict[int, int], drives: set[int]) -> tuple[LinkModel, ...]:
+        joints = self.model.joints
+        self.drives = {}
+        for k in sorted(drives):
+            self.drives.setdefault(joints[k].lines[0].coordinates[0], k)
+        kept = [i for i in range(len(self.model.bodies)) if i not in carried]
+        self.made, self.of_body = [], {body: i for i, body in enumerate(kept)}
+        for body in kept:
+            self._add(LinkModel("body", -1, body, modes=self.model.bodies[body].n))
+        near: dict[int, list[int]] = {}
+        for k in sorted(carried.values()):
+            for body in self._ends(k):
+                near.setdefault(body, []).append(k)
+        for body in [-1, *kept]:
+            self._grow(body, near)
         return tuple(self.made)
 
     def _note_locks(self) -> None:

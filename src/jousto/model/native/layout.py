@@ -283,6 +283,9 @@ class Layout:
                 for j, side_j in sides[body]:
                     if place[k] >= place[j]:
                         pairs.append((k, side_k, j, side_j, m.elimination.blocks[k, j]))
+        if m.mixed:  # those between joints that are no links come first
+            inside = {place for link in m.links for place in (link.joint, link.drive)}
+            pairs.sort(key=lambda pair: pair[0] in inside or pair[2] in inside)
         return pairs
 
     def _bodies(self) -> Any:
