@@ -346,7 +346,7 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
     model, run, beams = made["model"], made["run"], made["beam model"]
     few = replace(made["compared"], pairs=made["compared"].pairs[:3])
     return [
-        (jo.compile, {"mechanism": made["mechanism"]}),
+        (jo.compile, {"mechanism": made["mechanism"], "core": "auto"}),
         (jo.doctor, {"mechanism": made["mechanism"]}),
         (jo.model.Engine, {"model": model}),
         (jo.simulate, {"model": model, "t_end": 0.002}),

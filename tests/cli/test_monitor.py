@@ -93,7 +93,7 @@ def test_a_pipe_and_ctrl_c(case, tmp_path):
     assert b"start: watching standard input" in process.stdout.readline()
     process.stdout.readline()
     process.send_signal(signal.SIGINT)
-    out = process.communicate(timeout=60)[0]
+    out = process.communicate(timeout=300)[0]
     assert process.returncode == 0
     assert b"stopped by Ctrl-C" in out
     found = MonitorRecord(tmp_path / "rod.monitor.h5")

@@ -42,7 +42,7 @@ def test_steps_of_a_model_file_are_timed(tmp_path: Path, capsys: pytest.CaptureF
     out = capsys.readouterr().out
     assert end.value.code in (0, None) and "2000 steps of 0.0005 s" in out
     if shutil.which("valgrind"):
-        assert re.search(r"bodies +\d+, .* each of 1\n", out)
+        assert re.search(r"trees in joint coordinates +\d+, .* each of 1\n", out)
         assert re.search(r"work +\d+ instructions a step", out)
     else:
         assert "instructions are not counted: that needs Valgrind" in out

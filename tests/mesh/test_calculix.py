@@ -55,7 +55,7 @@ def test_forces_of_pressure_on_each_face(kind: str, tmp_path: Path) -> None:
         ]
     path = tmp_path / "one.inp"
     path.write_text("\n".join(deck) + "\n")
-    subprocess.run([CCX, "-i", "one"], cwd=tmp_path, capture_output=True, check=True, timeout=60)
+    subprocess.run([CCX, "-i", "one"], cwd=tmp_path, capture_output=True, check=True, timeout=300)
     text = (tmp_path / "one.dat").read_text()
     totals = re.findall(r"total force.*\n\s*\n?((?:\s+[-+.\dEe]+){3})", text)
     found = np.array([[float(word) for word in row.split()] for row in totals])

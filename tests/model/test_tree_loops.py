@@ -17,7 +17,10 @@ from model.test_tree import compared, joint, marker, moved, tree
 Array = NDArray[np.float64]
 Z = (0.0, 0.0, 1.0)
 CLOSING = ("spherical", "universal", "rod", "on-line", "revolute")
-pytestmark = pytest.mark.filterwarnings("ignore:.*repeat")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*repeat"),
+    pytest.mark.filterwarnings("ignore:.*not connected"),
+]
 
 
 def closed(seed: int, drives: bool = False) -> Any:
@@ -322,3 +325,30 @@ def test_moved_states_are_those_of_closed_loops() -> None:
     engine = Engine(model)
     engine.q[:], engine.v[:] = moved(model, 1)
     assert max(engine.residuals()) < 1e-9
+
+
+def held_chain(count: int) -> Any:
+    """A chain of bars on the ground, a rod from each to it: all loops have bars in common."""
+    bars = [body(f"bar{i}", (float(i), 0, 0)) for i in range(count)]
+    before = [jo.ground, *bars]
+    items: list[Any] = [*bars]
+    for i, bar in enumerate(bars):
+        at = (float(i), 0.0, 0.0)
+        items.append(
+            jo.Spherical(f"ball{i}", before[i].at(at if not i else (1, 0, 0)), bar.at((0, 0, 0)))
+        )
+        items.append(jo.Rod(f"rod{i}", jo.ground.at((i + 0.5, 2, 1)), bar.at((0.5, 0, 0))))
+    return jo.Mechanism(*items, jo.Gravity((0, -9.81, 0)), name="held chain")
+
+
+def test_auto_takes_the_loops_that_have_few_bodies_in_common() -> None:
+    assert jo.compile(four_bar()).links
+    assert jo.compile(stewart()).links
+    assert jo.compile(held_chain(4)).links
+    many = jo.compile(held_chain(20))
+    assert not many.links
+    assert jo.doctor(many).core == "positions of the bodies: its loops have many bodies in common"
+    assert jo.compile(held_chain(20), core="joint").links
+    loose = jo.compile(jo.Mechanism(body("loose")))
+    assert not loose.links
+    assert jo.doctor(loose).core == "positions of the bodies: no joint leads to a body"

@@ -162,6 +162,7 @@ def test_gradients_by_complex_steps_are_those_of_differences(core: str) -> None:
 
 def test_the_core_of_a_mechanism_is_that_of_its_models() -> None:
     assert jo.compile(swing(core="joint")).links
+    assert jo.compile(swing()).links, "auto takes the tree"
     assert not jo.compile(swing(core="maximal")).links
     assert jo.compile(swing(core="maximal"), core="joint").links
     with pytest.raises(jo.InputError, match="core is 'fast', must be 'auto', 'joint' or 'maximal'"):

@@ -159,7 +159,7 @@ def test_a_killed_reduction_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     child = subprocess.run(
         [sys.executable, "-c", KILLED.format(folder=str(tmp_path))],
         env={**os.environ, "PYTHONPATH": path},
-        timeout=60,
+        timeout=300,
     )
     assert child.returncode == -signal.SIGKILL
     goes_on(tmp_path, "orthonormalisation", 0, monkeypatch)

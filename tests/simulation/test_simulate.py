@@ -285,7 +285,7 @@ def test_no_room_for_the_results_is_said_before_the_run(tmp_path):
         "resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))"
     )
     process = start(tmp_path, limit)
-    _, errors = process.communicate(timeout=120)
+    _, errors = process.communicate(timeout=300)
     assert process.returncode == 1
     assert "InputError" in errors
     assert "cannot be written: File too large" in errors

@@ -20,6 +20,11 @@ PRINTED = np.array(
 )
 
 
+CORES = ("maximal", "joint")
+# gaps of joints, m, and of their rates, m/s: trees leave what is below 1e-12 and 1e-10 of the size
+CLOSED = {"maximal": (1e-13, 1e-13), "joint": (2e-12, 2e-10)}
+
+
 def pendulum_at(t):
     """P1 (..., 2): ``sin(theta/2) = k sn(K - w0 t, k)``, theta from hanging, k = sin(pi/4)."""
     m = 0.5
@@ -53,9 +58,14 @@ def test_a02_reference_is_the_limit_of_the_printed_values():
     np.testing.assert_allclose(upright_at(10.0), limit, rtol=1e-7)
 
 
+@pytest.fixture(scope="module", params=CORES)
+def core(request):
+    return request.param
+
+
 @pytest.fixture(scope="module")
-def four_bars():
-    return jo.compile(iftomm.four_bars(2))
+def four_bars(core):
+    return jo.compile(iftomm.four_bars(2), core=core)
 
 
 def end_of(run):
@@ -63,13 +73,13 @@ def end_of(run):
 
 
 @pytest.mark.slow
-def test_a02_through_the_singular_position(four_bars):
+def test_a02_through_the_singular_position(four_bars, core):
     run = march(four_bars, jo.RK4(step=1e-3), 10.0, 0.01)
     np.testing.assert_allclose(end_of(run), upright_at(10.0), rtol=0, atol=2e-8)
     # the library asks for errors below 1e-3 (high precision); the decks pass the feet and return
     assert np.abs(run.balance).max() < 1e-8
     assert run.sensors["B0"][:, 1].min() < -0.99
-    assert run.residuals.max() < 1e-13
+    assert np.all(run.residuals < CLOSED[core])
 
 
 @pytest.mark.parametrize(
@@ -99,10 +109,10 @@ def test_a04_is_a_mechanism_although_its_bars_are_counted_out():
 
 
 @pytest.fixture(scope="module")
-def bricard():
+def bricard(core):
     # 30 rows for 30 velocities, one of them repeated
     with pytest.warns(jo.JoustoWarning, match="1 of the constraint rows.*the motion is right"):
-        return jo.compile(iftomm.bricard())
+        return jo.compile(iftomm.bricard(), core=core)
 
 
 def corner_at(times):
@@ -116,7 +126,9 @@ def corner_at(times):
     [(jo.RK4, (250, 500)), (jo.ROS2, (500, 1000)), (jo.GeneralizedAlpha, (250, 500))],
     ids=["RK4", "ROS2", "GeneralizedAlpha"],
 )
-def test_a04_with_repeated_rows_converges_at_the_order_of_the_method(bricard, method, steps):
+def test_a04_with_repeated_rows_converges_at_the_order_of_the_method(bricard, core, method, steps):
+    if core == "joint" and method is jo.RK4:
+        steps = (50, 100)  # there 1/250 s is as good as the reference, 1e-11 m
     exact = corner_at(np.linspace(0.0, 1.0, 11))
     assert exact[-1, 2] < 0.2  # the corner has come in from z = 1
     runs = [march(bricard, method(step=1.0 / n), 1.0, 0.1) for n in steps]
@@ -124,8 +136,8 @@ def test_a04_with_repeated_rows_converges_at_the_order_of_the_method(bricard, me
     # the term of second order of ROS2 is small here: at these steps its error falls faster
     assert orders(errors)[-1] > method.order - 0.3, (errors, orders(errors))
     # Newton's tolerance is left of an implicit step
-    limit = 1e-9 if method is jo.GeneralizedAlpha else 1e-13
-    assert max(run.residuals.max() for run in runs) < limit
+    limit = 1e-9 if method is jo.GeneralizedAlpha else CLOSED[core]
+    assert all(np.all(run.residuals < limit) for run in runs)
     balance = [np.abs(run.balance).max() for run in runs]
     assert balance[1] < balance[0] / 2 ** (method.order - 0.5)
 
@@ -153,7 +165,7 @@ def test_bars_with_a_millionth_of_their_inertia_about_their_axes_move_as_they_sh
 @pytest.mark.parametrize("ratio", [1e-8, 1e-12])
 def test_inertias_that_differ_too_much_are_named_and_not_the_geometry(ratio):
     with pytest.warns(jo.JoustoWarning, match="loses digits.*'bar 1' has 1e-.*a millionth"):
-        model = jo.compile(iftomm.bricard(thin(ratio)))
+        model = jo.compile(iftomm.bricard(thin(ratio)), core="maximal")
     if ratio > 1e-10:
         return
     with pytest.raises(jo.SimulationError, match="inertias differ too much") as said:

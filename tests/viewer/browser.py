@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,6 +19,7 @@ FLAGS = [
     *("--enable-unsafe-swiftshader", "--enable-precise-memory-info"),
 ]
 SIZE = {"width": 1000, "height": 700}
+PATIENCE = 90.0  # s, for machines that are busy
 
 
 def missing() -> str:
@@ -52,6 +54,7 @@ def opened(browser: Any, address: str, **settings: Any) -> Iterator[Any]:
     """A page that is ready, in which nothing may go wrong."""
     context = browser.new_context(**({"viewport": SIZE} | settings))
     page = context.new_page()
+    page.set_default_timeout(1000.0 * PATIENCE)
     said: list[str] = []
     page.on("console", lambda m: said.append(m.text) if m.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: said.append(str(error)))
@@ -62,3 +65,11 @@ def opened(browser: Any, address: str, **settings: Any) -> Iterator[Any]:
     # what a driver without a graphics card says of reading pixels is no fault of the page
     assert [text for text in said if "GL Driver Message" not in text] == []
     context.close()
+
+
+def until(page: Any, true: Callable[[], bool]) -> None:
+    """Wait for what follows later, on a busy machine much later."""
+    end = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < end
+        page.wait_for_timeout(50)

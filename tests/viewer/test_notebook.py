@@ -151,7 +151,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Any]]:
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(x) for x in CELLS])
     folder: Path = tmp_path_factory.mktemp("book")
     resources = {"metadata": {"path": str(folder)}}
-    nbclient.NotebookClient(book, timeout=120, resources=resources).execute()
+    nbclient.NotebookClient(book, timeout=600, resources=resources).execute()
     yield [cell.outputs for cell in book.cells]
 
 

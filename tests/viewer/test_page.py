@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from viewer.browser import chromium, opened
+from viewer.browser import chromium, opened, until
 from viewer.machines import HIGH, answers, mechanism, number_of, swing
 
 PIXEL = 1.5
@@ -192,9 +192,9 @@ def test_a_click_shows_the_numbers_of_the_run(shown: Any) -> None:
     x, y = shown.evaluate("([b, v]) => window.jousto.project(b, v)", [bar, vertex])[:2]
     box = shown.locator("canvas").first.bounding_box()
     shown.mouse.click(box["x"] + x, box["y"] + y)
-    shown.wait_for_timeout(800)
+    shown.wait_for_function("() => window.jousto.app.store.state.selection")
     chosen = shown.evaluate("() => window.jousto.app.store.state.selection")
-    assert chosen and chosen["body"] == bar
+    assert chosen["body"] == bar
     probe = answers().answer(
         {
             "id": 1,
@@ -217,9 +217,7 @@ def test_dragging_turns_and_fingers_pinch(browser: Any, shown: Any) -> None:
     shown.mouse.down()
     shown.mouse.move(x + 80, y + 20, steps=6)
     shown.mouse.up()
-    shown.wait_for_timeout(400)
-    after, _ = camera(shown)
-    assert np.abs(after - before).max() > 1e-3
+    until(shown, lambda: np.abs(camera(shown)[0] - before).max() > 1e-3)
     with jo_view(swing()) as view:
         phone = {"viewport": {"width": 390, "height": 780}, "has_touch": True, "is_mobile": True}
         with opened(browser, view.address, **phone) as page:
@@ -236,9 +234,7 @@ def test_dragging_turns_and_fingers_pinch(browser: Any, shown: Any) -> None:
             for k in range(8):
                 touch("touchMove", (150 - 8 * k, 250), (240 + 8 * k, 250))
             touch("touchEnd")
-            page.wait_for_timeout(500)
-            pinched, _ = camera(page)
-            assert np.abs(pinched - matrix).max() > 1e-3
+            until(page, lambda: np.abs(camera(page)[0] - matrix).max() > 1e-3)
 
 
 def test_a_page_from_disk_needs_nothing_else(browser: Any, tmp_path: Path) -> None:

@@ -64,7 +64,7 @@ def server(built: None) -> Iterator[Server]:
 
 
 def get(server: Server, path: str, **headers: str) -> http.client.HTTPResponse:
-    link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10)
+    link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
     link.request("GET", path, headers=headers)
     found = link.getresponse()
     found.body = found.read().decode()  # type: ignore[attr-defined]
@@ -85,7 +85,7 @@ def join(server: Server, **changes: Any) -> ClientConnection:
 def ask(page: ClientConnection, text: str | bytes | dict[str, Any]) -> dict[str, Any]:
     page.send(json.dumps({"id": 1} | text) if isinstance(text, dict) else text)
     while True:
-        answer = page.recv(timeout=10)
+        answer = page.recv(timeout=60)
         found = unpack(answer) if isinstance(answer, bytes) else json.loads(answer)
         if found["kind"] != "live":  # a state that was pushed
             return dict(found)
@@ -181,7 +181,7 @@ def test_tokens_differ(built: None) -> None:
 
 def test_other_methods_and_garbage_do_not_hurt(server: Server) -> None:
     for data in (b"POST / HTTP/1.1\r\nHost: x\r\n\r\n", b"\x16\x03\x01\x02", b"GET\r\n\r\n"):
-        with socket.create_connection(("127.0.0.1", server.port), timeout=10) as line:
+        with socket.create_connection(("127.0.0.1", server.port), timeout=60) as line:
             line.sendall(data)
             line.shutdown(socket.SHUT_WR)
             assert b"200" not in line.recv(1000)
@@ -228,7 +228,7 @@ def test_a_huge_message_ends_its_page_alone(server: Server) -> None:
     with join(server) as other, join(server) as page:
         page.send("x" * (LONGEST + 1))
         with pytest.raises(ConnectionClosedError, match="too big"):
-            page.recv(timeout=10)
+            page.recv(timeout=60)
         assert ask(other, {"ask": "scene"})["kind"] == "echo"
 
 
@@ -236,7 +236,7 @@ def test_a_slow_answer_does_not_hold_up_the_others(server: Server) -> None:
     with join(server) as page:
         page.send(json.dumps({"id": 1, "ask": "worst"}))
         page.send(json.dumps({"id": 2, "ask": "rows"}))
-        assert [unpack(page.recv(timeout=10))["id"] for _ in range(2)] == [2, 1]  # type: ignore[arg-type]
+        assert [unpack(page.recv(timeout=60))["id"] for _ in range(2)] == [2, 1]  # type: ignore[arg-type]
 
 
 def test_a_page_that_does_not_read_gets_no_more(server: Server) -> None:
@@ -262,11 +262,11 @@ def test_pushes_reach_all_pages_and_a_slow_one_gets_the_newest(server: Server) -
         for k in range(last + 1):
             server.push(pack({"kind": "live", "number": k, "block": block}))
             if k == 0:
-                assert unpack(page.recv(timeout=10))["number"] == 0  # type: ignore[arg-type]
+                assert unpack(page.recv(timeout=60))["number"] == 0  # type: ignore[arg-type]
             time.sleep(0.01)
         got = []
         while not got or got[-1] != last:
-            got.append(unpack(lazy.recv(timeout=10))["number"])  # type: ignore[arg-type]
+            got.append(unpack(lazy.recv(timeout=60))["number"])  # type: ignore[arg-type]
         assert got == sorted(got) and len(got) < last / 2
 
 
@@ -274,7 +274,7 @@ def test_who_connects_late_gets_the_newest_state(server: Server) -> None:
     server.push(pack({"kind": "live", "number": 3}))
     time.sleep(0.1)
     with join(server) as page:
-        assert unpack(page.recv(timeout=10))["number"] == 3  # type: ignore[arg-type]
+        assert unpack(page.recv(timeout=60))["number"] == 3  # type: ignore[arg-type]
 
 
 # -- start and end --------------------------------------------------------------------------
@@ -293,10 +293,10 @@ def test_closing_ends_the_pages_and_waiting(built: None) -> None:
         waiting.start()
         server.close()
         server.close()
-        waiting.join(5)
+        waiting.join(60)
         assert not waiting.is_alive() and not server.running
         with pytest.raises(ConnectionClosed):
-            page.recv(timeout=5)
+            page.recv(timeout=60)
     server.push(b"late")  # does nothing
 
 

@@ -62,7 +62,7 @@ Core = Annotated[
     typer.Option(
         "--core",
         metavar="auto|joint|maximal",
-        help="Run in joint coordinates, or in the positions of all bodies.",
+        help="Run in joint coordinates or in the positions of all bodies, else in the faster.",
     ),
 ]
 Limits = Annotated[

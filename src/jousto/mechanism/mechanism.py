@@ -30,7 +30,7 @@ class Mechanism(Members):
         Name for plots and messages.
     core : str
         What runs it, unless `compile` is told otherwise: "joint" for joint coordinates, "maximal"
-        for the positions of all bodies, "auto" for the choice of jousto.
+        for the positions of all bodies, "auto" for the faster of them.
 
     Attributes
     ----------

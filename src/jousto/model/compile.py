@@ -62,8 +62,8 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     core : str, optional
         How RK4, ROS2 and DormandPrince run it: "joint" in the joint coordinates of a tree of rigid
         bodies, beside flexible ones in those parts that are one (not DormandPrince), "maximal" in
-        the positions of all bodies, which any mechanism can; "auto", the choice of jousto, is
-        "maximal" at present. That of the mechanism if not given.
+        the positions of all bodies, which any mechanism can; "auto" takes the joint coordinates
+        where they are faster. That of the mechanism if not given.
 
     Returns
     -------

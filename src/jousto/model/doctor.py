@@ -143,6 +143,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     >>> axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"], axis=(0, 0, 1))
     >>> print(jo.doctor(jo.Mechanism(wheel, axle)))
     mobility: 5 constraint rows leave 1 free motion
+    runs in: joint coordinates (1 of a tree)
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", JoustoWarning)

@@ -8,13 +8,12 @@ from typing import NamedTuple
 from jousto.model.model import LinkModel, Model
 
 MOVING = {"hinge", "slide", "ball", "free"}
-MEETINGS = 0
+MEETINGS = 8
 """Most meetings of loops in a link, a body, up to which a tree with loops is taken by itself.
 
-0: only on request, until all tests have run so; 20 by what they cost. A meeting costs about 15 ns
-an evaluation, a body 100 ns, in the other core with its rows some 900 ns. Measured
-(benchmarks/loops.py): 1 meeting a body, four-bars, 2.5 to 5 times faster; 6, the Stewart platform,
-2.2 times.
+Measured: 1 meeting a body, four-bars, 2.5 to 5 times faster than the positions of the bodies; 6,
+the Stewart platform, 1.6 to 2.2 times (benchmarks/loops.py). Chains with a rod from each body to
+the ground, whose rows are the cheapest there: 5 to 15 meetings as fast, 22 slower by a quarter.
 """
 
 
@@ -89,14 +88,18 @@ def loops_of(model: Model) -> Loops:
     return found
 
 
-def pays(model: Model) -> bool:
-    """Return whether a tree with such loops is faster than the positions of the bodies.
+def drawback(model: Model) -> str:
+    """Return why a tree is not faster than the positions of the bodies; empty where it is.
 
     Loops that have many links in common fill a dense matrix, and each of their rows runs along all
     of the links: then sparse rows of all joints are less work.
     """
+    if all(link.kind == "free" for link in model.links):
+        return "no joint leads to a body"
     plan = loops_of(model)
-    return not plan.loops or len(plan.meets) < MEETINGS * len(model.bodies)
+    if plan.loops and len(plan.meets) >= MEETINGS * len(model.bodies):
+        return "its loops have many bodies in common"
+    return ""
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:

@@ -11,16 +11,14 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.members import core_problem
 from jousto.model.carried import bearers, carried_bodies, is_link, with_ports
-from jousto.model.loop import cut_joints, pays, spanning
+from jousto.model.loop import cut_joints, drawback, spanning
 from jousto.model.model import JointModel, LinkModel, Model
 
-AUTOMATIC = False
-"""Whether "auto" takes joint coordinates where they pay: not until all tests have run so."""
-PORTS = 0
-"""Fewest bodies that a rigid tree beside flexible ones has for "auto" to take joint coordinates.
+PORTS = 4
+"""Fewest bodies that joint coordinates carry beside flexible ones for "auto" to take them.
 
-0: only on request, until all tests have run so; 2 by what they cost. What a body feels of those
-that it carries costs about as much as the rows of one of them (benchmarks/ports.py).
+What a body feels of those that it carries costs about as much as the rows of one of them: 2 are
+carried 1.1 times faster, 5 and 9 1.5 and 2 times (benchmarks/ports.py).
 """
 
 JOINT = "joint coordinates"
@@ -49,12 +47,11 @@ def with_core(model: Model, core: str) -> Model:
     """
     if problem := core_problem(core):
         raise InputError(Problem(f"mechanism {model.name!r}", problem))
-    if core == "maximal" or (core == "auto" and not _automatic(model)):
+    if core == "maximal":
         return replace(model, tree=()) if model.tree else model
     try:
         made = _treed(model)
-        enough = _carried(made) >= PORTS if made.mixed else pays(made)
-        return made if core == "joint" or enough else model
+        return model if core == "auto" and _drawback(made) else made
     except _Unfit as reason:
         if core == "joint":
             where = f"mechanism {model.name!r}"
@@ -77,19 +74,18 @@ def core_of(model: Model) -> str:
         loops = f", {rows} rows close its loops" if rows else ""
         return f"{JOINT} ({model.nu} of a tree{loops})"
     try:
-        made = _treed(model)
-    except _Unfit as reason:
-        return f"{BODIES}: {reason}"
-    part = f"{_carried(made)} of them" if made.mixed else "it"
-    return f"{BODIES}; core='joint' would run {part} in joint coordinates"
+        reason = _drawback(_treed(model))
+    except _Unfit as unfit:
+        reason = str(unfit)
+    return BODIES + (f": {reason}" if reason else ", as asked for")
 
 
-def _flexible(model: Model) -> bool:
-    return any(body.n for body in model.bodies)
-
-
-def _automatic(model: Model) -> bool:
-    return PORTS > 0 if _flexible(model) else AUTOMATIC
+def _drawback(made: Model) -> str:
+    """Return why joint coordinates are not faster; empty where they are."""
+    if not made.mixed:
+        return drawback(made)
+    few = f"rigid trees of fewer than {PORTS + 1} bodies beside flexible ones gain little"
+    return few if _carried(made) < PORTS else ""
 
 
 def _carried(model: Model) -> int:
@@ -99,7 +95,7 @@ def _carried(model: Model) -> int:
 
 def _treed(model: Model) -> Model:
     """Return the model with its links, _Unfit if it has none."""
-    if _flexible(model):
+    if any(body.n for body in model.bodies):
         return with_ports(model, _Tree(model).ports())
     return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
 
@@ -175,10 +171,8 @@ class _Tree:
         for friction in self.model.frictions:
             if not friction.sticks:
                 continue
-            lock, places = (
-                self.model.joints[friction.lock].lock,
-                {friction.coordinate, friction.other},
-            )
+            lock = self.model.joints[friction.lock].lock
+            places = {friction.coordinate, friction.other}
             for i, link in enumerate(self.made):
                 if places.intersection(link.coordinates):
                     self.made[i] = replace(link, lock=lock)
@@ -261,9 +255,8 @@ class _Tree:
         outer, inner = joint.sides[::-1] if reversed_ else joint.sides
         above = self.of_body[parent] if parent >= 0 else -1
         if above >= 0 and self.made[above].kind == "fixed":
-            above = self.made[
-                above
-            ].parent  # what hangs on a fixed body hangs on what that is fixed to
+            # what hangs on a fixed body hangs on what that is fixed to
+            above = self.made[above].parent
         link = LinkModel(
             kind, above, body, outer=outer, inner=inner, joint=k, reversed=int(reversed_)
         )

@@ -35,7 +35,7 @@ class Simulation(Declared):
 
     core: Choice = field(
         "What runs it: joint coordinates (`joint`), the positions of all bodies (`maximal`), or "
-        "the choice of jousto (`auto`)",
+        "the faster of them (`auto`)",
         words=CORES,
         default="auto",
     )

@@ -568,8 +568,8 @@ def test_a_killed_scheduler_loses_nothing(tmp_path: Path, monkeypatch: pytest.Mo
             if file.exists():
                 break
             time.sleep(0.05)
-        with distributed.Client(scheduler_file=str(file), timeout=5) as client:
-            client.wait_for_workers(1, timeout=30)
+        with distributed.Client(scheduler_file=str(file), timeout=60) as client:
+            client.wait_for_workers(1, timeout=120)
             with pytest.raises(jo.InputError, match=r"cluster is gone.* same path goes on"):
                 study.run(x, workers=client, path=path, progress=kill)
     finally:
