@@ -280,7 +280,8 @@ def slider_crank():
         jo.PointOnPlane("guide", jo.ground["origin"], rod["b"], (0, 1, 0)),
     )
     place = jo.PositionSensor("end", rod["b"])
-    return jo.compile(jo.Mechanism(*bodies, *items, place, jo.Gravity((0, -9.81, 0))))
+    mechanism = jo.Mechanism(*bodies, *items, place, jo.Gravity((0, -9.81, 0)))
+    return jo.compile(mechanism, core="maximal")  # as the lanes run it
 
 
 def turned(engine, angle):

@@ -84,8 +84,8 @@ def _drawback(made: Model) -> str:
     """Return why joint coordinates are not faster; empty where they are."""
     if not made.mixed:
         return drawback(made)
-    few = f"rigid trees of fewer than {PORTS + 1} bodies beside flexible ones gain little"
-    return few if _carried(made) < PORTS else ""
+    count = _carried(made)
+    return f"joint coordinates for {count} of them gain little" if count < PORTS else ""
 
 
 def _carried(model: Model) -> int:
