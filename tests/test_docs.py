@@ -29,7 +29,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
-from jousto.base.declare import kinds
+from jousto.base.declare import SECTIONS, kinds
 from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent
@@ -101,7 +101,12 @@ def run_console(text: str, where: str) -> None:
 @pytest.mark.parametrize("page", [page for page in PAGES if page != OWN])
 def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    run_page(page)
+    try:
+        run_page(page)
+    finally:
+        for section in SECTIONS.values():  # what the page declares goes with it
+            for word in [w for w, kind in section.items() if kind.__module__ == "page"]:
+                del section[word]
 
 
 def run_page(page: str) -> None:

@@ -41,7 +41,8 @@ def test_the_first_rigid_body_stays_and_the_core_says_so() -> None:
     assert kinds(model) == ["body", "body", "hinge", "hinge"]
     assert core_of(model) == "positions of 2 bodies, joint coordinates for 2 more on 'link0'"
     assert core_of(model) in str(jo.doctor(model))
-    assert "would run 2 of them in joint coordinates" in core_of(jo.compile(arm(), core="maximal"))
+    few = core_of(jo.compile(arm(core="auto")))
+    assert few == "positions of the bodies: joint coordinates for 2 of them gain little"
 
 
 def test_auto_keeps_the_positions_of_the_bodies() -> None:
