@@ -91,6 +91,7 @@ def everything() -> jo.Mechanism:
         jo.Spring("stop", hinge.angle, damping=1.0),
         jo.Bushing("bushing", jo.ground.at((0, 2, 0.1)), slider["origin"], np.ones(6)),
         jo.JointForce("torque", axle.angle, jo.Constant(1.0)),
+        jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.ModalLoad("suction", arm, pattern),
         jo.UserForce("drag", slider["tip"], lambda t, x: [0.0] * 6),
