@@ -28,7 +28,9 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     d->time[0] = t;
     d->fresh = d->current = 0;
     int status = JO_OK;
-    if (s->projection && m->njoint && !closed(m, d)) {
+    if (s->projection && m->njoint && !closed(m, d)) {   /* with factors of its own */
+        jo_interpolate(m, d, (t - d->control.from) / d->control.length);
+        d->fresh = d->current = 0;
         status = jo_accelerations(m, d);
         if (status == JO_OK) closed(m, d);
     }

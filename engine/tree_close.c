@@ -71,10 +71,16 @@ int jo_tree_close(const jo_model *m, jo_data *d)
     }
     double rate = gap(m, d, 1);
     for (int k = 0; k < JO_CORRECTIONS && !untouched(rate, small_rate, k); k++) {
+        before = rate;
         correct(m, d, 1);
         for (int i = 0; i < m->nu; i++) d->tree.u[i] += d->rate[i];
         place(m, d);
         rate = gap(m, d, 1);
+        if (rate < before) continue;
+        for (int i = 0; i < m->nu; i++) d->tree.u[i] -= d->rate[i];   /* the factors are those of another place */
+        place(m, d);
+        rate = before;
+        break;
     }
     d->fresh = d->current = 0;
     return residual <= small && rate <= small_rate;

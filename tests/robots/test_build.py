@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.robots import mechanism, read_urdf
+from jousto.robots import Robot, mechanism, read_urdf
+from robots.machines import ARM
 
 WHEEL = """<robot name="r"><link name="base"/><link name="wheel"><inertial><mass value="2"/>
 <inertia ixx="0.5" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial></link>
@@ -98,3 +99,56 @@ def test_wrong_names_and_stiffness_are_told(tmp_path: Path) -> None:
         mechanism(robot, stops=-1.0)
     with pytest.raises(jo.InputError, match="restitution is 2, must be between 0 and 1"):
         mechanism(robot, restitution=2.0)
+
+
+def read(text: str, folder: Path) -> Robot:
+    path = folder / "robot.urdf"
+    path.write_text(text, encoding="utf-8")
+    return read_urdf(path)
+
+
+def test_joints_start_where_their_drives_begin_and_the_others_where_they_shall(
+    tmp_path: Path,
+) -> None:
+    robot = read(ARM, tmp_path)
+    made = mechanism(robot, at={"j3.angle": 0.4}, drives={"j2": jo.Constant(0.3)})
+    starts = {
+        joint.name: joint.coordinates[0].initial for joint in made.joints if joint.coordinates
+    }
+    # positions of bodies are rounded at 1e-16 m beside arms of some 0.1 m
+    assert starts["j2"] == pytest.approx(0.3, abs=1e-12)
+    assert starts["j3"] == pytest.approx(0.4, abs=1e-12)
+    rig = jo.robots.Mounted("rig", robot, at={"j2": 0.3})
+    motor = jo.Drive("motor", rig.joints["j2"].angle, jo.Constant(0.25))
+    with pytest.raises(jo.InputError, match="'motor'.*begins at 0.25 rad, but .* stands at 0.3"):
+        jo.Mechanism(rig, motor)
+    jo.Mechanism(rig, jo.Drive("motor", rig.joints["j2"].angle, jo.Constant(0.3 + 2 * np.pi)))
+
+
+FOLLOWER = """<robot name="r"><link name="base"/>
+<link name="a"><inertial><mass value="1"/><inertia ixx=".1" ixy="0" ixz="0" iyy=".1" iyz="0" izz=".1"/></inertial></link>
+<link name="b"><inertial><mass value="1"/><inertia ixx=".1" ixy="0" ixz="0" iyy=".1" iyz="0" izz=".1"/></inertial></link>
+<joint name="lead" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+<limit lower="-2" upper="2" effort="10" velocity="3"/></joint>
+<joint name="other" type="revolute"><parent link="base"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-0.5" upper="0.5" effort="10" velocity="3"/><mimic joint="lead" multiplier="2"/></joint>
+</robot>"""  # noqa: E501
+
+
+def test_a_start_keeps_the_limits_of_the_joints_that_follow(tmp_path: Path) -> None:
+    robot = read(FOLLOWER, tmp_path)
+    jo.robots.Mounted("r", robot, at={"lead": 0.2})
+    with pytest.raises(jo.InputError, match="0.3 rad lies outside the limits -0.25 and 0.25"):
+        jo.robots.Mounted("r", robot, at={"lead": 0.3})
+    with pytest.raises(jo.InputError, match="outside the limits"):
+        mechanism(robot, at={"lead": 0.3})
+
+
+def test_whether_there_are_stops_and_losses_is_checked(tmp_path: Path) -> None:
+    robot = read(FOLLOWER, tmp_path)
+    bare = jo.robots.Mounted("r", robot, stops=np.bool_(False))
+    assert not [x for x in bare.items if isinstance(x, jo.mechanism.Stop)]
+    with pytest.raises(jo.InputError, match="losses is 'no', must be True or False"):
+        jo.robots.Mounted("r", robot, losses="no")  # type: ignore[arg-type]
+    with pytest.raises(jo.InputError, match="robot 'r'.*stops is 'yes', must be True, False or a"):
+        jo.robots.Mounted("r", robot, stops="yes")

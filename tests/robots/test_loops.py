@@ -328,3 +328,22 @@ def test_the_mechanism_of_a_robot_starts_there_too(tmp_path: Path) -> None:
     # sensors of the names of the joints read their coordinates
     for name, value in zip(tree.positions, found.q, strict=True):
         assert run[name.partition(".")[0]][0, 0] == pytest.approx(value, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["bar", "rod"])
+def test_angles_stay_within_half_a_turn_of_the_start(kind: str) -> None:
+    """Least squares may go round: 1.1 rad of the crank came out as -5.2 rad."""
+    tree = Tree(slider_crank(kind))
+    angles = [name.endswith(".angle") for name in tree.velocities]
+    for x in np.linspace(0.2, 0.34, 8):
+        found = inverse_kinematics(tree, "block", (x, 0, 0))
+        assert found.reached and found.gap < 1e-12, found
+        assert np.abs((found.q - tree.initial)[angles]).max() <= np.pi + 1e-12
+
+
+def test_a_pose_outside_the_limits_is_no_start() -> None:
+    machine = four_bar()
+    tree = Tree(machine, limits={"swing.angle": (-1.0, 1.0)})
+    place = tree.velocities.index("swing.angle")
+    with pytest.raises(jo.InputError, match="swing.angle is 2, outside its limits -1 and 1"):
+        posed(tree, compiled(machine), tree.moved(tree.initial, 2.0 * np.eye(tree.nv)[place]))

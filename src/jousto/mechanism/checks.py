@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -303,6 +304,31 @@ def check_joints(problems: Problems, mechanism: Members) -> None:
                 )
         else:
             check_gap(problems, joint, tolerance)
+
+
+BEGINS = 1e-3
+"""m or rad by which a drive of a robot may begin elsewhere."""
+
+
+def check_starts(problems: Problems, mechanism: Members) -> None:
+    """Note drives that begin elsewhere than the joint of a robot stands.
+
+    The start would be closed by moving all of the machine, and the robot not be where it shall.
+    """
+    carried = {id(item) for one in mechanism.assemblies for item in one.items}
+    for drive in mechanism.couplings:
+        if not isinstance(drive, Drive) or id(drive.coordinate.joint) not in carried:
+            continue
+        begins, stands = float(drive.signal(0.0)), drive.coordinate.initial
+        gap = begins - stands
+        if drive.coordinate.unit == "rad":
+            gap = math.remainder(gap, math.tau)
+        if abs(gap) > BEGINS:
+            problems.add(
+                where(drive),
+                f"begins at {begins:.6g} {drive.coordinate.unit}, but {drive.coordinate.name} "
+                f"stands at {stands:.6g}; let its signal begin there, or the joint start there",
+            )
 
 
 def check_drives(problems: Problems, mechanism: Members) -> None:

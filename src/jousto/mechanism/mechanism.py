@@ -117,6 +117,7 @@ class Mechanism(Members):
             problems.add(f"mechanism {self.name!r}", problem)
         checks.check_items(problems, self.items)
         checks.check_assemblies(problems, self)
+        checks.check_starts(problems, self)
         checks.check_names(problems, self)
         checks.check_members(problems, self)
         checks.check_events(problems, self)

@@ -96,10 +96,25 @@ def drawback(model: Model) -> str:
     """
     if all(link.kind == "free" for link in model.links):
         return "no joint leads to a body"
-    plan = loops_of(model)
-    if plan.loops and len(plan.meets) >= MEETINGS * len(model.bodies):
+    if _meet_often(model):
         return "its loops have many bodies in common"
     return ""
+
+
+def _meet_often(model: Model) -> bool:
+    """Return whether there are too many meetings, without listing them: they may be very many."""
+    links, most = model.links, MEETINGS * len(model.bodies)
+    of_body = {link.body: i for i, link in enumerate(links) if link.body >= 0}
+    passed, meetings = [0] * len(links), 0
+    for k in cut_joints(model, links):
+        for link in _path(model, links, of_body, k):
+            if not _moves(links[link]):
+                continue
+            passed[link] += 1
+            meetings += passed[link]  # with all that pass it, and with itself
+            if meetings >= most:
+                return True
+    return False
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:

@@ -71,7 +71,7 @@ def core_of(model: Model) -> str:
         return f"positions of {bodies}, {JOINT} for {carried} more on {where}"
     if model.links:
         rows = sum(model.joints[k].rows for k in cut_joints(model, model.links))
-        loops = f", {rows} rows close its loops" if rows else ""
+        loops = f", {rows} row{'s' * (rows > 1)} beside it" if rows else ""
         return f"{JOINT} ({model.nu} of a tree{loops})"
     try:
         reason = _drawback(_treed(model))
@@ -365,9 +365,10 @@ def _smooth_pieces(data: Array, count: int, degree: int) -> bool:
     powers = width ** np.arange(degree + 1)
     order = np.arange(degree + 1)
     end = (c * powers).sum(axis=1)
-    rate = (c[:, 1:] * order[1:] * powers[:, :-1]).sum(axis=1)
+    terms = c[:, 1:] * order[1:] * powers[:, :-1]
+    rate = terms.sum(axis=1)
     begin = c[:, 1] if degree else np.zeros(len(c))
     jumps = np.abs(end[:-1] - c[1:, 0])
     kinks = np.abs(np.concatenate([[begin[0]], begin[1:] - rate[:-1], [rate[-1]]]))
-    sizes = float(np.abs(c[:, 0]).max()) or 1.0, float(np.abs(rate).max(initial=0.0)) or 1.0
+    sizes = float(np.abs(c[:, 0]).max()) or 1.0, float(np.abs(terms).max(initial=0.0)) or 1.0
     return bool(jumps.max(initial=0.0) <= JUMP * sizes[0] and kinks.max() <= JUMP * sizes[1])

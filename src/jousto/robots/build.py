@@ -24,6 +24,7 @@ from jousto.mechanism.joints.hinges import Revolute
 from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.readings import CoordinateSensor
+from jousto.mechanism.signals.base import check_signal
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
 from jousto.robots.parts import OF_ROBOT
 from jousto.robots.stops import RESTITUTION, joint_forces, limits_of, moving
@@ -124,7 +125,8 @@ def mechanism(
     gravity : (3,) array_like, optional
         Acceleration of free fall, m/s2; None for that of the robot, (0, 0, -9.81) in most files.
     at : dict of str to float, optional
-        Where joints start, rad or m; elsewhere at zero, or at the limit that is nearest to it.
+        Where joints start, rad or m, by their names or those of their coordinates
+        (``elbow.angle``); elsewhere where a drive begins, at zero, or at the nearest limit.
     stops : bool or float
         Whether limits are stops; a number is their stiffness, N m/rad or N/m.
     restitution : float
@@ -148,13 +150,15 @@ def mechanism(
     """
     asked = {"at": at, "drives": drives, "efforts": efforts}
     given = {key: dict(value or {}) for key, value in asked.items()}
+    given["at"] = by_joint(given["at"])
     problems = Problems()
     check_joints(problems, robot, given, stops)
+    drives_of = {x: check_signal(problems, "drives", x, y) for x, y in given["drives"].items()}
     problems.raise_if_any()
-    seat, driven = Seat(ground["origin"]), set(given["drives"])
-    made = built(
-        robot, seat, at=given["at"], stops=(stops, restitution), losses=losses, driven=driven
-    )
+    seat = Seat(ground["origin"])
+    begins = {x: float(signal(0.0)) for x, signal in drives_of.items() if signal is not None}
+    start = given["at"] | begins
+    made = built(robot, seat, at=start, stops=(stops, restitution), losses=losses)
     items: list[Any] = [*made.items]
     s = made.coordinates
     items += (Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items())
@@ -170,7 +174,6 @@ def built(
     at: Mapping[str, float],
     stops: tuple[bool | float, float],
     losses: bool,
-    driven: set[str],
     prefix: str = "",
 ) -> Built:
     """Return the bodies, joints, forces and sensors of a robot on its seat.
@@ -181,9 +184,8 @@ def built(
         If a joint starts outside its limits, or what moves has no mass.
     """
     tree = Tree(robot)
-    poses = initial_poses(
-        robot, tree, starts(tree, at, {x.name: x.kind for x in robot.joints}, driven), seat
-    )
+    begun = starts(tree, at, {x.name: x.kind for x in robot.joints})
+    poses = initial_poses(robot, tree, begun, seat)
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
@@ -224,6 +226,25 @@ def wrong_joint(robot: Robot, name: str) -> str:
     return "" if kind in SINGLE else f"a {kind} joint has not one coordinate"
 
 
+def by_joint(given: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return values by joints, which may be named by their coordinates: ``elbow.angle``."""
+    ends = (".angle", ".displacement")
+    return {
+        next((x[: -len(end)] for end in ends if isinstance(x, str) and x.endswith(end)), x): value
+        for x, value in given.items()
+    }
+
+
+def ends_of(robot: Robot, joint: RobotJoint) -> tuple[float, float]:
+    """Return the limits of a joint, rad or m, those of the joints that follow it with them."""
+    tree = Tree(robot)
+    name = f"{joint.name}.{'angle' if joint.kind == 'revolute' else 'displacement'}"
+    if name not in tree.velocities:
+        return joint.lower, joint.upper
+    i = tree.velocities.index(name)
+    return float(tree.lower[i]), float(tree.upper[i])
+
+
 def wrong_start(robot: Robot, name: str, value: Any, stops: bool | float) -> str:
     """Return why a joint cannot start at a value, empty if it can."""
     joint = next(x for x in robot.joints if x.name == name)
@@ -237,10 +258,11 @@ def wrong_start(robot: Robot, name: str, value: Any, stops: bool | float) -> str
         return f"the joint follows {joint.mimic.joint!r}; say where that one starts"
     if turns and abs(x) > np.pi:
         return f"is {x:g} rad, must be within half a turn"
-    if stops is not False and not joint.lower <= x <= joint.upper:
+    lower, upper = ends_of(robot, joint)
+    if stops is not False and not lower <= x <= upper:
         return (
-            f"{x:g} {unit} lies outside the limits {joint.lower:g} and {joint.upper:g}; start "
-            "between them, or leave out the stops"
+            f"{x:g} {unit} lies outside the limits {lower:g} and {upper:g}; start between them, or "
+            "leave out the stops"
         )
     return ""
 
@@ -340,15 +362,13 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
     return found
 
 
-def starts(
-    tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str], driven: set[str]
-) -> dict[str, float]:
+def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dict[str, float]:
     """Return where joints start: where they shall, and else within their limits."""
     found = {name: float(x) for name, x in at.items()}
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         joint = name.rpartition(".")[0]
         near = float(np.clip(0.0, low, high))
-        if joint in driven or joint in found or near == 0.0:
+        if joint in found or near == 0.0:
             continue
         if kinds.get(joint) == "prismatic" or abs(near) < np.pi:
             found[joint] = near

@@ -18,6 +18,7 @@ from jousto.robots.tree import Tree
 
 SMALLEST, LARGEST = 1e-12, 1e8  # damping, in squares of the largest column
 SEED = 20
+UNWOUND = 1e-12  # of the size of the machine: a turn less leaves the place as it is
 STALLED = 1e-10  # gain of an iteration below which a start is given up
 WEIGHTS = 10.0, 100.0, 1000.0  # of the loops where the target is out of reach
 
@@ -82,7 +83,7 @@ def inverse_kinematics(
     start: ArrayLike | None = None,
     tolerance: float = 1e-8,
     angle_tolerance: float = 1e-8,
-    starts: int = 20,
+    starts: int = 50,
     iterations: int = 200,
 ) -> Reached:
     """Find coordinates with which a frame is at a position, has axes, or both.
@@ -113,7 +114,7 @@ def inverse_kinematics(
     tolerance, angle_tolerance : float
         How near it shall come, m and rad.
     starts : int
-        From how many places it is tried.
+        From how many places it is tried; where limits are narrow more of them find more.
     iterations : int
         For each of them.
 
@@ -149,6 +150,7 @@ def inverse_kinematics(
         best = min(best, found, key=target.rank)
     if tree.cut and not search.there(best, ALL):
         best = min(best, search.nearest(best), key=target.rank)
+    best = search.unwound(best, q)
     distance, angle = target.off(best)
     stuck = target.at_limit(best)
     names = [name for name, there in zip(tree.velocities, stuck, strict=True) if there]
@@ -280,6 +282,20 @@ class _Search:
         for weight in WEIGHTS:
             q = self.descend(q, _Aim(True, weight))
         return self.descend(q, LOOPS)
+
+    def unwound(self, q: Array, start: Array) -> Array:
+        """Return the same place with the angles within half a turn of the start, where they may."""
+        for i, place in self.target.index.items():
+            turns = np.round((q[place] - start[place]) / (2.0 * np.pi))
+            if self.tree.lengths[i] or not turns:
+                continue
+            new = np.array(q)
+            new[place] -= 2.0 * np.pi * turns
+            inside = self.tree.lower[i] <= new[place] <= self.tree.upper[i]
+            as_near = self.target.size(new) <= self.target.size(q) + UNWOUND * self.target.length
+            if inside and as_near and self.there(new, LOOPS) == self.there(q, LOOPS):
+                q = new
+        return q
 
     def there(self, q: Array, aim: _Aim) -> bool:
         """Return whether it is near enough."""

@@ -8,16 +8,16 @@ from os import PathLike
 from typing import Any
 
 from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
-from jousto.base.fields import AnyField, Field, Name, OptionalText, field, kept
+from jousto.base.fields import AnyField, Field, Flag, Name, OptionalText, field, kept
 from jousto.base.frozen import Frozen
-from jousto.base.numbers import Number, Vector
+from jousto.base.numbers import Number, Vector, number
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.bodies.posed import ZERO3, Orientation
 from jousto.mechanism.joints.base import Joint
-from jousto.robots.build import Seat, built, check_joints
+from jousto.robots.build import Seat, built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.files import read_robot
 from jousto.robots.stops import RESTITUTION
@@ -62,6 +62,25 @@ class Prefix(OptionalText):
     """What names begin with, which may be nothing, or None."""
 
     form = "prefix"
+
+
+class Stops(AnyField):
+    """Whether there are stops, or their stiffness."""
+
+    def check(self, problems: Problems, where: str, value: Any) -> Any:
+        """Return True, False or the stiffness."""
+        if type(value).__name__ in ("bool", "bool_"):
+            return bool(value)
+        wrong = Problems()
+        x = number(wrong, where, self.name, value)
+        if x is None or x <= 0.0:
+            problems.add(
+                where,
+                f"{self.name} is {value!r}, must be True, False or a positive stiffness in N/m or "
+                "N m/rad",
+            )
+            return None
+        return float(x)
 
 
 class Mounted(Assembly, section="robots"):
@@ -110,7 +129,7 @@ class Mounted(Assembly, section="robots"):
         default=None,
         kw_only=True,
     )
-    stops: AnyField = field(
+    stops: Stops = field(
         "Whether the limits of the joints are stops; in Python also their stiffness, N m/rad or "
         "N/m",
         form="flag",
@@ -126,10 +145,8 @@ class Mounted(Assembly, section="robots"):
         default=RESTITUTION,
         kw_only=True,
     )
-    losses: AnyField = field(
+    losses: Flag = field(
         "Whether damping, dry friction and springs of the file count",
-        form="flag",
-        noun="bool",
         default=True,
         kw_only=True,
     )
@@ -156,6 +173,7 @@ class Mounted(Assembly, section="robots"):
             problems.add(where, f"at is {given!r}, must be a mapping of names of joints to numbers")
         else:
             wrong = Problems()
+            given = by_joint(given)
             check_joints(wrong, robot, {"at": given}, self.stops)
             for one in wrong.found:
                 problems.add(where, f"{one.where}: {one.message}")
@@ -173,7 +191,6 @@ class Mounted(Assembly, section="robots"):
                 at={f"{prefix}{name}": x for name, x in given.items()},
                 stops=(self.stops, self.restitution),
                 losses=self.losses,
-                driven=set(),
                 prefix=prefix,
             )
         except InputError as error:

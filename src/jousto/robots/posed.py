@@ -41,7 +41,8 @@ def posed(tree: Tree, model: Model, q: ArrayLike) -> State:
     Raises
     ------
     InputError
-        If a joint is open or a drive asks for another position, or the model is of other bodies.
+        If a joint is open or beyond its limits, a drive asks for another position, or the model is
+        of other bodies.
 
     Examples
     --------
@@ -49,6 +50,7 @@ def posed(tree: Tree, model: Model, q: ArrayLike) -> State:
     ``jo.simulate(model, 2.0, state=jo.robots.posed(tree, model, found.q))``
     """
     _check_kinds(tree, model)
+    _check_limits(tree, q)
     poses = tree.forward_kinematics(q)
     # the base of a robot is no body of its mechanism
     missing = [body.name for body in model.bodies if body.name not in poses]
@@ -75,6 +77,16 @@ def _check_kinds(tree: Any, model: Any) -> None:
         problems.add("posed", f"tree is {tree!r}, must be a Tree")
     if not isinstance(model, Model):
         problems.add("posed", f"model is {model!r}, must be a Model from compile")
+    problems.raise_if_any()
+
+
+def _check_limits(tree: Tree, q: ArrayLike) -> None:
+    """Refuse positions outside limits: stops would throw the machine back."""
+    problems, values = Problems(), dict(zip(tree.positions, np.ravel(np.asarray(q)), strict=False))
+    for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
+        x = values.get(name, low)
+        if not low - FITS <= x <= high + FITS:
+            problems.add("posed", f"{name} is {x:g}, outside its limits {low:g} and {high:g}")
     problems.raise_if_any()
 
 

@@ -79,10 +79,11 @@ def limits_of(
     InputError
         If the stiffness is not a positive number, or the restitution not between 0 and 1.
     """
-    if stops is False:
+    if isinstance(stops, bool | np.bool_) and not stops:
         return {}
     problems = Problems()
-    if stops is not True:
+    whether = isinstance(stops, bool | np.bool_)
+    if not whether:
         problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
     e = number(problems, "mechanism", "restitution", restitution)
     if e is not None and not 0.0 <= e <= 1.0:
@@ -100,7 +101,7 @@ def limits_of(
         k = max(k, joint.effort / YIELD[unit]) if np.isfinite(joint.effort) else k
         fast = joint.velocity if np.isfinite(joint.velocity) else 0.0
         speed = max(SLOW[unit], fast / QUICK)
-        found[name] = Limits(*ends, k if stops is True else float(stops), float(restitution), speed)
+        found[name] = Limits(*ends, k if whether else float(stops), float(restitution), speed)
     return found
 
 

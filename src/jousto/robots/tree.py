@@ -207,6 +207,9 @@ class Tree:
             except (TypeError, ValueError):
                 problems.add(where, f"is {given!r}, must be a lower and an upper limit")
                 continue
+            if np.isnan(low) or np.isnan(high):
+                problems.add(where, f"is {given!r}, must be numbers; infinite ones are no limits")
+                continue
             if not low <= high:
                 problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}")
                 continue

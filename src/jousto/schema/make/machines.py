@@ -12,7 +12,7 @@ from jousto.base.errors import Problem, UnknownNameError
 from jousto.mechanism.bodies.body import FlexibleBody, ground
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.sensors.base import Sensor
-from jousto.robots.build import SINGLE, wrong_joint, wrong_start
+from jousto.robots.build import SINGLE, by_joint, wrong_joint, wrong_start
 from jousto.robots.files import read_robot
 from jousto.robots.mounted import Mounted
 from jousto.schema.make.amounts import build_amount
@@ -173,8 +173,8 @@ def starts(place: Place, given: Mapping[str, Any]) -> Any:
         return None
     kinds = {joint.name: joint.kind for joint in made.joints}
     found: dict[str, float] = {}
-    for name, value in given.items():
-        here = place.at(name)
+    for key, value in given.items():
+        here, (name,) = place.at(key), by_joint({key: value})
         said, x = wrong_joint(made, name), None
         if not said:
             unit = "rad" if kinds[name] == SINGLE[0] else "m"
