@@ -216,11 +216,26 @@ def test_run_with_output_and_end_time(model, tmp_path):
     assert not model.with_suffix(".h5").exists()
 
 
+def test_run_with_another_step(model):
+    assert jousto("run", "-q", model, "--step", "0.5 ms").code == 0
+    solver = jo.load(model.with_suffix(".h5")).attributes["solver"]
+    assert solver.startswith("ROS2(step=0.0005")
+    replace(model, ", solver: {type: ROS2, step: 1e-3}", "")
+    assert jousto("run", "-q", model, "--step", "2 ms").code == 0
+    assert jo.load(model.with_suffix(".h5")).attributes["step"] == 2e-3
+    replace(model, "t_end: 0.2 s", "t_end: 0.2 s, solver: {type: DormandPrince, tolerance: 1e-6}")
+    found = jousto("run", "-q", model, "--step", "2 ms")
+    assert found.code == 2
+    assert "--step: DormandPrince chooses its steps itself; give --tolerance" in found.err
+
+
 @pytest.mark.parametrize(
     ("args", "sentence"),
     [
         (("--t-end", "3 m"), "--t-end: expects a time (s), got 3 m (a length)"),
         (("--t-end", "0"), "--t-end: is 0 s, must be positive"),
+        (("--step", "-1 ms"), "--step: is -0.001 s, must be positive"),
+        (("--step", "1 ms", "--tolerance", "1e-6"), "--step: --tolerance chooses the steps"),
         (("-o", "{folder}/pendulum.yaml"), "is the input, it would be overwritten; give -o FILE"),
         (("-o", "{folder}"), "is a folder, must be a file"),
         (("-o", "{folder}/no/x.h5"), "there is no folder"),

@@ -9,6 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.running.simulate import describe
+from jousto.simulation.solvers.blows import shortest_blow
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.growth import excess
 
@@ -128,3 +129,32 @@ def test_print_says_which_method_and_why(tmp_path):
         assert run.energy.verdict in text
     own = str(jo.simulate(model, 0.002, solver=jo.GeneralizedAlpha(1e-3)))
     assert "solver GeneralizedAlpha(step=0.001" in own and "since" not in own
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+@pytest.mark.parametrize(("frequency", "step"), [(10.0, 1e-3), (50.0, 5e-4), (300.0, 1e-4)])
+def test_a_blow_on_a_stop_gets_twenty_steps(frequency: float, step: float, core: str):
+    """It lasts half a period of the mass on the stop's spring, here 50, 10 and 1.7 ms."""
+    door = jo.RigidBody("door", 2.0, (0.5, 0.5, 0.5))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], door["origin"], axis=(0, 0, 1))
+    k = 0.5 * (2.0 * np.pi * frequency) ** 2
+    stop = jo.mechanism.Stop("stop", hinge.angle, upper=1.0, stiffness=k)
+    model = jo.compile(jo.Mechanism(door, hinge, stop), core=core)
+    # derivatives by complex numbers are exact to round-off
+    assert shortest_blow(model) == pytest.approx(0.5 / frequency, rel=1e-9)
+    solver, reason = choose(model, 1.0, None)
+    assert isinstance(solver, jo.ROS2)
+    assert solver.step == step
+    assert ("blows on its stops" in reason) == (step < 1e-3)
+
+
+def test_a_stop_takes_no_more_than_there_is():
+    """A rod falls from the horizontal onto a stop; with 1 ms the balance misses 4 %."""
+    rod = jo.RigidBody("rod", 2.0, (0.01, 0.1, 0.1), center=(0.5, 0, 0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], rod["origin"], axis=(0, 0, 1))
+    k = 0.6 * (2.0 * np.pi * 50.0) ** 2
+    stop = jo.mechanism.Stop("stop", hinge.angle, lower=-1.0, stiffness=k)
+    run = jo.simulate(jo.compile(jo.Mechanism(rod, hinge, stop, jo.Gravity(G))), 1.5)
+    there = 2.0 * 9.81 * 0.5 * np.sin(1.0)
+    assert 0.7 * there < run.energy.dissipated[-1] < 1.02 * there
+    assert np.abs(run.energy.error).max() < 0.02 * there

@@ -6,7 +6,7 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,7 @@ from jousto.cli.parts import describe_content, describe_part
 from jousto.cli.terminal import facts, plain, progress_bar, say
 
 if TYPE_CHECKING:
+    from jousto.model.model import Model as CompiledModel
     from jousto.schema.read import ModelFile
     from jousto.simulation.results.solution import Solution
 
@@ -36,6 +37,10 @@ def run(
         float | None,
         typer.Option(metavar="SHARE", help="Choose the steps by their error, such as 1e-6."),
     ] = None,
+    step: Annotated[
+        str | None,
+        typer.Option("--step", metavar="TIME", help="Step of the solver such as '0.2 ms'."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no summary.")] = False,
     rigid: Annotated[bool, typer.Option("--rigid", help="Make flexible bodies rigid.")] = False,
     core: Core = None,
@@ -46,7 +51,9 @@ def run(
     from jousto.schema.targets import RESULTS, output_path
 
     target = output_path(output, model, ".h5", kind=RESULTS)
-    end = amount(t_end, "s", "--t-end")
+    end, width = amount(t_end, "s", "--t-end"), amount(step, "s", "--step")
+    if width is not None and tolerance is not None:
+        raise InputError(Problem("--step", "--tolerance chooses the steps; leave one of them out"))
     bar = sys.stderr.isatty() and not quiet
     file = read_model(model, rigid=rigid, trust=trust, progress=bar)
     settings = file.simulation
@@ -59,9 +66,12 @@ def run(
         solver = given.get("solver")
         chosen = solver if isinstance(solver, DormandPrince) else DormandPrince()
         given["solver"] = replace(chosen, tolerance=tolerance)
+    until = end or end_time(file, model)
+    if width is not None:
+        given["solver"] = stepping(compiled, until, given, width)
     solution = simulate(
         compiled,
-        end or end_time(file, model),
+        until,
         path=target,
         progress=not quiet and sys.stderr.isatty(),
         model_text=file.text,
@@ -71,6 +81,18 @@ def run(
         facts([(name, plain(value)) for name, value in describe(solution).items()])
         tell_events(solution)
         say(f"results in {target}", style="green")
+
+
+def stepping(model: CompiledModel, t_end: float, given: dict[str, Any], step: float) -> Any:
+    """Return the solver of a run, that of its file or the one that suits it, with a step."""
+    from jousto.simulation.solvers.adaptive import DormandPrince
+    from jousto.simulation.solvers.choice import choose
+
+    solver: Any = given.get("solver") or choose(model, t_end, given.get("output_step"), 0.0)[0]
+    if isinstance(solver, DormandPrince):
+        sentence = "DormandPrince chooses its steps itself; give --tolerance"
+        raise InputError(Problem("--step", sentence))
+    return replace(solver, step=step)
 
 
 @command()

@@ -100,7 +100,8 @@ def simulate(
         End of the run, s.
     solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
         Method and step. None chooses: ``ROS2(step=1e-3)``, with a shorter step for steep friction
-        and dampers; ``GeneralizedAlpha(step=1e-3)`` for exact beams and what is too stiff.
+        and dampers and for blows on stops; ``GeneralizedAlpha(step=1e-3)`` for exact beams and what
+        is too stiff.
         ``run.attributes["solver"]`` and ``["chosen"]`` name it and the reason. A fixed
         step is shortened, never lengthened, so that outputs and the end fall on steps.
     output_step : float, optional

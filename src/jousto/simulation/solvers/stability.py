@@ -156,7 +156,7 @@ def friction_warning(model: Model, solver: Solver, step: float) -> str:
     smooth = tuple(friction for friction in model.frictions if not friction.sticks)
     if not smooth or 2 * model.nv > DENSE:
         return ""
-    rates = _braking(replace(model, frictions=smooth), replace(model, frictions=()))
+    rates = braking(replace(model, frictions=smooth), replace(model, frictions=()))
     limit = _longest(solver, step, rates)
     if limit == step:
         return ""
@@ -185,7 +185,7 @@ def damper_warning(model: Model, solver: Solver, step: float) -> str:
         named("jo_along_data", data).damping[...] += _steepest(model, model.forces[i].damper)
         without[i], with_[i] = bare, replace(bare, data=data)
     quiet = replace(model, forces=tuple(without), frictions=())
-    rates = _braking(replace(quiet, forces=tuple(with_)), quiet)
+    rates = braking(replace(quiet, forces=tuple(with_)), quiet)
     limit = _longest(solver, step, rates)
     if limit == step:
         return ""
@@ -207,8 +207,14 @@ def _steepest(model: Model, signal: int) -> float:
     return max(0.0, -float((np.diff(values) / np.diff(times)).min(initial=0.0)))
 
 
-def _braking(one: Model, other: Model) -> Eigenvalues:
-    """Return the rates by which two models differ in ``da/dv`` at the initial position, at rest."""
+def braking(one: Model, other: Model) -> Eigenvalues:
+    """Return the rates by which two models differ in ``da/dv`` at the initial position, at rest.
+
+    Parameters
+    ----------
+    one, other : Model
+        Of the same bodies.
+    """
     slopes = []
     for model in (one, other):
         engine = Engine(model, complex_scalars=True)
