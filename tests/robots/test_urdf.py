@@ -284,3 +284,18 @@ def test_a_child_that_is_misspelt_is_told_once(links: int, write: Write) -> None
     assert "child: no link 'bb'" in str(error.value)
     assert ("links have no parent" in str(error.value)) == (links > 1)
     assert len([x for x in error.value.problems if "no link" in x.message]) == 1
+
+
+def test_misspelt_attributes_and_degrees_are_told(write: Write) -> None:
+    inner = (
+        '<origin xyz="0 0 1" rpy="0 90 0"/><dynamics dampening="0.5" vendor:heat="1"/>'
+        '<limit min="-1" max="1" velocity="2" effort="3"/>'
+    )
+    text = f'<robot name="r" xmlns:vendor="http://x">{LINKS}{HINGE.format(inner)}</robot>'
+    with pytest.warns(jo.JoustoWarning) as said:
+        read_urdf(write(text, whole=True))
+    told = "\n".join(str(one.message) for one in said)
+    assert "dynamics: 'dampening' is not read; did you mean 'damping'?" in told
+    assert "limit: 'min' is not read" in told and "limit: 'max' is not read" in told
+    assert "rpy is '0 90 0'; are these degrees?" in told
+    assert "heat" not in told and len(said) == 4

@@ -11,6 +11,7 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
+from jousto.base.errors import suggest
 from jousto.robots import checks
 from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.markup import Element, Reading, parse_file
@@ -24,6 +25,22 @@ TYPES = {
     "floating": "floating",
     "planar": "planar",
 }
+ATTRIBUTES = {
+    "origin": ("xyz", "rpy"),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "axis": ("xyz",),
+    "parent": ("link",),
+    "child": ("link",),
+    "limit": ("lower", "upper", "effort", "velocity"),
+    "dynamics": ("damping", "friction", "armature"),
+    "mimic": ("joint", "multiplier", "offset"),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "sphere": ("radius",),
+}
+"""What is read of the elements whose attributes are mechanics."""
 # what says nothing of mechanics
 QUIET = {"material", "gazebo", "collision", "safety_controller", "calibration", "sensor"}
 
@@ -82,6 +99,7 @@ def read_urdf(
         hint = "; run xacro first" if "xacro" in root.tag else ""
         reading.add(root, f"a URDF file begins with <robot>, not <{root.tag}>{hint}")
         reading.finish()
+    check_attributes(reading, root)
     folders = Folders(path, packages)
     links = [read_link(reading, folders, element) for element in root.all("link")]
     joints = [read_joint(reading, element) for element in root.all("joint")]
@@ -96,6 +114,17 @@ def read_urdf(
     return checks.robot(
         reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
     )
+
+
+def check_attributes(reading: Reading, element: Element) -> None:
+    """Note attributes that nobody reads, below an element; those of other programs have a colon."""
+    for child in element.children:
+        known = ATTRIBUTES.get(child.tag, tuple(child.given))
+        for name in child.given:
+            if name not in known and ":" not in name:
+                reading.note(child, f"{name!r} is not read{suggest(name, known)}")
+        if child.tag in ("link", "joint", "inertial", "visual", "geometry"):
+            check_attributes(reading, child)
 
 
 def read_link(reading: Reading, folders: Folders, element: Element) -> Link:
@@ -145,10 +174,12 @@ def read_origin(reading: Reading, element: Element) -> Frame:
     origin = element.first("origin")
     if origin is None:
         return Frame()
-    return Frame(
-        reading.vector(origin, "xyz", (0.0, 0.0, 0.0)),
-        roll_pitch_yaw(reading.vector(origin, "rpy", (0.0, 0.0, 0.0))),
-    )
+    angles = reading.vector(origin, "rpy", (0.0, 0.0, 0.0))
+    if np.abs(angles).max() > 2.0 * np.pi:
+        reading.note(
+            origin, f"rpy is {origin.given['rpy']!r}; are these degrees? They are read as rad"
+        )
+    return Frame(reading.vector(origin, "xyz", (0.0, 0.0, 0.0)), roll_pitch_yaw(angles))
 
 
 def roll_pitch_yaw(angles: Array) -> Array:
