@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import jousto as jo
 from jousto.robots import Mounted, Tree, read_urdf
-from robots.machines import CREATURE, SCARA
+from robots.machines import ARM, CREATURE, SCARA
 
 M, L, J = 2.0, 0.4, 0.05  # of the pendulum: mass, distance of its centre, inertia about it
 PENDULUM = f"""<robot name="r"><link name="base"/><link name="rod">
@@ -223,3 +223,15 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
         "robot 'b': the names of its bodies and joints begin with 'a_', as those of robot 'a'; "
         "give it another prefix"
     )
+
+
+def test_a_tree_of_the_machine_knows_the_frames_of_the_robot(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM, encoding="utf-8")
+    alone = jo.robots.Tree(jo.robots.read_urdf(path))
+    rig = jo.robots.Mounted("rig", path)
+    tree = jo.robots.Tree(jo.Mechanism(rig, jo.Gravity((0, 0, -9.81))))
+    q = 0.3 * np.arange(1, 7)
+    here, there = tree.pose("rig_tcp", q), alone.pose("tcp", q)
+    np.testing.assert_allclose(here.r, there.r, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(here.A, there.A, rtol=0, atol=1e-14)

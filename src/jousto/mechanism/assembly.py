@@ -7,6 +7,7 @@ from typing import Any
 
 from jousto.base.declare import Declared
 from jousto.base.fields import kept
+from jousto.mechanism.bodies.marker import Marker
 
 
 class Assembly(Declared):
@@ -22,6 +23,11 @@ class Assembly(Declared):
 
     prefix: str
     items: tuple[Any, ...] = kept()
+
+    @property
+    def named(self) -> dict[str, Marker]:
+        """Markers by names that begin with the prefix."""
+        return {}
 
 
 def unpacked(items: Sequence[Any]) -> Iterator[Any]:

@@ -211,6 +211,11 @@ class Mounted(Assembly, section="robots"):
         named = [name for link in self.robot.links for name in (link.name, *link.frames)]
         return tuple(dict.fromkeys(named))
 
+    @property
+    def named(self) -> dict[str, Marker]:
+        """Links and named frames with the axes of the file, by their names with the prefix."""
+        return {f"{self.prefix}{name}": self[name] for name in self.frames}
+
     def __getitem__(self, name: str) -> Marker:
         """Return the marker of a link or a named frame, with the axes of the file.
 

@@ -153,6 +153,8 @@ def of_mechanism(mechanism: Mechanism) -> Parts:
         bodies.append(Carried(body.name, mass, center, inertia, Frame(r, A)))
     problems.raise_if_any()
     look = _Look(numbers)
+    for one in mechanism.assemblies:
+        frames = {name: look.place(marker) for name, marker in one.named.items()} | frames
     kinds = [next((kind for kind in MOVES if isinstance(j, kind)), None) for j in mechanism.joints]
     known = [k for k, kind in enumerate(kinds) if kind is not None]
     edges = [(*look.ends(mechanism.joints[k]), mechanism.joints[k].rows) for k in known]
