@@ -10,7 +10,10 @@
 /* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
 static int closed(const jo_model *m, jo_data *d)
 {
-    if (d->tree.on) return jo_tree_close(m, d);
+    if (d->tree.on) {
+        jo_tree_drives(m, d);   /* interpolated they are off by the error of the method */
+        return jo_tree_close(m, d);
+    }
     jo_project(m, d, &jo_now);
     return jo_most(jo_joint_residual(m, d)) <= 1e-12 * m->size && jo_most(jo_joint_residual_rate(m, d)) <= 1e-10 * m->size;
 }
@@ -28,9 +31,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     d->time[0] = t;
     d->fresh = d->current = 0;
     int status = JO_OK;
-    if (s->projection && m->njoint && !closed(m, d)) {   /* with factors of its own */
-        jo_interpolate(m, d, (t - d->control.from) / d->control.length);
-        d->fresh = d->current = 0;
+    if (s->projection && m->njoint && !closed(m, d)) {
         status = jo_accelerations(m, d);
         if (status == JO_OK) closed(m, d);
     }
