@@ -101,13 +101,14 @@ def run_console(text: str, where: str) -> None:
 @pytest.mark.parametrize("page", [page for page in PAGES if page != OWN])
 def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    before = {name: set(section) for name, section in SECTIONS.items()}
     try:
         run_page(page)
-    finally:
-        for section in SECTIONS.values():  # what the page declares goes with it
-            own = {w for w, kind in section.items() if not kind.__module__.startswith("jousto.")}
-            for word in own:
-                del section[word]
+    finally:  # what the page declares goes with it
+        for name, section in SECTIONS.items():
+            for word in set(section) - before.get(name, set()):
+                if not section[word].__module__.startswith("jousto."):
+                    del section[word]
 
 
 def run_page(page: str) -> None:
