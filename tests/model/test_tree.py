@@ -178,19 +178,23 @@ def test_a_run_continues_to_the_last_digit(solver: Any) -> None:
     np.testing.assert_array_equal(rest.v[-1], whole.v[-1])
 
 
-def test_a_rewound_engine_runs_the_same_again() -> None:
-    model = jo.compile(tree(6), core="joint")
+def assert_rewinds(model: Any, method: str) -> None:
+    """Three steps are the same again after the engine has gone back."""
     engine = Engine(model)
-    solver = engine.native_solver("rk4", 1e-3, True)
+    solver = engine.native_solver(method, 1e-3, True)
     engine.step(solver)
     rewind = engine.mark()
-    for _ in range(3):
-        engine.step(solver)
-    q = engine.q.copy()
-    rewind()
-    for _ in range(3):
-        engine.step(solver)
-    np.testing.assert_array_equal(engine.q, q)
+    found = []
+    for _ in range(2):
+        for _ in range(3):
+            engine.step(solver)
+        found.append(engine.q.copy())
+        rewind()
+    np.testing.assert_array_equal(*found)
+
+
+def test_a_rewound_engine_runs_the_same_again() -> None:
+    assert_rewinds(jo.compile(tree(6), core="joint"), "rk4")
 
 
 def released() -> Any:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import jousto as jo
 from jousto.model.loop import loops_of
 from jousto.model.native.native import Engine
-from model.test_tree import compared, joint, marker, moved, tree
+from model.test_tree import assert_rewinds, compared, joint, marker, moved, tree
 
 Array = NDArray[np.float64]
 Z = (0.0, 0.0, 1.0)
@@ -295,17 +295,7 @@ def test_a_run_continues_to_the_last_digit() -> None:
 
 
 def test_a_rewound_engine_runs_the_same_again() -> None:
-    engine = Engine(jo.compile(slider_crank(), core="joint"))
-    solver = engine.native_solver("rk4", 1e-3, True)
-    engine.step(solver)
-    rewind = engine.mark()
-    found = []
-    for _ in range(2):
-        for _ in range(3):
-            engine.step(solver)
-        found.append(engine.q.copy())
-        rewind()
-    np.testing.assert_array_equal(*found)
+    assert_rewinds(jo.compile(slider_crank(), core="joint"), "rk4")
 
 
 def test_an_event_is_located() -> None:

@@ -10,7 +10,16 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.native import Engine
-from model.test_tree import KINDS, compared, coordinates, final, joint, marker, moved
+from model.test_tree import (
+    KINDS,
+    assert_rewinds,
+    compared,
+    coordinates,
+    final,
+    joint,
+    marker,
+    moved,
+)
 from verification.mechanisms import rod
 
 Z = (0.0, 0.0, 1.0)
@@ -196,17 +205,7 @@ def test_a_state_of_the_other_core_starts_a_run(tmp_path: Path) -> None:
 
 
 def test_a_rewound_engine_runs_the_same_again() -> None:
-    engine = Engine(jo.compile(machine(0, count=3), core="joint"))
-    solver = engine.native_solver("ros2", 1e-3, True)
-    engine.step(solver)
-    rewind = engine.mark()
-    for _ in range(3):
-        engine.step(solver)
-    q = engine.q.copy()
-    rewind()
-    for _ in range(3):
-        engine.step(solver)
-    np.testing.assert_array_equal(engine.q, q)
+    assert_rewinds(jo.compile(machine(0, count=3), core="joint"), "ros2")
 
 
 @pytest.mark.parametrize(

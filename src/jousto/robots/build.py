@@ -207,11 +207,12 @@ def check_joints(
     problems: Problems, robot: Robot, given: Mapping[str, Mapping[str, Any]], stops: bool | float
 ) -> None:
     """Note joints that are not there or have not one coordinate, and starts that cannot be."""
+    ends = ends_of(robot, stops) if given.get("at") else {}
     for key, named in given.items():
         for name, value in named.items():
             said = wrong_joint(robot, name)
             if not said and key == "at":
-                said = wrong_start(robot, name, value, stops)
+                said = wrong_start(robot, name, value, ends)
             if said:
                 problems.add(f"{key}[{name!r}]", said)
 
@@ -235,18 +236,22 @@ def by_joint(given: Mapping[Any, Any]) -> dict[Any, Any]:
     }
 
 
-def ends_of(robot: Robot, joint: RobotJoint) -> tuple[float, float]:
-    """Return the limits of a joint, rad or m, those of the joints that follow it with them."""
+def ends_of(robot: Robot, stops: bool | float) -> dict[str, tuple[float, float]]:
+    """Return the limits of joints, rad or m, those of the joints that follow them with them.
+
+    Empty without stops: then joints may start anywhere.
+    """
+    if stops is False:
+        return {}
     tree = Tree(robot)
-    name = f"{joint.name}.{'angle' if joint.kind == 'revolute' else 'displacement'}"
-    if name not in tree.velocities:
-        return joint.lower, joint.upper
-    i = tree.velocities.index(name)
-    return float(tree.lower[i]), float(tree.upper[i])
+    limits = zip(tree.velocities, tree.lower, tree.upper, strict=True)
+    return {name.rpartition(".")[0]: (float(low), float(high)) for name, low, high in limits}
 
 
-def wrong_start(robot: Robot, name: str, value: Any, stops: bool | float) -> str:
-    """Return why a joint cannot start at a value, empty if it can."""
+def wrong_start(
+    robot: Robot, name: str, value: Any, ends: Mapping[str, tuple[float, float]]
+) -> str:
+    """Return why a joint cannot start at a value, empty if it can; `ends` are its limits."""
     joint = next(x for x in robot.joints if x.name == name)
     problems = Problems()
     x = number(problems, "", "it", value)
@@ -258,8 +263,8 @@ def wrong_start(robot: Robot, name: str, value: Any, stops: bool | float) -> str
         return f"the joint follows {joint.mimic.joint!r}; say where that one starts"
     if turns and abs(x) > np.pi:
         return f"is {x:g} rad, must be within half a turn"
-    lower, upper = ends_of(robot, joint)
-    if stops is not False and not lower <= x <= upper:
+    lower, upper = ends.get(name, (-np.inf, np.inf))
+    if not lower <= x <= upper:
         return (
             f"{x:g} {unit} lies outside the limits {lower:g} and {upper:g}; start between them, or "
             "leave out the stops"

@@ -12,7 +12,7 @@ from jousto.base.errors import Problem, UnknownNameError
 from jousto.mechanism.bodies.body import FlexibleBody, ground
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.sensors.base import Sensor
-from jousto.robots.build import SINGLE, by_joint, wrong_joint, wrong_start
+from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
 from jousto.robots.files import read_robot
 from jousto.robots.mounted import Mounted
 from jousto.schema.make.amounts import build_amount
@@ -172,6 +172,7 @@ def starts(place: Place, given: Mapping[str, Any]) -> Any:
     if made is None:
         return None
     kinds = {joint.name: joint.kind for joint in made.joints}
+    ends = ends_of(made, stops)
     found: dict[str, float] = {}
     for key, value in given.items():
         here, (name,) = place.at(key), by_joint({key: value})
@@ -179,7 +180,7 @@ def starts(place: Place, given: Mapping[str, Any]) -> Any:
         if not said:
             unit = "rad" if kinds[name] == SINGLE[0] else "m"
             x = build_amount(here.builder, here.loc, value, unit)
-            said = "" if x is None else wrong_start(made, name, x, stops)
+            said = "" if x is None else wrong_start(made, name, x, ends)
         if said:
             here.builder.note(here.loc, said)
         elif x is not None:
