@@ -97,8 +97,12 @@ def test_a_section_plane_cuts_what_lies_on_its_side(shown: Any) -> None:
     after = [shown.evaluate("([x, y]) => window.jousto.app.view.pick(x, y)", e[:2]) for e in ends]
     assert after[0]["body"] == 0  # x below the plane stays
     assert after[1] is None or after[1]["body"] != 0
-    shown.evaluate(STORE, {"clip": {"on": True, "normal": [-1, 0, 0], "offset": 0}})
-    after = [shown.evaluate("([x, y]) => window.jousto.app.view.pick(x, y)", e[:2]) for e in ends]
+    # at once, without a picture between
+    after = shown.evaluate(
+        """([clip, ends]) => { window.jousto.app.store.set({clip});
+            return ends.map(([x, y]) => window.jousto.app.view.pick(x, y)); }""",
+        [{"on": True, "normal": [-1, 0, 0], "offset": 0}, ends],
+    )
     assert after[0] is None or after[0]["body"] != 0
     assert after[1]["body"] == 0
 

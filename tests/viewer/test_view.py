@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 import jousto as jo
 from jousto.base.errors import InputError, MissingFileError
 from jousto.cli.group import app
+from jousto.cli.terminal import until_ctrl_c
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.recorder import Recorder
 from jousto.viewer import bundle
@@ -317,3 +318,25 @@ def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
         _, said = process.communicate(timeout=120)
     assert process.returncode == 0
     assert said == "Ctrl-C ends it\n"
+
+
+class Interrupted:
+    """A page at whose opening Ctrl-C is pressed."""
+
+    address, ended = "here", False
+
+    def open(self) -> bool:
+        raise KeyboardInterrupt
+
+    def wait(self) -> None:
+        raise AssertionError("was interrupted before")
+
+    def close(self) -> None:
+        self.ended = True
+
+
+def test_ctrl_c_ends_the_command_once_the_address_is_out(capsys: pytest.CaptureFixture) -> None:
+    page = Interrupted()
+    until_ctrl_c(page, opens=True)
+    assert page.ended
+    assert capsys.readouterr() == ("here\n", "Ctrl-C ends it\n")

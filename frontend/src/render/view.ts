@@ -292,6 +292,8 @@ export class View {
 
   pick(px: number, py: number): Hit | null {
     if (!this.counters.frames) this.drawNow();
+    // what was hidden or cut since the last picture is not found
+    if (this.looksChanged) this.applyLooks(this.store.state);
     const objects = this.machines.flatMap((machine) => machine.picks());
     const found = this.picker.find(objects, this.rig.camera, px, py, this.rig.width, this.rig.height);
     if (!found) return null;

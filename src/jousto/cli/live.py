@@ -10,7 +10,7 @@ import typer
 from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.options import Model, Trust, amount
-from jousto.cli.terminal import facts, say
+from jousto.cli.terminal import facts, say, until_ctrl_c
 
 if TYPE_CHECKING:
     from jousto.simulation.live.runner import Glance
@@ -89,15 +89,10 @@ def live(
     )
     if machine.runner.refused:
         say(f"not as urgent as asked: {machine.runner.refused}", error=True, style="yellow")
-    # the address stands alone on its line, so that it can be copied and read by programs
-    say(machine.address)
     link = machine.runner.link
     if link is not None:
         say(f"frames on 127.0.0.1:{link.port}", error=True)
-    say("Ctrl-C ends it", error=True)
-    if not no_open and not machine.open():
-        say("no browser was found: open the address yourself", error=True, style="yellow")
-    machine.wait()
+    until_ctrl_c(machine, opens=not no_open)
     frames = [] if link is None else [("frames", str(link.received))]
     facts([*timekeeping(machine.now), *frames])
 

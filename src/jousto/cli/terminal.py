@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from io import TextIOWrapper
-from typing import Any, TextIO
+from typing import Any, Protocol, TextIO
 
 from jousto.base.errors import InputError, JoustoError, JoustoWarning, SimulationError
 from jousto.base.names import harmless
@@ -83,6 +83,32 @@ def report(error: BaseException) -> int:
     if isinstance(error, SimulationError) and solution is not None:
         say(f"the results up to then are in {solution.path}", error=True)
     return FAILED
+
+
+class _Page(Protocol):
+    """A page that a server on this computer offers."""
+
+    @property
+    def address(self) -> str: ...
+    def open(self) -> bool: ...
+    def wait(self) -> None: ...
+    def close(self) -> None: ...
+
+
+def until_ctrl_c(page: _Page, *, opens: bool) -> None:
+    """Print the address of a page, open the browser if asked, and wait for Ctrl-C.
+
+    The address stands alone on its line, so that it can be copied and read by programs. From then
+    on Ctrl-C is how the command ends, and not an error.
+    """
+    say("Ctrl-C ends it", error=True)
+    try:
+        say(page.address)
+        if opens and not page.open():
+            say("no browser was found: open the address yourself", error=True, style="yellow")
+        page.wait()
+    except KeyboardInterrupt:  # before it waited
+        page.close()
 
 
 def facts(rows: list[tuple[str, str]], title: str = "") -> None:

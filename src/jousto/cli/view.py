@@ -10,7 +10,7 @@ import typer
 from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.options import Output, Trust
-from jousto.cli.terminal import say
+from jousto.cli.terminal import say, until_ctrl_c
 
 if TYPE_CHECKING:
     from jousto.fatigue.miner.damage_field import DamageField
@@ -74,13 +74,7 @@ def view(
         size = output.stat().st_size / 1e6
         say(f"page in {output}, {size:.1f} MB{thinning(answers.scenes, frames)}", style="green")
         return
-    server = Server(answers, port)
-    # the address stands alone on its line, so that it can be copied and read by programs
-    say(server.address)
-    say("Ctrl-C ends it", error=True)
-    if not no_open and not server.open():
-        say("no browser was found: open the address yourself", error=True, style="yellow")
-    server.wait()
+    until_ctrl_c(Server(answers, port), opens=not no_open)
 
 
 def thinning(scenes: tuple[object, ...], frames: int) -> str:
