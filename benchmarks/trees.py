@@ -1,6 +1,6 @@
 """Trees of rigid bodies beside MuJoCo, Pinocchio and EXUDYN: microseconds and errors, side by side.
 
-    .venv/bin/python benchmarks/trees.py [quick]
+    .venv/bin/python benchmarks/trees.py [quick] [former=PYTHON]
 
 Each case is a list of equal links: parent, kind of joint, axis, place of the joint on the parent.
 It starts at rest, straight, and falls; what hangs nowhere turns as a whole. Measured, in processor
@@ -9,6 +9,7 @@ time, least of several runs:
 * ours: one step of classical Runge-Kutta and one of ROS2 in joint coordinates, and of Runge-Kutta
   with `core="maximal"`, the method of version 0.1.0 as it is today; in loops of the engine. An
   evaluation is a quarter of a Runge-Kutta step, which contains four and little else.
+* version 0.1.0 itself, where PYTHON is an interpreter that has it (`former.py`).
 * MuJoCo: one step of its Runge-Kutta, without contacts and constraints; a loop of its own in C.
 * Pinocchio has no integrator: four evaluations of `aba` at bent, moving poses, by
   `abaInParallel` on one thread, a loop of its own in C++. A step of ours with these would cost at
@@ -28,9 +29,11 @@ from __future__ import annotations
 
 import contextlib
 import io
+import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,6 +47,7 @@ STEP, SPAN, FINER = 2e-3, 0.2, 16  # s, s: of the errors
 TIMED, STEPS = 1e-4, 50  # s: the step of the timed runs, small enough for a thousand links
 SPIN = np.array([1.0, 2.0, 3.0])  # rad/s, of what hangs nowhere, as one rigid body
 ROUNDING = 1e-12  # m, error of a link from rounding, for each m of its distance from the ground
+MORE = ("maximal", "0.1.0")  # what else of ours is measured
 Array = NDArray[np.float64]
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -109,9 +113,9 @@ def mechanism(links: list[Link]) -> jo.Mechanism:
     return jo.Mechanism(*bodies, *joints, jo.Gravity(GRAVITY))
 
 
-def ours(model: jo.Model, method: str, repeats: int) -> float:
+def ours(model: jo.Model, method: str, repeats: int, make: Any = None) -> float:
     """Microseconds of a step."""
-    engine = jo.model.Engine(model)
+    engine = (make or jo.model.Engine)(model)
     solver = engine.native_solver(method, TIMED, True)
     rows = np.zeros((2, engine.row_size))
     engine.run(solver, STEPS, STEPS, rows)
@@ -125,9 +129,9 @@ def ours(model: jo.Model, method: str, repeats: int) -> float:
     return 1e6 * best
 
 
-def our_place(model: jo.Model, method: str, finer: int = 1) -> Array:
+def our_place(model: jo.Model, method: str, finer: int = 1, make: Any = None) -> Array:
     """Return where the end of the last link is after SPAN, m."""
-    engine = jo.model.Engine(model)
+    engine = (make or jo.model.Engine)(model)
     steps = finer * round(SPAN / STEP)
     solver = engine.native_solver(method, SPAN / steps, True)
     status, _ = engine.run(solver, steps, steps, np.zeros((2, engine.row_size)))
@@ -139,7 +143,7 @@ def our_place(model: jo.Model, method: str, finer: int = 1) -> Array:
             2.0 * (e[1] * e[3] - e[0] * e[2]),
         ]
     )
-    return end if status == "ok" else np.full(3, np.nan)
+    return end if status in ("ok", 0) else np.full(3, np.nan)
 
 
 def mujoco_text(links: list[Link]) -> str:
@@ -326,7 +330,15 @@ class Peer:
         return "" if np.isnan(self.time) else f"{self.time:.3g} ({self.time / own:.1f})"
 
 
-def measured(links: list[Link], limits: dict[str, int]) -> dict[str, Any]:
+def of_then(python: str, case: str) -> tuple[float, Array]:
+    """Return microseconds of a step of version 0.1.0, and where the last link is after SPAN."""
+    asked = [python, str(Path(__file__).with_name("former.py")), case]
+    found = subprocess.run(asked, stdout=subprocess.PIPE, check=True, text=True)
+    time, *place = map(float, found.stdout.split())
+    return time, np.array(place)
+
+
+def measured(case: str, links: list[Link], limits: dict[str, int], former: str) -> dict[str, Any]:
     """Times, us, and errors, m, of everything for one machine."""
     made = mechanism(links)
     joint, maximal = (jo.compile(made, core=core) for core in ("joint", "maximal"))
@@ -338,8 +350,12 @@ def measured(links: list[Link], limits: dict[str, int]) -> dict[str, Any]:
     found: dict[str, Any] = {
         "joint": Peer(ours(joint, "rk4", 5), off(our_place(joint, "rk4"))),
         "ros2": Peer(ours(joint, "ros2", 5), off(our_place(joint, "ros2"))),
-        "0.1.0": Peer(ours(maximal, "rk4", 3), off(our_place(maximal, "rk4"))),
+        "maximal": Peer(ours(maximal, "rk4", 3), off(our_place(maximal, "rk4"))),
+        "0.1.0": Peer(),
     }
+    if former:
+        then, place = of_then(former, case)
+        found["0.1.0"] = Peer(then, off(place))
     size = len(links) * (1 if all(link.kind == "hinge" for link in links) else 3)
     found["left out"] = []
     for name, run in (("mujoco", mujoco), ("exudyn", exudyn)):
@@ -371,23 +387,30 @@ def equal(own: Peer, other: Peer, floor: float) -> float:
     return ratio
 
 
+def head(*names: str) -> str:
+    return f"| {' | '.join(names)} |\n|{'---|' * len(names)}"
+
+
 def report(results: dict[str, dict[str, Any]]) -> None:
     """Print both tables, and how far the goals are."""
-    print("| case | evaluation | RK4 | ROS2 | 0.1.0 | MuJoCo | 4 x Pinocchio | EXUDYN | best |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print(
+        head(
+            "case", "evaluation", "RK4", "ROS2", *MORE, "MuJoCo", "4 x Pinocchio", "EXUDYN", "best"
+        )
+    )
     peers, best, former = ("mujoco", "pinocchio", "exudyn"), {}, {}
     for name, x in results.items():
         own, floor = x["joint"], ROUNDING * LENGTH * x["links"]
         ratios = {p: equal(own, x[p], floor) for p in peers if np.isfinite(x[p].time)}
         best[name] = min(ratios.items(), key=lambda r: r[1], default=("", np.nan))
-        former[name] = x["0.1.0"].time / own.time
-        others = " | ".join(x[p].ratio(own.time) for p in ("0.1.0", *peers))
+        known = x["0.1.0"] if np.isfinite(x["0.1.0"].time) else x["maximal"]
+        former[name] = known.time / own.time
+        others = " | ".join(x[p].ratio(own.time) for p in (*MORE, *peers))
         line = f"| {name} | {own.time / 4:.3g} | {own.time:.3g} | {x['ros2'].time:.3g} | {others}"
         print(f"{line} | {best[name][1]:.1f}, {best[name][0]} |" if ratios else f"{line} | |")
-    print("\n| error, m | RK4 | ROS2 | 0.1.0 | MuJoCo | EXUDYN |")
-    print("|---|---|---|---|---|---|")
+    print("\n" + head("error, m", "RK4", "ROS2", *MORE, "MuJoCo", "EXUDYN"))
     for name, x in results.items():
-        keys = ("joint", "ros2", "0.1.0", "mujoco", "exudyn")
+        keys = ("joint", "ros2", *MORE, "mujoco", "exudyn")
         errors = ("" if np.isnan(x[k].time) else f"{x[k].error:.0e}" for k in keys)
         print(f"| {name} | {' | '.join(errors)} |")
     print()
@@ -402,16 +425,19 @@ def report(results: dict[str, dict[str, Any]]) -> None:
             f"the others at equal error ({worst}, {best[worst][0]}; the goal is 2.5)"
         )
     worst = min(small, key=lambda name: former[name])
-    print(f"and {former[worst]:.1f} times as 0.1.0 ({worst}; the goal is 5).")
+    asked = np.isfinite(results[worst]["0.1.0"].time)
+    then = "0.1.0" if asked else 'core="maximal", the method of 0.1.0'
+    print(f"and {former[worst]:.1f} times as {then} ({worst}; the goal is 5).")
 
 
 def main() -> None:
     quick = "quick" in sys.argv[1:]
+    former = next((x.removeprefix("former=") for x in sys.argv if x.startswith("former=")), "")
     # coordinates: beyond, a step of theirs takes a good part of a second, or data more than memory
     limits = {"mujoco": 300 if quick else 1000, "exudyn": 10 if quick else 100, "pinocchio": 300}
     results = {}
     for name, links in cases(quick).items():
-        results[name] = measured(links, limits) | {"links": len(links)}
+        results[name] = measured(name, links, limits, former) | {"links": len(links)}
     report(results)
 
 
