@@ -36,7 +36,7 @@ help:  ## this list
 # ---- environment ---------------------------------------------------------------------------------
 
 # .made: jousto itself, editable, with the engine built in place; the others add an extra each
-STAMPS := $(addprefix $(VENV)/.,made dev large docs bench page)
+STAMPS := $(addprefix $(VENV)/.,made dev large docs bench page peers)
 $(VENV)/.made: pyproject.toml $(ENGINE)
 $(filter-out %.made,$(STAMPS)): pyproject.toml | $(VENV)/.made
 
@@ -67,7 +67,7 @@ $(VENV)/.made:
 	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"
 	@touch $@
 
-$(VENV)/.dev $(VENV)/.large $(VENV)/.docs $(VENV)/.bench $(VENV)/.page: $(VENV)/.%:
+$(VENV)/.dev $(VENV)/.large $(VENV)/.docs $(VENV)/.bench $(VENV)/.page $(VENV)/.peers: $(VENV)/.%:
 	@echo "adding what make needs for $*"
 	@$(call install,'jousto[$*]')
 	@echo "  $$(du -sm $(VENV) | cut -f1) MB in $(VENV)"

