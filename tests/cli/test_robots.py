@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,9 @@ def test_a_robot_is_checked_and_runs(
     found = runner.invoke(app, ["check", name])
     assert found.exit_code == 0, found.output
     assert "leave 4 free motions" in found.output and f"{name}: ok" in found.output
+    assert re.search(
+        r"stop \w+ stop +\w+\.\w+, lower -[\d.]+ rad, upper [\d.]+ rad, ", found.output
+    )
     found = runner.invoke(app, ["run", name, "--t-end", "0.01", "-q"])
     assert found.exit_code == 0 and Path("a.h5").is_file(), found.output
     found = runner.invoke(app, ["export", name, "-o", "a.c"])

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from jousto.base.declare import Declared
 from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
-from jousto.mechanism.forces.line_load import LineLoad
+from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.joints.coordinate import Along, Coordinate
 
 if TYPE_CHECKING:
     from jousto.mechanism.mechanism import Mechanism
@@ -63,12 +65,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         kind = type(coupler).__name__.lower()
         rows.append((f"{kind} {coupler.name}", coupler.row_names[0]))
     for force in mechanism.forces:
-        kind = type(force).__name__.lower()
-        marker = getattr(force, "marker", None)
-        text = f"at {marker.label}" if marker else ""
-        if isinstance(force, LineLoad):
-            text = f"along {force.beam.name}" + (", follows it" if force.follow else "")
-        rows.append((f"{kind} {force.name}", text))
+        rows.append((f"{type(force).__name__.lower()} {force.name}", given(force)))
     for friction in mechanism.frictions:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))
@@ -83,6 +80,29 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         rows.append((f"event {event.name}", text + (", stops the run" if event.stop else "")))
     rows.append(("gravity", " ".join(f"{g:g}" for g in mechanism.gravity) + " m/s2"))
     return rows
+
+
+def given(element: Declared) -> str:
+    """Return where an element acts, and what it was given besides: numbers, vectors and flags."""
+    places: list[str] = []
+    values: list[str] = []
+    for key, kind in element.fields.items():
+        value = getattr(element, key)
+        size = np.size(value) if isinstance(value, float | complex | np.ndarray) else 0
+        if isinstance(value, Marker):
+            places.append(value.label)
+        elif isinstance(value, Coordinate | BeamBody):
+            places.append(value.name)
+        elif value is True and kind.default is not True:
+            values.append(kind.label)
+        elif 0 < size <= 3 and np.any(value != kind.default):
+            unit = kind.unit
+            unit = unit.of(getattr(element, unit.field)) if isinstance(unit, Along) else unit
+            number = ", ".join(f"{x:.6g}" for x in np.ravel(value))
+            number = f"({number})" if size > 1 else number
+            values.append(f"{kind.label} {number}" + (f" {unit}" if unit != "1" else ""))
+    where = " to ".join(places)
+    return ", ".join([where, *values] if where else values)
 
 
 def mesh_facts(mesh: Mesh) -> Facts:

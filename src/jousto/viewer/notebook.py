@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.solution import Solution
 
-MOST = 12  # rows of a table
+MOST = 16  # rows of a table
 DRAWN = 50_000  # elements of what is drawn for a cell
 CELL = "text-align: left; vertical-align: top; padding: 1px 12px 1px 0"
 COLOURS = {"ok": "#2e7d32", "note": "inherit", "warn": "#b26a00", "fail": "#c62828"}
