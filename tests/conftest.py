@@ -59,6 +59,17 @@ def pytest_configure(config: pytest.Config) -> None:
     compiling.with_core = forcing  # type: ignore[attr-defined]
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what tests the choice of a core where none is left to it."""
+    if (forced := config.getoption("--core")) == "auto":
+        return
+    for item in items:
+        if item.get_closest_marker("chooses"):
+            item.add_marker(
+                pytest.mark.skip(reason=f"about what auto chooses, not --core {forced}")
+            )
+
+
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Name a failed test at once: a run that is stopped half-way tells what it has found."""
     if report.failed and "PYTEST_XDIST_WORKER" not in os.environ:

@@ -331,6 +331,7 @@ def held_chain(count: int) -> Any:
     return jo.Mechanism(*items, jo.Gravity((0, -9.81, 0)), name="held chain")
 
 
+@pytest.mark.chooses
 def test_auto_takes_the_loops_that_have_few_bodies_in_common() -> None:
     assert jo.compile(four_bar()).links
     assert jo.compile(stewart()).links

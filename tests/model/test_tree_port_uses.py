@@ -36,6 +36,7 @@ def arm(*more: Any, core: str = "joint") -> Any:
     return jo.Mechanism(*items, name="arm", core=core)
 
 
+@pytest.mark.chooses
 def test_the_first_rigid_body_stays_and_the_core_says_so() -> None:
     model = jo.compile(arm())
     assert kinds(model) == ["body", "body", "hinge", "hinge"]
@@ -45,6 +46,7 @@ def test_the_first_rigid_body_stays_and_the_core_says_so() -> None:
     assert few == "positions of the bodies: joint coordinates for 2 of them gain little"
 
 
+@pytest.mark.chooses
 def test_auto_keeps_the_positions_of_the_bodies() -> None:
     assert not jo.compile(arm(core="auto")).links
 
