@@ -99,8 +99,11 @@ static inline void contract_tiles(const int np, const double sign, const int vec
                     }
                     JO_STORE(y[v] + j + l) = yj;
                 }
-        for (int v = 0; v < vectors; v++)
-            for (int c = 0; c < 4; c++) y[v][k + c] += sign * jo_sum(column[v][c]);
+        for (int v = 0; v < vectors; v++) {
+            jo_real sums[4];
+            jo_sums(sums, column[v][0], column[v][1], column[v][2], column[v][3]);
+            for (int c = 0; c < 4; c++) y[v][k + c] += sign * sums[c];
+        }
     }
 }
 
@@ -134,31 +137,22 @@ void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v)
     for (int j = 0; j < b->n; j++) w->pd[j] = v[6 + j];
 }
 
-/* out[i] += rows_i . x for rows of length np */
-static inline void dot_rows(const int count, const int np, const jo_real *restrict rows,
-                            const jo_real *restrict x, jo_real *restrict out)
-{
-    for (int i = 0; i < count; i++) {
-        jo_lanes s = {0};
-        JO_EACH(j, np) s += JO_LOAD(rows + i * np + j) * JO_LOAD(x + j);
-        out[i] += jo_sum(s);
-    }
-}
-
 /* J += sum (D0_j + D_j) p_j, half of J' = sum D_j p'_j */
 static inline void inertia(const int np, const jo_real *restrict D0, const jo_real *restrict D,
                            const jo_real *restrict p, const jo_real *restrict pd, jo_real *restrict J,
                            jo_real *restrict Jd)
 {
-    for (int c = 0; c < 6; c++, D0 += np, D += np) {
-        jo_lanes s = {0}, sd = {0};
-        JO_EACH(j, np) {
-            const jo_lanes x = JO_LOAD(D + j);
-            s += (JO_LOAD(D0 + j) + x) * JO_LOAD(p + j);
-            sd += x * JO_LOAD(pd + j);
-        }
-        J[c] += jo_sum(s);
-        Jd[c] += jo_sum(sd);
+    for (int c = 0; c < 6; c += 2, D0 += 2 * np, D += 2 * np) {
+        jo_lanes s[2] = {{0}, {0}}, sd[2] = {{0}, {0}};
+        jo_real sums[4];
+        JO_EACH(j, np)
+            for (int k = 0; k < 2; k++) {
+                const jo_lanes x = JO_LOAD(D + k * np + j);
+                s[k] += (JO_LOAD(D0 + k * np + j) + x) * JO_LOAD(p + j);
+                sd[k] += x * JO_LOAD(pd + j);
+            }
+        jo_sums(sums, s[0], s[1], sd[0], sd[1]);
+        for (int k = 0; k < 2; k++) { J[c + k] += sums[k]; Jd[c + k] += sums[2 + k]; }
     }
 }
 
@@ -216,9 +210,10 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     jo_set3(w->S, b->S0);
     for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
     contract(b, w);
-    dot_rows(3, np, b->I3, w->p, w->S);
-    dot_rows(3, np, b->I3, w->pd, Ip);
-    dot_rows(3, np, w->B, w->pd, Bp);
+    jo_modal3(t, b->I3, w->p, np);
+    jo_add3(w->S, t);
+    jo_modal3(Ip, b->I3, w->pd, np);
+    jo_modal3(Bp, w->B, w->pd, np);
     inertia(np, b->D0, w->D, w->p, w->pd, w->J, Jd);
     *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->extra, w->fp);
     /* Q_R = -w x (w x S) - 2 w x I3 p' */
@@ -270,8 +265,10 @@ static inline void weigh(const int np, const jo_real *restrict B, const jo_real 
             bb1 += JO_LOAD(B + np + j) * x;
             bb2 += JO_LOAD(B + 2 * np + j) * x;
         }
-        IB[i] = jo_sum(ib0); IB[3 + i] = jo_sum(ib1); IB[6 + i] = jo_sum(ib2);
-        BB[i] = jo_sum(bb0); BB[3 + i] = jo_sum(bb1); BB[6 + i] = jo_sum(bb2);
+        jo_real ib[4], bb[4];
+        jo_sums(ib, ib0, ib1, ib2, ib2);
+        jo_sums(bb, bb0, bb1, bb2, bb2);
+        for (int c = 0; c < 3; c++) { IB[3 * c + i] = ib[c]; BB[3 * c + i] = bb[c]; }
     }
 }
 
@@ -347,8 +344,8 @@ void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_r
     const int np = b->np;
     jo_real t[6] = {0};
     if (b->n) {
-        dot_rows(3, np, w->set[set].I3w, fp, t);
-        dot_rows(3, np, w->Bw, fp, t + 3);
+        jo_modal3(t, w->set[set].I3w, fp, np);
+        jo_modal3(t + 3, w->Bw, fp, np);
     }
     for (int i = 0; i < 6; i++) z[i] = fr[i] - t[i];
     jo_body_forward(w->L, z);

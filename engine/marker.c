@@ -5,25 +5,10 @@
  */
 #include "internal.h"
 
-/* y = M x for a (3 x np) array */
-static inline void modal3(jo_real *restrict y, const jo_real *restrict M, const jo_real *restrict x, int np)
-{
-    jo_lanes s0 = {0}, s1 = {0}, s2 = {0};
-    JO_EACH(j, np) {
-        const jo_lanes xj = JO_LOAD(x + j);
-        s0 += JO_LOAD(M + j) * xj;
-        s1 += JO_LOAD(M + np + j) * xj;
-        s2 += JO_LOAD(M + 2 * np + j) * xj;
-    }
-    y[0] = jo_sum(s0);
-    y[1] = jo_sum(s1);
-    y[2] = jo_sum(s2);
-}
-
 /* C = M N^T for (3 x np) arrays */
 static inline void modal33(jo_real *restrict C, const jo_real *restrict M, const jo_real *restrict N, int np)
 {
-    for (int i = 0; i < 3; i++) modal3(C + 3 * i, N, M + i * np, np);
+    for (int i = 0; i < 3; i++) jo_modal3(C + 3 * i, N, M + i * np, np);
 }
 
 /* mode shapes weighted, and their products with I3 */
@@ -92,9 +77,9 @@ static void shapes_at(const jo_body *b, const jo_marker *k, const jo_real *p, jo
 static inline void displacement(jo_real *y, const jo_real *first, const jo_real *shape, const jo_real *p, int np)
 {
     jo_real t[3];
-    modal3(y, shape, p, np);
+    jo_modal3(y, shape, p, np);
     if (shape == first) return;
-    modal3(t, first, p, np);
+    jo_modal3(t, first, p, np);
     for (int c = 0; c < 3; c++) y[c] = 0.5 * (y[c] + t[c]);
 }
 
@@ -176,11 +161,11 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
         jo_add3(w->v, bw->V);
         jo_set3(w->om, bw->w);
         if (k->Phi) {
-            modal3(t, w->Phi, bw->pd, np);
+            jo_modal3(t, w->Phi, bw->pd, np);
             jo_add3(w->v, t);
         }
         if (k->Psi) {
-            modal3(t, w->Psi, bw->pd, np);
+            jo_modal3(t, w->Psi, bw->pd, np);
             jo_mul3(t, w->T, t);
             jo_add3(w->om, t);
         }
@@ -214,7 +199,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
         if (k->Psi) {
             /* w x T theta' + T' theta', T' = f1' theta~ + f1 theta'~ + f2' theta~^2 + f2 (theta'~ theta~ + theta~ theta'~) */
             jo_real rate[3], f[3], df1, df2, tt[3], ttt[3];
-            modal3(rate, w->Psi, bw->pd, b->np);
+            jo_modal3(rate, w->Psi, bw->pd, b->np);
             const jo_real s = jo_dot3(w->theta, w->theta), ds = 2.0 * jo_dot3(w->theta, rate);
             jo_sinc(s, f);
             jo_sinc_rate(s, f, &df1, &df2);
@@ -258,7 +243,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
                     X[6 * r + c] -= s->PhiI3[3 * r + c];
                     X[6 * r + 3 + c] -= Q[3 * r + c];
                 }
-            modal3(t, s->Phiw, bw->fp, np);
+            jo_modal3(t, s->Phiw, bw->fp, np);
             jo_add3(w->a, t);
         }
         if (!k->turns) continue;
@@ -275,7 +260,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
                     X[6 * r + c] = -Q[3 * r + c];
                     X[6 * r + 3 + c] = -P[3 * r + c];
                 }
-            modal3(t, s->Psiw, bw->fp, np);
+            jo_modal3(t, s->Psiw, bw->fp, np);
             jo_mul3(t, w->T, t);
             jo_add3(w->a + 3, t);
         }

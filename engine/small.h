@@ -52,15 +52,52 @@ static inline jo_real jo_sum(const jo_lanes x) { return x[0] + x[1]; }
 typedef double jo_lanes __attribute__((vector_size(32), aligned(8), may_alias));
 enum { JO_WIDTH = 4 };
 static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
+/* four lanes of those of a (0 to 3) and b (4 to 7) */
+#if defined(__clang__)
+#define JO_PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#else
+typedef long long jo_lane_places __attribute__((vector_size(32)));
+#define JO_PICK(a, b, i, j, k, l) __builtin_shuffle(a, b, (jo_lane_places){i, j, k, l})
+#endif
 #else
 typedef jo_real jo_lanes;
 enum { JO_WIDTH = 1 };
 static inline jo_real jo_sum(const jo_lanes x) { return x; }
 #endif
+/* y[0..3] = jo_sum of each, to the bit; of four lanes by one tree of shuffles */
+static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
+{
+#ifdef JO_PICK
+    const jo_lanes ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
+    const jo_lanes cd = JO_PICK(c, d, 0, 4, 2, 6) + JO_PICK(c, d, 1, 5, 3, 7);
+    *(jo_lanes *)y = JO_PICK(ab, cd, 0, 1, 4, 5) + JO_PICK(ab, cd, 2, 3, 6, 7);
+#else
+    y[0] = jo_sum(a);
+    y[1] = jo_sum(b);
+    y[2] = jo_sum(c);
+    y[3] = jo_sum(d);
+#endif
+}
+
 #define JO_LOAD(p) (*(const jo_lanes *)(p))
 #define JO_STORE(p) (*(jo_lanes *)(p))
 #define JO_PI 3.14159265358979323846
 #define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
+
+/* y = M x for a (3 x np) array */
+static inline void jo_modal3(jo_real *restrict y, const jo_real *restrict M, const jo_real *restrict x, const int np)
+{
+    jo_lanes s0 = {0}, s1 = {0}, s2 = {0};
+    jo_real s[4];
+    JO_EACH(j, np) {
+        const jo_lanes xj = JO_LOAD(x + j);
+        s0 += JO_LOAD(M + j) * xj;
+        s1 += JO_LOAD(M + np + j) * xj;
+        s2 += JO_LOAD(M + 2 * np + j) * xj;
+    }
+    jo_sums(s, s0, s1, s2, s2);
+    for (int c = 0; c < 3; c++) y[c] = s[c];
+}
 
 static inline void jo_set3(jo_real *y, const jo_real *x) { y[0] = x[0]; y[1] = x[1]; y[2] = x[2]; }
 static inline void jo_add3(jo_real *y, const jo_real *x) { y[0] += x[0]; y[1] += x[1]; y[2] += x[2]; }

@@ -10,13 +10,7 @@
 
 #if defined(__GNUC__) && defined(__AVX__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR)
 typedef double jo_vec __attribute__((vector_size(32)));
-typedef long long jo_lane_places __attribute__((vector_size(32)));
 typedef double jo_vec_anywhere __attribute__((vector_size(32), aligned(8), may_alias));   /* in memory, all four lanes */
-#if defined(__clang__)
-#define JO_PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#else
-#define JO_PICK(a, b, i, j, k, l) __builtin_shuffle(a, b, (jo_lane_places){i, j, k, l})
-#endif
 static inline jo_vec jo_vec_of(jo_real x, jo_real y, jo_real z) { return (jo_vec){x, y, z, 0.0}; }
 static inline jo_real jo_vec_at(jo_vec a, int i) { return a[i]; }
 static inline jo_vec jo_vec_add(jo_vec a, jo_vec b) { return a + b; }
