@@ -143,7 +143,8 @@ static inline void inertia(const int np, const jo_real *restrict D0, const jo_re
                            jo_real *restrict Jd)
 {
     for (int c = 0; c < 6; c += 2, D0 += 2 * np, D += 2 * np) {
-        jo_lanes s[2] = {{0}, {0}}, sd[2] = {{0}, {0}};
+        const jo_lanes zero = {0};
+        jo_lanes s[2] = {zero, zero}, sd[2] = {zero, zero};
         jo_real sums[4];
         JO_EACH(j, np)
             for (int k = 0; k < 2; k++) {

@@ -172,8 +172,8 @@ static inline int jo_stabilised(const jo_stage *stage) { return stage->alpha != 
  * and columns occur, see schur.c. `lock` is that of an optional joint, else 0: where it is switched off its blocks are 0. */
 typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; const int *lock_k, *lock_l; } jo_pair_plan;
 typedef struct { jo_real *S, *x, *scale; int n, first, count, update, updates; const int *lock; } jo_column_plan;
-typedef struct { jo_real *X, *x; int ld, rows, kind; const int *lock; } jo_below_plan;
-typedef struct { jo_real *T; const jo_real *X, *Y; int ld, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
+typedef struct { jo_real *X, *x; int rows, kind; const int *lock; } jo_below_plan;
+typedef struct { jo_real *T; const jo_real *X, *Y; int rows, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
 /* Error control of the adaptive method, and its last step for the dense output. */
 typedef struct {

@@ -31,20 +31,25 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
 }
 
-/* which kernel: rows 4 or 8 and columns n as constants where they are common */
-static int kind_of(int ld, int n)
+/* which kernel: rows, for most with those of padding, and columns n as constants where they are common */
+static int kind_of(int rows, int n)
 {
-    if (ld == 4) return n == 3 ? 0 : 5;
+    if (rows <= 4) return n == 3 ? 0 : 5;
+    if (rows == 5 && n == 5) return 4;
     return n == 3 ? 1 : n == 5 ? 2 : n == 6 ? 3 : 5;
 }
-#define JO_BY_KIND(kind, ld, n, call) \
-    switch (kind) {                   \
-    case 0: call(4, 3); break;        \
-    case 1: call(8, 3); break;        \
-    case 2: call(8, 5); break;        \
-    case 3: call(8, 6); break;        \
-    default: call(ld, n); break;      \
+#define JO_BY_KIND(kind, rows, n, call) \
+    switch (kind) {                     \
+    case 0: call(4, 3); break;          \
+    case 1: call(8, 3); break;          \
+    case 2: call(8, 5); break;          \
+    case 3: call(8, 6); break;          \
+    case 4: call(5, 5); break;          \
+    default: call(rows, n); break;      \
     }
+
+/* A row that would be alone in a vector, the fifth one, is worked on by itself, along its columns. */
+static inline int alone(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
 
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
@@ -78,7 +83,7 @@ static void plan_pairs(const jo_model *m, jo_data *d)
         w->k = &d->joint[p->joint_k].side[p->side_k];
         w->l = &d->joint[p->joint_l].side[p->side_l];
         w->flexible = m->body[m->marker[m->joint[p->joint_k].side[p->side_k]].body].n > 0;
-        w->kind = kind_of(jo_padded(m->joint[p->joint_k].nrow), m->joint[p->joint_l].nrow);
+        w->kind = kind_of(m->joint[p->joint_k].nrow, m->joint[p->joint_l].nrow);
         w->first = JO_COMMON(w->S[0]) != 0.0;
         w->lock_k = lock_of(m, d, p->joint_k);
         w->lock_l = lock_of(m, d, p->joint_l);
@@ -95,8 +100,7 @@ static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
         x->X = d->S + JO_BLOCK * m->below[i].block;
         x->x = d->joint[row].x;
         x->rows = m->joint[row].nrow;
-        x->ld = jo_padded(x->rows);
-        x->kind = kind_of(x->ld, m->joint[col->joint].nrow);
+        x->kind = kind_of(x->rows, m->joint[col->joint].nrow);
         x->lock = lock_of(m, d, row);
         if (JO_COMMON(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
     }
@@ -111,9 +115,9 @@ static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int
     x->T = d->S + JO_BLOCK * up->target;
     x->X = d->S + JO_BLOCK * up->left;
     x->Y = d->S + JO_BLOCK * up->right;
-    x->ld = jo_padded(up->left_rows);
+    x->rows = up->left_rows;
     x->ny = up->right_rows;
-    x->kind = up->right_rows == n ? kind_of(x->ld, n) : 5;
+    x->kind = up->right_rows == n ? kind_of(x->rows, n) : 5;
     for (int i = col->first; i < col->first + col->count; i++) {
         if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
         if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
@@ -164,10 +168,28 @@ static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *re
     }
 }
 
-static inline void add_product(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
+/* y = M x for ld rows and n columns; numbers of x are `step` apart */
+static inline void multiply(jo_real *restrict y, const jo_real *restrict M, const int ld, const int n,
+                            const jo_real *restrict x, const int step)
+{
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes s = JO_LOAD(M + l) * x[0];
+        for (int j = 1; j < n; j++) s += JO_LOAD(M + ld * j + l) * x[step * j];
+        JO_STORE(y + l) = s;
+    }
+}
+
+static inline void add_product(jo_real *restrict S, const int rows, const jo_real *restrict Vk, const jo_real *restrict Vl,
                                const int n, const int first)
 {
-    for (int r = 0; r < ld; r += 4) add_rows(S + r, ld, Vk + r, Vl, jo_padded(n), n, first);
+    const int ld = jo_padded(rows), ldl = jo_padded(n);
+    int r = 0;
+    for (; r < rows && !alone(rows, r); r += 4) add_rows(S + r, ld, Vk + r, Vl, ldl, n, first);
+    if (r < rows) {
+        jo_real row[8];
+        multiply(row, Vl, ldl, 6, Vk + r, ld);
+        for (int s = 0; s < n; s++) S[ld * s + r] = first ? row[s] : S[ld * s + r] + row[s];
+    }
 }
 
 /* four rows of S += C_k gram C_l^T; rows of k see its coordinates from `from` to `to`, the first `moving` rows of l
@@ -233,10 +255,11 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_rea
 }
 
 /* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
-static inline void finish(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+static inline void finish(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
 {
-    const int ldl = jo_padded(n);
-    for (int l = 0; l < ld; l += JO_WIDTH) {
+    const int ld = jo_padded(rows), ldl = jo_padded(n);
+    int l = 0;
+    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = n - 1; j >= 0; j--) {
             x[j] = L[(ldl + 1) * j] * JO_LOAD(X + ld * j + l);
@@ -244,13 +267,22 @@ static inline void finish(jo_real *restrict X, const int ld, const jo_real *rest
             JO_STORE(X + ld * j + l) = x[j];
         }
     }
+    if (l < rows) {
+        jo_real x[6];
+        for (int j = n - 1; j >= 0; j--) {
+            x[j] = L[(ldl + 1) * j] * X[ld * j + l];
+            for (int k = j + 1; k < n; k++) x[j] -= L[ldl * j + k] * x[k];
+            X[ld * j + l] = x[j];
+        }
+    }
 }
 
-/* X = X L^-T, ld rows */
-static inline void divide(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+/* X = X L^-T */
+static inline void divide(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
 {
-    const int ldl = jo_padded(n);
-    for (int l = 0; l < ld; l += JO_WIDTH) {
+    const int ld = jo_padded(rows), ldl = jo_padded(n);
+    int l = 0;
+    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = 0; j < n; j++) {
             x[j] = JO_LOAD(X + ld * j + l);
@@ -258,14 +290,23 @@ static inline void divide(jo_real *restrict X, const int ld, const jo_real *rest
             JO_STORE(X + ld * j + l) = x[j];
         }
     }
+    if (l < rows) {
+        jo_real x[6];
+        for (int j = 0; j < n; j++) {
+            x[j] = X[ld * j + l];
+            for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
+            X[ld * j + l] = x[j];
+        }
+    }
 }
 
-/* T -= X D^-1 Y^T over n columns, ld rows of X and ny of Y */
-static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int ld,
+/* T -= X D^-1 Y^T over n columns, ny rows of Y */
+static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int rows,
                                     const jo_real *restrict Y, const int ny, const jo_real *restrict D, const int n)
 {
-    const int ldy = jo_padded(ny), step = jo_padded(n) + 1;
-    for (int l = 0; l < ld; l += JO_WIDTH) {
+    const int ld = jo_padded(rows), ldy = jo_padded(ny), step = jo_padded(n) + 1;
+    int l = 0;
+    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = 0; j < n; j++) x[j] = D[step * j] * JO_LOAD(X + ld * j + l);
         for (int s = 0; s < ny; s++) {
@@ -273,6 +314,12 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
             for (int j = 0; j < n; j++) t -= Y[ldy * j + s] * x[j];
             JO_STORE(T + ld * s + l) = t;
         }
+    }
+    if (l < rows) {
+        jo_real x[6], row[8];
+        for (int j = 0; j < n; j++) x[j] = D[step * j] * X[ld * j + l];
+        multiply(row, Y, ldy, n, x, 1);
+        for (int s = 0; s < ny; s++) T[ld * s + l] -= row[s];
     }
 }
 
@@ -289,10 +336,10 @@ static void assemble(const jo_model *m, jo_data *d, int set)
             continue;
         }
         const jo_joint *k = &m->joint[m->pair[i].joint_k], *l = &m->joint[m->pair[i].joint_l];
-#define FIRST(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 1)
-#define CALL(ld, n) add_product(p->S, ld, p->k->V, p->l->V, n, 0)
-        if (p->first) JO_BY_KIND(p->kind, jo_padded(k->nrow), l->nrow, FIRST)
-        else JO_BY_KIND(p->kind, jo_padded(k->nrow), l->nrow, CALL)
+#define FIRST(rows, n) add_product(p->S, rows, p->k->V, p->l->V, n, 1)
+#define CALL(rows, n) add_product(p->S, rows, p->k->V, p->l->V, n, 0)
+        if (p->first) JO_BY_KIND(p->kind, k->nrow, l->nrow, FIRST)
+        else JO_BY_KIND(p->kind, k->nrow, l->nrow, CALL)
 #undef CALL
 #undef FIRST
         if (!p->flexible) continue;
@@ -341,26 +388,26 @@ static int factor(const jo_model *m, jo_data *d, int set)
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
             if (off(x->lock)) continue;
-#define CALL(ld, n) divide(x->X, ld, w->S, n)
-            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
+#define CALL(rows, n) divide(x->X, rows, w->S, n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
         for (int i = w->update; i < w->update + w->updates; i++) {
             const jo_update_plan *u = &d->updates[i];
             if (off(u->lock_x) || off(u->lock_y)) continue;
             if (u->kind == 5) {
-                subtract_product(u->T, u->X, u->ld, u->Y, u->ny, w->S, w->n);
+                subtract_product(u->T, u->X, u->rows, u->Y, u->ny, w->S, w->n);
             } else {
-#define CALL(ld, n) subtract_product(u->T, u->X, ld, u->Y, n, w->S, n)
-                JO_BY_KIND(u->kind, u->ld, w->n, CALL)
+#define CALL(rows, n) subtract_product(u->T, u->X, rows, u->Y, n, w->S, n)
+                JO_BY_KIND(u->kind, u->rows, w->n, CALL)
 #undef CALL
             }
         }
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
             if (off(x->lock)) continue;
-#define CALL(ld, n) finish(x->X, ld, w->S, n)
-            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
+#define CALL(rows, n) finish(x->X, rows, w->S, n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
     }
@@ -427,8 +474,8 @@ static void solve_factored(const jo_model *m, jo_data *d)
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
             if (off(x->lock)) continue;
-#define CALL(ld, n) subtract_left(x->x, x->X, w->x, ld, n)
-            JO_BY_KIND(x->kind, x->ld, w->n, CALL)
+#define CALL(rows, n) subtract_left(x->x, x->X, w->x, jo_padded(rows), n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
 #define CALL(n) solve_diagonal(w->S, w->x, n)

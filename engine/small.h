@@ -64,6 +64,7 @@ typedef jo_real jo_lanes;
 enum { JO_WIDTH = 1 };
 static inline jo_real jo_sum(const jo_lanes x) { return x; }
 #endif
+
 /* y[0..3] = jo_sum of each, to the bit; of four lanes by one tree of shuffles */
 static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
 {
