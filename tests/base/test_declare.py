@@ -95,7 +95,7 @@ def test_none_is_a_value_of_what_is_optional():
     try:
         assert Bird("jay").span == 1.0
         assert Bird("jay", span=None).span is None
-        with pytest.raises(InputError, match="pet 'jay': mass is nan, must be finite"):
+        with pytest.raises(InputError, match="pet 'jay': mass is None, must be a number"):
             Bird("jay", mass=None)
     finally:
         del SECTIONS["pets of the test"]["bird"]

@@ -23,7 +23,7 @@ def set_fields(target: Any, **values: Any) -> None:
 def number(problems: Problems, where: str, name: str, value: Any) -> float | None:
     """Return a finite float, or note why the value is none."""
     try:
-        if isinstance(value, str):
+        if value is None or isinstance(value, str):
             raise TypeError
         array = floats(value)
     except (TypeError, ValueError, OverflowError):
