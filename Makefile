@@ -106,7 +106,7 @@ docs: $(VENV)/.docs $(PAGE)  ## documentation in build/docs, warnings are errors
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test quick lint types layers sanitize page-test unit slow old-processor format
+.PHONY: test quick lint types layers sanitize page-test unit slow cores old-processor format
 test: lint types layers sanitize page-test unit  ## every check except the slow verification runs
 
 lint: $(VENV)/.dev
@@ -137,6 +137,10 @@ unit: $(VENV)/.dev $(PAGE)
 
 slow: $(VENV)/.dev  ## the long verification runs
 	@$(PYTEST) -m slow $(PYTEST_ARGS) || [ $$? -eq 5 ]
+
+cores: $(VENV)/.dev $(PAGE)  ## all tests in joint coordinates, then in the positions of the bodies: half an hour
+	@$(PYTEST) $(PYTEST_ARGS) --core joint
+	@$(PYTEST) $(PYTEST_ARGS) --core maximal
 
 # the tests of numbers once more as an old processor computes: the engine without AVX2, and the kernels
 # that OpenBLAS has for one; not those that read, cut and spoil files

@@ -31,6 +31,7 @@ def test_every_step_is_in_one_class() -> None:
     assert "4.0 KiB" in str(found)
 
 
+@pytest.mark.chooses
 @pytest.mark.skipif(CC is None or sys.platform == "win32", reason="no C compiler")
 def test_steps_of_a_model_file_are_timed(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     from jousto.cli.group import app

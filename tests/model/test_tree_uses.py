@@ -160,6 +160,7 @@ def test_gradients_by_complex_steps_are_those_of_differences(core: str) -> None:
     assert found.jacobian[0, 0] == pytest.approx((ends[0] - ends[1]) / (2 * h), abs=1e-6)
 
 
+@pytest.mark.chooses
 def test_the_core_of_a_mechanism_is_that_of_its_models() -> None:
     assert jo.compile(swing(core="joint")).links
     assert jo.compile(swing()).links, "auto takes the tree"
