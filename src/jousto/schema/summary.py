@@ -86,11 +86,14 @@ def given(element: Declared) -> str:
     """Return where an element acts, and what it was given besides: numbers, vectors and flags."""
     places: list[str] = []
     values: list[str] = []
+    owner = getattr(element, "name", "")
     for key, kind in element.fields.items():
         value = getattr(element, key)
         size = np.size(value) if isinstance(value, float | complex | np.ndarray) else 0
         if isinstance(value, Marker):
             places.append(value.label)
+        elif isinstance(value, Coordinate) and value.name.startswith(f"{owner}."):
+            places.append(f"{value.a.label} to {value.b.label}")  # made by Spring.between
         elif isinstance(value, Coordinate | BeamBody):
             places.append(value.name)
         elif value is True and kind.default is not True:
