@@ -94,7 +94,7 @@ def given(element: Declared) -> str:
             places.append(value.label)
         elif isinstance(value, Coordinate) and value.name.startswith(f"{owner}."):
             places.append(f"{value.a.label} to {value.b.label}")  # made by Spring.between
-        elif isinstance(value, Coordinate | BeamBody):
+        elif isinstance(value, Coordinate | BeamBody | FlexibleBody):
             places.append(value.name)
         elif value is True and kind.default is not True:
             values.append(kind.label)
