@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.export.sources import INCLUDE
 
 FLAGS = ("-std=c99", "-O3", "-DNDEBUG", "-fno-math-errno", "-fno-trapping-math")
 """Those of the engine in Python; without instructions that fuse products, numbers are the same."""
 SECONDS = 600.0  # that a compiler may take
+OBJECTS: dict[bytes, bytes] = {}
+"""What was compiled in this process, by all it depends on: machines have the engine in common."""
+MOST = 500  # of them
 
 
 @dataclass(frozen=True)
@@ -131,7 +137,7 @@ def build(
     flags: Sequence[str] = (),
     shared: bool = False,
 ) -> None:
-    """Compile files of C into a program or a shared library.
+    """Compile files of C into a program or a shared library, on all cores.
 
     Parameters
     ----------
@@ -152,38 +158,71 @@ def build(
         If there is no compiler, or it fails; with what it wrote.
     """
     command = compiler(platform)
+    windows = platform.suffix == ".dll"
+    web = platform is WEB
+    options = [*FLAGS, *(flag for flag in flags if not flag.startswith("-Wl,")), "-I."]
+    link = [flag for flag in flags if flag.startswith("-Wl,")]
+    if web or shared:
+        options += ["-fvisibility=hidden"]
+    if web:
+        link += ["-mexec-model=reactor"]  # a library: nothing is called before the page calls it
+    elif shared:
+        link += ["-shared"]
+        options += [] if windows else ["-fPIC"]
+    if command[1:3] == ("-m", "ziglang"):
+        link += ["-s"]  # no names of what is inside: a quarter of the size
+    link += [] if windows else ["-lm"]
     with tempfile.TemporaryDirectory(prefix="jousto-build-") as folder:
+        place = Path(folder)
         for name, text in sources.items():
-            path = Path(folder) / name
+            path = place / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
         files = [name for name in sources if name.endswith(".c")]
-        options = [*FLAGS, *flags, "-I."]
-        if platform is WEB:
-            # a library: nothing is called before the page calls it
-            options += ["-mexec-model=reactor", "-fvisibility=hidden"]
-        elif shared:
-            options += ["-shared", "-fvisibility=hidden"]
-            options += [] if platform.suffix == ".dll" else ["-fPIC"]
-        if command[1:3] == ("-m", "ziglang"):
-            options += ["-s"]  # no names of what is inside: a quarter of the size
-        libraries = [] if platform.suffix == ".dll" else ["-lm"]
-        made = Path(folder) / f"made{platform.suffix if shared else ''}"
-        line = [*command, *options, *files, "-o", str(made), *libraries]
-        try:
-            done = subprocess.run(
-                line, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
-            )
-        except (OSError, subprocess.TimeoutExpired) as error:
-            raise InputError(Problem("export", f"the compiler failed: {error}")) from None
-        if done.returncode or not made.exists():
-            raise InputError(
-                Problem(
-                    "export",
-                    f"{Path(command[0]).name} failed for {platform.name}: {done.stderr[-2000:]}",
-                )
-            )
+
+        def compiled(name: str) -> str:
+            made = f"{name}.o"
+            line = [*command, *options, "-c", name, "-o", made]
+            key = hashlib.sha256("\0".join([*line, *included(sources, name)]).encode()).digest()
+            if key in OBJECTS:
+                (place / made).write_bytes(OBJECTS[key])
+            else:
+                run(line, platform, place, made)
+                OBJECTS[key] = (place / made).read_bytes()
+            return made
+
+        if len(OBJECTS) > MOST:
+            OBJECTS.clear()
+        with ThreadPoolExecutor(os.cpu_count()) as threads:
+            objects = list(threads.map(compiled, files))
+        made = f"made{platform.suffix if shared else ''}"
+        run([*command, *objects, "-o", made, *link], platform, place, made)
         out.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(made, out)
+        shutil.copyfile(place / made, out)
         if not shared:
             out.chmod(0o755)
+
+
+def included(sources: Mapping[str, str], name: str) -> list[str]:
+    """Return the names and texts of a file and all that it includes of the others."""
+    found = {name: sources[name]}
+    waiting = [name]
+    while waiting:
+        for other in INCLUDE.findall(found[waiting.pop()]):
+            if other in sources and other not in found:
+                found[other] = sources[other]
+                waiting.append(other)
+    return [word for pair in sorted(found.items()) for word in pair]
+
+
+def run(line: Sequence[str], platform: Platform, folder: Path, made: str) -> None:
+    """Run a compiler in a folder, where it has to leave a file."""
+    try:
+        done = subprocess.run(
+            line, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise InputError(Problem("export", f"the compiler failed: {error}")) from None
+    if done.returncode or not (folder / made).exists():
+        message = f"{Path(line[0]).name} failed for {platform.name}: {done.stderr[-2000:]}"
+        raise InputError(Problem("export", message))
