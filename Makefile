@@ -26,6 +26,8 @@ EXAMPLE ?= examples/flexible_pendulum.py
 
 export MPLBACKEND := Agg
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# modules are compiled once and kept: hundreds of the tests' processes would each do it for two seconds
+unexport PYTHONDONTWRITEBYTECODE
 # one thread for each of the processes that run the tests
 export OMP_NUM_THREADS ?= 1
 
