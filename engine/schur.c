@@ -316,7 +316,7 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
         }
     }
     if (l < rows) {
-        jo_real x[6], row[8];
+        jo_real x[6] = {0}, row[8];
         for (int j = 0; j < n; j++) x[j] = D[step * j] * X[ld * j + l];
         multiply(row, Y, ldy, n, x, 1);
         for (int s = 0; s < ny; s++) T[ld * s + l] -= row[s];

@@ -31,6 +31,7 @@ ROPE = jo.BeamBody(
             jo.Spring.between("spring", jo.ground["origin"], ARM.at((1, 0, 0)), 250.0, damping=3.0),
             "ground.origin to arm.at(1, 0, 0), stiffness 250 N/m, damping 3 N s/m",
         ),
+        (jo.Spring("hinge", HINGE.angle, 100.0), "hinge.angle, stiffness 100 N m/rad"),
         (jo.Force("push", ARM["origin"], (0, -30, 0)), "arm.origin, vector (0, -30, 0) N"),
         (jo.mechanism.LineLoad("wind", ROPE, (0, 5, 0), follow=True), "rope, follow"),
     ],

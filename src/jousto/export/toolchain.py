@@ -148,7 +148,7 @@ def build(
     out : Path
         The binary.
     flags : sequence of str
-        Further options of the compiler.
+        Further options of the compiler; those with ``-Wl,`` are the linker's.
     shared : bool
         Make a shared library.
 
@@ -184,11 +184,12 @@ def build(
             made = f"{name}.o"
             line = [*command, *options, "-c", name, "-o", made]
             key = hashlib.sha256("\0".join([*line, *included(sources, name)]).encode()).digest()
-            if key in OBJECTS:
-                (place / made).write_bytes(OBJECTS[key])
-            else:
+            known = OBJECTS.get(key)
+            if known is None:
                 run(line, platform, place, made)
                 OBJECTS[key] = (place / made).read_bytes()
+            else:
+                (place / made).write_bytes(known)
             return made
 
         if len(OBJECTS) > MOST:

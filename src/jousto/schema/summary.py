@@ -92,9 +92,13 @@ def given(element: Declared) -> str:
         size = np.size(value) if isinstance(value, float | complex | np.ndarray) else 0
         if isinstance(value, Marker):
             places.append(value.label)
-        elif isinstance(value, Coordinate) and value.name.startswith(f"{owner}."):
-            places.append(f"{value.a.label} to {value.b.label}")  # made by Spring.between
-        elif isinstance(value, Coordinate | BeamBody | FlexibleBody):
+        elif (
+            isinstance(value, Coordinate)
+            and value.joint is None
+            and value.name.startswith(f"{owner}.")  # made by Spring.between
+        ):
+            places.append(f"{value.a.label} to {value.b.label}")
+        elif isinstance(value, Coordinate | BeamBody | FlexibleBody | RigidBody):
             places.append(value.name)
         elif value is True and kind.default is not True:
             values.append(kind.label)
