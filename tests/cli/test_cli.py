@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 
 import jousto as jo
 from cli.test_meshes import call
+from hearing import hear
 from jousto.base.declare import SECTIONS
 from jousto.cli import commands
 from jousto.cli.group import app
@@ -517,12 +518,11 @@ def test_check_imports_nothing_that_only_pictures_need(model):
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_ctrl_c_leaves_a_readable_file(model):
     command = [sys.executable, "-m", "jousto", "run", "-q", str(model), "--t-end", "100000"]
-    # a test that runs in the background must not hand its deafness to Ctrl-C on
     process = subprocess.Popen(
         command,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=hear,
     )
     target = model.with_suffix(".h5")
     deadline = time.monotonic() + 180

@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
+from hearing import hear
 from jousto.cli.group import app
 from jousto.measurement.monitor.recorded import MonitorRecord
 from measurement.monitor.watched import NAMES, lines, motion, written
@@ -86,7 +87,7 @@ def test_a_pipe_and_ctrl_c(case, tmp_path):
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=ENV,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=hear,
     )
     process.stdin.write(data.read_bytes()[:20_000])
     process.stdin.flush()

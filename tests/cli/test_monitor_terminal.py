@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -12,6 +11,7 @@ import threading
 import pytest
 
 from cli.test_monitor import ENV, MODEL
+from hearing import hear
 from jousto.measurement.monitor.recorded import MonitorRecord
 from measurement.monitor.watched import lines, motion
 
@@ -48,8 +48,7 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
 
     def alone():
         fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-        # a test that runs in the background must not hand its deafness to Ctrl-C on
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        hear()
 
     process = subprocess.Popen(
         [sys.executable, "-m", "jousto", "monitor", str(model), "--gauges", str(pipe)],

@@ -15,6 +15,7 @@ import pytest
 
 import jousto as jo
 from gmsh_session import opened
+from hearing import hear
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.mesh.readers.apart import apart, packed, unpacked
 
@@ -111,8 +112,7 @@ def test_ctrl_c_ends_both_processes(tmp_path: Path) -> None:
         [sys.executable, "-c", script, str(mark)],
         env={**os.environ, "PYTHONPATH": paths},
         stderr=subprocess.DEVNULL,
-        # a test that runs in the background must not hand its deafness to Ctrl-C on
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=hear,
     ) as process:
         while not (mark.exists() and mark.read_text()):
             assert process.poll() is None

@@ -19,6 +19,7 @@ import pytest
 from typer.testing import CliRunner
 
 import jousto as jo
+from hearing import hear
 from jousto.base.errors import InputError, MissingFileError
 from jousto.cli.group import app
 from jousto.cli.terminal import until_ctrl_c
@@ -308,14 +309,17 @@ def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
     swing().save(file)
     command = [sys.executable, "-m", "jousto", "view", str(file), "--no-open"]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=hear
     ) as process:
         assert process.stdout and process.stderr
-        address = process.stdout.readline().strip()
-        with urllib.request.urlopen(address) as page:
-            assert page.status == 200
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=120)
+        try:
+            address = process.stdout.readline().strip()
+            with urllib.request.urlopen(address) as page:
+                assert page.status == 200
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=120)
+        finally:
+            process.kill()
     assert process.returncode == 0
     assert said == "Ctrl-C ends it\n"
 
