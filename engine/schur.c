@@ -255,11 +255,10 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_rea
 }
 
 /* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
-static inline void finish(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
+static inline void finish(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
-    const int ld = jo_padded(rows), ldl = jo_padded(n);
-    int l = 0;
-    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = n - 1; j >= 0; j--) {
             x[j] = L[(ldl + 1) * j] * JO_LOAD(X + ld * j + l);
@@ -267,35 +266,18 @@ static inline void finish(jo_real *restrict X, const int rows, const jo_real *re
             JO_STORE(X + ld * j + l) = x[j];
         }
     }
-    if (l < rows) {
-        jo_real x[6];
-        for (int j = n - 1; j >= 0; j--) {
-            x[j] = L[(ldl + 1) * j] * X[ld * j + l];
-            for (int k = j + 1; k < n; k++) x[j] -= L[ldl * j + k] * x[k];
-            X[ld * j + l] = x[j];
-        }
-    }
 }
 
-/* X = X L^-T */
-static inline void divide(jo_real *restrict X, const int rows, const jo_real *restrict L, const int n)
+/* X = X L^-T, ld rows */
+static inline void divide(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
-    const int ld = jo_padded(rows), ldl = jo_padded(n);
-    int l = 0;
-    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = 0; j < n; j++) {
             x[j] = JO_LOAD(X + ld * j + l);
             for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
             JO_STORE(X + ld * j + l) = x[j];
-        }
-    }
-    if (l < rows) {
-        jo_real x[6];
-        for (int j = 0; j < n; j++) {
-            x[j] = X[ld * j + l];
-            for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
-            X[ld * j + l] = x[j];
         }
     }
 }
@@ -388,7 +370,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
             if (off(x->lock)) continue;
-#define CALL(rows, n) divide(x->X, rows, w->S, n)
+#define CALL(rows, n) divide(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
@@ -406,7 +388,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
             if (off(x->lock)) continue;
-#define CALL(rows, n) finish(x->X, rows, w->S, n)
+#define CALL(rows, n) finish(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }

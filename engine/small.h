@@ -59,19 +59,24 @@ static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + 
 typedef long long jo_lane_places __attribute__((vector_size(32)));
 #define JO_PICK(a, b, i, j, k, l) __builtin_shuffle(a, b, (jo_lane_places){i, j, k, l})
 #endif
+/* jo_sum of each, to the bit, by one tree of shuffles */
+static inline jo_lanes jo_four_sums(const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
+{
+    const jo_lanes ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
+    const jo_lanes cd = JO_PICK(c, d, 0, 4, 2, 6) + JO_PICK(c, d, 1, 5, 3, 7);
+    return JO_PICK(ab, cd, 0, 1, 4, 5) + JO_PICK(ab, cd, 2, 3, 6, 7);
+}
 #else
 typedef jo_real jo_lanes;
 enum { JO_WIDTH = 1 };
 static inline jo_real jo_sum(const jo_lanes x) { return x; }
 #endif
 
-/* y[0..3] = jo_sum of each, to the bit; of four lanes by one tree of shuffles */
+/* y[0..3] = jo_sum of each, to the bit */
 static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
 {
 #ifdef JO_PICK
-    const jo_lanes ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
-    const jo_lanes cd = JO_PICK(c, d, 0, 4, 2, 6) + JO_PICK(c, d, 1, 5, 3, 7);
-    *(jo_lanes *)y = JO_PICK(ab, cd, 0, 1, 4, 5) + JO_PICK(ab, cd, 2, 3, 6, 7);
+    *(jo_lanes *)y = jo_four_sums(a, b, c, d);
 #else
     y[0] = jo_sum(a);
     y[1] = jo_sum(b);

@@ -39,17 +39,13 @@ static inline void jo_vec_less_skew(jo_vec *H, jo_vec a)   /* H - a~ */
 }
 static inline jo_vec jo_vec_across(const jo_vec *M, jo_vec x)   /* M^T x */
 {
-    const jo_vec zero = {0.0}, a = M[0] * x, b = M[1] * x, c = M[2] * x;
-    const jo_vec ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
-    const jo_vec c0 = JO_PICK(c, zero, 0, 4, 2, 6) + JO_PICK(c, zero, 1, 5, 3, 7);
-    return JO_PICK(ab, c0, 0, 1, 4, 5) + JO_PICK(ab, c0, 2, 3, 6, 7);
+    const jo_vec zero = {0.0};
+    return jo_four_sums(M[0] * x, M[1] * x, M[2] * x, zero);
 }
 static inline jo_vec jo_vec_both(const jo_vec *M, jo_vec x, const jo_vec *N, jo_vec y)   /* M^T x + N^T y */
 {
-    const jo_vec zero = {0.0}, a = M[0] * x + N[0] * y, b = M[1] * x + N[1] * y, c = M[2] * x + N[2] * y;
-    const jo_vec ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
-    const jo_vec c0 = JO_PICK(c, zero, 0, 4, 2, 6) + JO_PICK(c, zero, 1, 5, 3, 7);
-    return JO_PICK(ab, c0, 0, 1, 4, 5) + JO_PICK(ab, c0, 2, 3, 6, 7);
+    const jo_vec zero = {0.0};
+    return jo_four_sums(M[0] * x + N[0] * y, M[1] * x + N[1] * y, M[2] * x + N[2] * y, zero);
 }
 static inline void jo_vec_transpose(jo_vec *y, const jo_vec *a)   /* y and a may be the same */
 {
