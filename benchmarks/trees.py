@@ -32,6 +32,7 @@ import io
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,10 @@ ROUNDING = 1e-12  # m, error of a link from rounding, for each m of its distance
 MORE = ("maximal", "0.1.0")  # what else of ours is measured
 Array = NDArray[np.float64]
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+class LeftOut(Exception):
+    """Why a program is not measured for a machine."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +189,7 @@ def mujoco(links: list[Link], repeats: int) -> tuple[float, Array]:
     except ValueError as error:
         if "nesting" not in str(error):
             raise
-        raise NotImplementedError("its reader of models takes no bodies nested so deeply") from None
+        raise LeftOut("its reader of models takes no bodies nested so deeply") from None
     data = mj.MjData(model)
     model.opt.timestep = STEP
     if links[0].kind == "free":
@@ -203,8 +208,8 @@ def mujoco(links: list[Link], repeats: int) -> tuple[float, Array]:
     return 1e6 * best, place
 
 
-def pinocchio(links: list[Link], repeats: int) -> float:
-    """Microseconds of one evaluation at bent and moving poses."""
+def pinocchio(links: list[Link], repeats: int) -> tuple[float, None]:
+    """Microseconds of four evaluations at bent and moving poses; no place: it has no steps."""
     import pinocchio as pin
 
     pair = len(links) == 1  # its arrays of one row are not taken: two side by side, halved
@@ -239,7 +244,7 @@ def pinocchio(links: list[Link], repeats: int) -> float:
     one = pin.aba(tree, data, q[:, 0], v[:, 0], tau[:, 0])
     if len(links) <= 30:  # mass matrices of long chains are badly conditioned
         assert np.abs(out[:, 0] - one).max() <= 1e-4 * np.abs(one).max()
-    return 1e6 * best / (2 if pair else 1)
+    return 4e6 * best / (2 if pair else 1), None
 
 
 def _hinge(pin: Any, axis: tuple[float, float, float]) -> Any:
@@ -250,7 +255,7 @@ def _hinge(pin: Any, axis: tuple[float, float, float]) -> Any:
 def exudyn(links: list[Link], repeats: int) -> tuple[float, Array]:
     """Microseconds of a step, and where the end of the last link is after SPAN with STEP."""
     if any(link.kind != "hinge" for link in links):
-        raise NotImplementedError("its ObjectKinematicTree has no ball joints and no free bodies")
+        raise LeftOut("its ObjectKinematicTree has no ball joints and no free bodies")
     sys.exudynFast = True  # type: ignore[attr-defined]  # its build without range checks
     with contextlib.redirect_stdout(io.StringIO()):
         import exudyn as exu
@@ -319,6 +324,15 @@ def cases(quick: bool) -> dict[str, list[Link]]:
     return made | {"six-axis arm": arm(), "figure of 30": figure()}
 
 
+TOO_SLOW = "steps with {size} coordinates take it minutes"
+PEERS: dict[str, tuple[Callable[[list[Link], int], tuple[float, Array | None]], str]] = {
+    "mujoco": (mujoco, TOO_SLOW),
+    "pinocchio": (pinocchio, "its data take 64 bytes times the cube of {size} coordinates"),
+    "exudyn": (exudyn, TOO_SLOW),
+}
+"""What is measured beside ours, and why a large machine is left out."""
+
+
 @dataclass(frozen=True)
 class Peer:
     """What another program needs for a step, us, and its error, m; nan where not measured."""
@@ -358,24 +372,16 @@ def measured(case: str, links: list[Link], limits: dict[str, int], former: str) 
         found["0.1.0"] = Peer(then, off(place))
     size = len(links) * (1 if all(link.kind == "hinge" for link in links) else 3)
     found["left out"] = []
-    for name, run in (("mujoco", mujoco), ("exudyn", exudyn)):
+    for name, (run, too_large) in PEERS.items():
         found[name] = Peer()
         try:
             if size > limits[name]:
-                raise NotImplementedError(f"steps with {size} coordinates take it minutes")
-            theirs, place = run(links, 3)
-            found[name] = Peer(theirs, off(place))
-        except (ImportError, NotImplementedError) as why:
+                raise LeftOut(too_large.format(size=size))
+            theirs, place = run(links, 5)
+            # Pinocchio has no place of its own: its step would be ours
+            found[name] = Peer(theirs, found["joint"].error if place is None else off(place))
+        except (ImportError, LeftOut) as why:
             found["left out"].append(f"{name}: {why}")
-    found["pinocchio"] = Peer()
-    try:
-        if size > limits["pinocchio"]:
-            raise NotImplementedError(
-                f"its data take 64 bytes times the cube of {size} coordinates"
-            )
-        found["pinocchio"] = Peer(4.0 * pinocchio(links, 5), found["joint"].error)
-    except (ImportError, NotImplementedError) as why:
-        found["left out"].append(f"pinocchio: {why}")
     return found
 
 
@@ -398,14 +404,14 @@ def report(results: dict[str, dict[str, Any]]) -> None:
             "case", "evaluation", "RK4", "ROS2", *MORE, "MuJoCo", "4 x Pinocchio", "EXUDYN", "best"
         )
     )
-    peers, best, former = ("mujoco", "pinocchio", "exudyn"), {}, {}
+    best, former = {}, {}
     for name, x in results.items():
         own, floor = x["joint"], ROUNDING * LENGTH * x["links"]
-        ratios = {p: equal(own, x[p], floor) for p in peers if np.isfinite(x[p].time)}
+        ratios = {p: equal(own, x[p], floor) for p in PEERS if np.isfinite(x[p].time)}
         best[name] = min(ratios.items(), key=lambda r: r[1], default=("", np.nan))
         known = x["0.1.0"] if np.isfinite(x["0.1.0"].time) else x["maximal"]
         former[name] = known.time / own.time
-        others = " | ".join(x[p].ratio(own.time) for p in (*MORE, *peers))
+        others = " | ".join(x[p].ratio(own.time) for p in (*MORE, *PEERS))
         line = f"| {name} | {own.time / 4:.3g} | {own.time:.3g} | {x['ros2'].time:.3g} | {others}"
         print(f"{line} | {best[name][1]:.1f}, {best[name][0]} |" if ratios else f"{line} | |")
     print("\n" + head("error, m", "RK4", "ROS2", *MORE, "MuJoCo", "EXUDYN"))
