@@ -157,7 +157,7 @@ export class View {
     const { state } = this.store;
     const began = performance.now();
     this.drawing = true;
-    if (this.looksChanged) this.applyLooks(state);
+    this.applyLooks(state);
     for (const machine of this.machines) if (state.runs[machine.run.index] !== false) machine.update(state);
     for (const machine of this.machines) machine.move(this.renderer);
     this.ranges.update(this.renderer);
@@ -201,6 +201,7 @@ export class View {
   }
 
   private applyLooks(state: Readonly<State>): void {
+    if (!this.looksChanged) return;
     this.looksChanged = false;
     const { uniforms } = this.shared;
     uniforms.measure.value = measureNumber(state.measure);
@@ -293,7 +294,7 @@ export class View {
   pick(px: number, py: number): Hit | null {
     if (!this.counters.frames) this.drawNow();
     // what was hidden or cut since the last picture is not found
-    if (this.looksChanged) this.applyLooks(this.store.state);
+    this.applyLooks(this.store.state);
     const objects = this.machines.flatMap((machine) => machine.picks());
     const found = this.picker.find(objects, this.rig.camera, px, py, this.rig.width, this.rig.height);
     if (!found) return null;
