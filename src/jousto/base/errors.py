@@ -151,7 +151,7 @@ class Problems:
         """Return whether the value is a finite number that is good, or note a problem."""
         try:
             wrong = str if is_stepping() else (str, complex)
-            if value is None or isinstance(value, wrong) or np.ndim(value) != 0:
+            if isinstance(value, wrong) or np.ndim(value) != 0:
                 raise TypeError
             x = scalar(value)
         except (TypeError, ValueError, OverflowError):

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from jousto.base.declare import Declared
 from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
@@ -15,6 +14,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.coordinate import Along, Coordinate
 
 if TYPE_CHECKING:
+    from jousto.mechanism.forces.base import ForceElement
     from jousto.mechanism.mechanism import Mechanism
     from jousto.mesh.mesh import Mesh
     from jousto.reduction.reduced import ReducedPart
@@ -82,20 +82,19 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
     return rows
 
 
-def given(element: Declared) -> str:
-    """Return where an element acts, and what it was given besides: numbers, vectors and flags."""
+def given(force: ForceElement) -> str:
+    """Return where a force acts, and what it was given besides: numbers, vectors and flags."""
     places: list[str] = []
     values: list[str] = []
-    owner = getattr(element, "name", "")
-    for key, kind in element.fields.items():
-        value = getattr(element, key)
+    for key, kind in force.fields.items():
+        value = getattr(force, key)
         size = np.size(value) if isinstance(value, float | complex | np.ndarray) else 0
         if isinstance(value, Marker):
             places.append(value.label)
         elif (
             isinstance(value, Coordinate)
             and value.joint is None
-            and value.name.startswith(f"{owner}.")  # made by Spring.between
+            and value.name.startswith(f"{force.name}.")  # made by Spring.between
         ):
             places.append(f"{value.a.label} to {value.b.label}")
         elif isinstance(value, Coordinate | BeamBody | FlexibleBody | RigidBody):
@@ -104,7 +103,7 @@ def given(element: Declared) -> str:
             values.append(kind.label)
         elif 0 < size <= 3 and np.any(value != kind.default):
             unit = kind.unit
-            unit = unit.of(getattr(element, unit.field)) if isinstance(unit, Along) else unit
+            unit = unit.of(getattr(force, unit.field)) if isinstance(unit, Along) else unit
             number = ", ".join(f"{x:.6g}" for x in np.ravel(value))
             number = f"({number})" if size > 1 else number
             values.append(f"{kind.label} {number}" + (f" {unit}" if unit != "1" else ""))
