@@ -31,7 +31,11 @@ settings.register_profile("ci", settings.get_profile("default"), derandomize=Tru
 settings.load_profile("ci" if os.environ.get("CI") else "default")
 
 
-CHOOSING = ("jousto.model.doctor.doctor",)  # examples that say which core compile chose
+CHOOSING = (  # examples that say which core compile chose
+    "jousto.model.doctor.doctor",
+    "test_code_of_the_page_runs[docs/robots.md]",
+    "test_code_of_the_page_runs[docs/solvers.md]",
+)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -34,7 +34,6 @@ from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))]
-CHOOSING = ("docs/robots.md", "docs/solvers.md")  # they print which core compile chose
 OWN = "docs/own-element.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -99,14 +98,7 @@ def run_console(text: str, where: str) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, marks=[pytest.mark.chooses] if page in CHOOSING else [])
-        for page in PAGES
-        if page != OWN
-    ],
-)
+@pytest.mark.parametrize("page", [page for page in PAGES if page != OWN])
 def test_code_of_the_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     before = {name: set(section) for name, section in SECTIONS.items()}

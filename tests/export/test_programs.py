@@ -41,11 +41,10 @@ def test_a_program_of_one_file_computes_the_bits_of_the_engine(
     assert np.array_equal(table(built, "0.4", "10"), engine_rows(tmp_path, 0.4, 10))
 
 
+@pytest.mark.skipif(shutil.which("make") is None, reason="no make")
 def test_a_project_builds_with_its_makefile_without_a_warning(
     machine: jo.Model, built: Path, tmp_path: Path
 ) -> None:
-    if shutil.which("make") is None:
-        pytest.skip("no make")
     out = write_program(machine, tmp_path / "arm.zip", jo.ROS2(step=STEP))
     shutil.unpack_archive(out, tmp_path)
     flags = " ".join([*WARNINGS[1:], "-O0", *FLAGS[1:]])

@@ -22,10 +22,13 @@ SIZE = {"width": 1000, "height": 700}
 PATIENCE = 90.0  # s, for machines that are busy
 
 
+UNBUILT = "" if (bundle.FOLDER / bundle.JS).is_file() else "the page was not built: make page"
+
+
 def missing() -> str:
     """Return why the page cannot be looked at, empty if it can."""
-    if not (bundle.FOLDER / bundle.JS).is_file():
-        return "the page was not built: make page"
+    if UNBUILT:
+        return UNBUILT
     if not any(map(shutil.which, NAMES)):
         return "there is no Chromium on the path"
     try:

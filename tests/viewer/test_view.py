@@ -31,13 +31,14 @@ from jousto.viewer.standalone import FRAMES
 from jousto.viewer.view import answers_of
 from jousto.viewer.watched import Renewed
 from session import EXAMPLES
+from viewer.browser import UNBUILT
 from viewer.machines import bar, mechanism, swing
 
 
 @pytest.fixture(autouse=True)
 def built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A page for the tests where Node did not build the real one."""
-    if not (bundle.FOLDER / bundle.JS).is_file():
+    if UNBUILT:
         (tmp_path / "page").mkdir()
         (tmp_path / "page" / "viewer.js").write_text('let x = "</script><!--";')
         (tmp_path / "page" / "viewer.css").write_text("body {}")
@@ -302,9 +303,8 @@ def test_the_page_of_the_link_arm_can_be_sent_by_mail(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.skipif(bool(UNBUILT), reason=UNBUILT)
 def test_ctrl_c_ends_the_command(tmp_path: Path) -> None:
-    if not (Path(bundle.__file__).parent / "page" / "viewer.js").is_file():
-        pytest.skip("the page was not built: make page")
     file = tmp_path / "run.h5"
     swing().save(file)
     command = [sys.executable, "-m", "jousto", "view", str(file), "--no-open"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 import zlib
@@ -221,13 +222,10 @@ def test_a_twin_goes_on_after_a_power_cut_to_the_last_bit(
         assert memory.read_bytes() == damaged, "what is there is not overwritten"
 
 
+@pytest.mark.skipif(shutil.which("make") is None, reason="no make")
 def test_a_project_builds_and_lines_that_cannot_be_are_left_out(
     rod: jo.ReducedPart, gauges: list[jo.gauges.Gauge], tmp_path: Path
 ) -> None:
-    import shutil
-
-    if shutil.which("make") is None:
-        pytest.skip("no make")
     twin = observer(rod, gauges)
     jo.write(watching(twin, rod, "s11", sn=None, mean=None), tmp_path / "rod.zip")
     shutil.unpack_archive(tmp_path / "rod.zip", tmp_path)
