@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,7 +11,8 @@ import numpy as np
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.cells import KINDS
-from jousto.mesh.readers.raw import BIG, RawCells, RawMesh, joined, sensible
+from jousto.mesh.readers.inp_blocks import Block, blocks, real
+from jousto.mesh.readers.raw import RawCells, RawMesh, joined, sensible
 
 # beginnings of element types, the first that fits counts
 _TYPES = (
@@ -35,23 +35,7 @@ _LINES = {"B31": "line", "B21": "line", "T3D2": "line", "T2D2": "line", "R3D2": 
     "T2D3": "line3",
 }
 _SIDE = re.compile(r"S(\d)$|(SPOS|SNEG|SP|SN)$", re.IGNORECASE)
-_FROM_FILES = ("INCLUDE", "NODE", "ELEMENT", "NSET", "ELSET")
 _GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
-
-
-@dataclass
-class _Block:
-    """One keyword with its parameters, its data lines and where it stands."""
-
-    keyword: str
-    parameters: dict[str, str]
-    lines: list[str]
-    path: Path
-    number: int
-
-    @property
-    def where(self) -> str:
-        return f"{self.path.name}:{self.number}: *{self.keyword}"
 
 
 def read_inp(path: Path) -> RawMesh:
@@ -70,8 +54,8 @@ def read_inp(path: Path) -> RawMesh:
     names = _Names()
     system = _System()
     seen, instances = 0, []
-    surfaces: list[_Block] = []
-    for block in _blocks(path, 0):
+    surfaces: list[Block] = []
+    for block in blocks(path):
         seen += block.keyword in ("NODE", "ELEMENT")
         if block.keyword == "NODE":
             ids, nodes = _nodes(block)
@@ -102,6 +86,9 @@ def read_inp(path: Path) -> RawMesh:
                 raw.materials[names(title)] = material
         elif block.keyword == "INSTANCE":
             instances.append(block)
+        elif not block.keyword and block.lines:
+            lost = f"'{block.lines[0][:40]}' stands below no *KEYWORD and is not read"
+            raw.left_out.append((block.place, lost))
     if len(instances) > 1:
         raise InputError(
             Problem(
@@ -136,104 +123,18 @@ class _Names:
         return self.spelt.setdefault(name.upper(), name)
 
 
-def _blocks(path: Path, depth: int) -> Iterator[_Block]:
-    """Yield the keyword blocks of a file, with those of the files it includes."""
-    if depth > 10:
-        raise InputError(Problem(path.name, "*INCLUDE goes round in circles"))
-    block: _Block | None = None
-    with open(path, encoding="latin-1") as file:
-        continued = ""
-        for number, line in enumerate(file, start=1):
-            if line.startswith("**") or not line.strip():
-                continue
-            if continued and re.match(r"\s*[-+.\d]", line):  # a comma too many, data follow
-                if block is not None:
-                    yield from _opened(block, depth)
-                block, continued = _keyword(continued.rstrip(","), path, number - 1), ""
-            if line.lstrip().startswith("*") or continued:
-                text = continued + line.strip()
-                if text.endswith(","):  # keyword lines go on after a comma
-                    continued = text
-                    continue
-                continued = ""
-                if block is not None:
-                    yield from _opened(block, depth)
-                block = _keyword(text, path, number)
-            elif block is not None:
-                block.lines.append(line)
-    if block is not None:
-        yield from _opened(block, depth)
-
-
-def _opened(block: _Block, depth: int) -> Iterator[_Block]:
-    """Yield the block itself or what the file holds that it points to."""
-    target = block.parameters.get("INPUT")
-    # of other keywords it is a results file or such, as for *SUBMODEL
-    if target is None or block.keyword not in _FROM_FILES:
-        yield block
-        return
-    path = block.path.parent / target.strip('"')
-    if not path.is_file():
-        raise InputError(
-            Problem(block.where, f"the included file '{target}' is not there; keep it beside")
-        )
-    if block.keyword == "INCLUDE":
-        yield from _blocks(path, depth + 1)
-    else:  # data lines of a *NODE, *ELEMENT or set in a file of their own
-        lines = path.read_text(encoding="latin-1").splitlines()
-        block.lines += [line for line in lines if line.strip() and not line.startswith("*")]
-        yield block
-
-
-def _keyword(text: str, path: Path, number: int) -> _Block:
-    words = [word.strip() for word in text.lstrip("* ").split(",")]
-    parameters = {}
-    for word in words[1:]:
-        key, _, value = word.partition("=")
-        parameters[key.strip().upper()] = value.strip()
-    keyword = re.sub(r"\s+", " ", words[0]).upper()
-    return _Block(keyword, parameters, [], path, number)
-
-
-def _tokens(block: _Block) -> list[str]:
-    return [word for line in block.lines for word in line.replace(",", " ").split()]
-
-
-def _whole(block: _Block, words: list[str]) -> Ints:
-    try:
-        return np.array(words, dtype=np.int64)
-    except (ValueError, OverflowError):
-        pass
-    numbers = []
-    for word in words:
-        plain = re.fullmatch(r"([+-]?\d+)(\.0*)?", word.strip())
-        if plain is None or abs(int(plain[1][:25])) > BIG:
-            wrong = "is no whole number" if plain is None else "is too large for a number"
-            raise InputError(
-                Problem(block.where, f"'{word[:25]}' {wrong}; is the file cut off or damaged?")
-            )
-        numbers.append(int(plain[1]))
-    return np.array(numbers, dtype=np.int64)
-
-
-def _real(word: str) -> float:
-    """Return a number; blank means zero, Fortran's ``1.5D+00`` is known."""
-    word = word.strip()
-    return float(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d+$)", "e", word)) if word else 0.0
-
-
-def _nodes(block: _Block) -> tuple[Ints, Array]:
+def _nodes(block: Block) -> tuple[Ints, Array]:
     rows = [line.strip().rstrip(",").split(",") for line in block.lines]
     table = np.zeros((len(rows), 3))
     try:
         if rows and all(len(row) == 4 for row in rows):
             table[:] = np.array([row[1:] for row in rows], dtype=np.float64)
-            return _whole(block, [row[0] for row in rows]), table
+            return block.whole([row[0] for row in rows]), table
     except ValueError:
         pass
     for i, row in enumerate(rows):  # coordinates may be blank or left out at the end
         try:
-            values = [_real(word) for word in row[1:4]]
+            values = [real(word) for word in row[1:4]]
             if not any(word.strip() for word in row[1:4]):
                 raise ValueError
         except ValueError:
@@ -242,7 +143,7 @@ def _nodes(block: _Block) -> tuple[Ints, Array]:
                 Problem(block.where, f"'{found}' is no node: number, x, y, z are needed")
             ) from None
         table[i, : len(values)] = values
-    return _whole(block, [row[0] for row in rows]), table
+    return block.whole([row[0] for row in rows]), table
 
 
 @dataclass
@@ -253,14 +154,14 @@ class _System:
     axes: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod
-    def of(cls, block: _Block) -> _System:
+    def of(cls, block: Block) -> _System:
         """Return what the points a (origin), b (on x') and c (in the plane x'y') say.
 
         Without c, z' is the global z and x' the projection of ab; without b, axes are global.
         """
         words = [word for line in block.lines for word in line.strip().rstrip(",").split(",")]
         try:
-            numbers = sensible(np.array([_real(word) for word in words]))
+            numbers = sensible(np.array([real(word) for word in words]))
         except ValueError:
             numbers = np.zeros(1)
         if not len(numbers):
@@ -278,7 +179,7 @@ class _System:
         x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
         return cls(a, np.stack([x, np.cross(z, x), z], axis=1))
 
-    def __call__(self, block: _Block, x: Array) -> Array:
+    def __call__(self, block: Block, x: Array) -> Array:
         """Return positions (n, 3); ``SYSTEM=C`` means radius, angle in degrees, z."""
         kind = block.parameters.get("SYSTEM", "R").upper()[:1]
         x = sensible(x)
@@ -298,7 +199,7 @@ class _System:
         return out
 
 
-def _named(block: _Block, parameter: str, names: _Names) -> str:
+def _named(block: Block, parameter: str, names: _Names) -> str:
     title = block.parameters.get(parameter, "").strip('" ')
     if not title:
         raise InputError(Problem(block.where, f"has no name; write {parameter}=... behind it"))
@@ -314,7 +215,7 @@ def _kind(etype: str) -> str | None:
     return None
 
 
-def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
+def _elements(block: Block, raw: RawMesh, names: _Names) -> None:
     etype = block.parameters.get("TYPE", "").upper()
     kind = _kind(etype)
     if kind is None:
@@ -324,7 +225,7 @@ def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
         return
     wide = KINDS[kind] + 1
     _check_lines(block, etype, wide)
-    values = _whole(block, _tokens(block))
+    values = block.whole(block.tokens)
     if len(values) % wide:
         raise InputError(
             Problem(
@@ -342,7 +243,7 @@ def _elements(block: _Block, raw: RawMesh, names: _Names) -> None:
         raw.element_sets.setdefault(names(title), []).append(ids)
 
 
-def _check_lines(block: _Block, etype: str, wide: int) -> None:
+def _check_lines(block: Block, etype: str, wide: int) -> None:
     """Refuse an element with more numbers than it has nodes; the next would take what is left."""
     held = 0
     for line in block.lines:
@@ -358,14 +259,14 @@ def _check_lines(block: _Block, etype: str, wide: int) -> None:
             )
 
 
-def _set(block: _Block, raw: RawMesh, names: _Names) -> None:
+def _set(block: Block, raw: RawMesh, names: _Names) -> None:
     """Read a set of numbers, of ranges (GENERATE) or of other sets."""
     title = _named(block, block.keyword, names)
     sets = raw.node_sets if block.keyword == "NSET" else raw.element_sets
     parts = sets.setdefault(title, [])
     if "GENERATE" in block.parameters:
         for line in block.lines:
-            row = _whole(block, line.replace(",", " ").split())
+            row = block.whole(line.replace(",", " ").split())
             if len(row) not in (2, 3) or (len(row) == 3 and row[2] <= 0):
                 raise InputError(Problem(block.where, "GENERATE needs first, last and step"))
             step = row[2] if len(row) == 3 else 1
@@ -385,10 +286,10 @@ def _set(block: _Block, raw: RawMesh, names: _Names) -> None:
             else:
                 raise InputError(Problem(block.where, f"'{word}' is neither a number nor a set"))
     if words:
-        parts.append(_whole(block, words))
+        parts.append(block.whole(words))
 
 
-def _surface(block: _Block, raw: RawMesh, names: _Names) -> None:
+def _surface(block: Block, raw: RawMesh, names: _Names) -> None:
     """Read a surface of nodes or of element faces."""
     title = _named(block, "NAME", names)
     of_nodes = block.parameters.get("TYPE", "ELEMENT").upper() == "NODE"
@@ -398,7 +299,7 @@ def _surface(block: _Block, raw: RawMesh, names: _Names) -> None:
             continue
         sets = raw.node_sets if of_nodes else raw.element_sets
         if re.fullmatch(r"\d+", row[0]):
-            members = _whole(block, row[:1])
+            members = block.whole(row[:1])
         elif names(row[0]) in sets:
             members = joined(sets[names(row[0])], raw.numbers(of_nodes))
         else:

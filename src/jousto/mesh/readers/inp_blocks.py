@@ -1,0 +1,163 @@
+"""Keywords of Abaqus and CalculiX input files with their data lines, included files in place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from jousto.base.arrays import Ints
+from jousto.base.errors import InputError, Problem
+from jousto.mesh.readers.raw import BIG
+
+# keywords whose INPUT names a file of data lines; of others it is a results file or such
+_DATA_FILES = ("NODE", "ELEMENT", "NSET", "ELSET")
+# files in one another; Abaqus allows five
+DEPTH = 10
+
+
+@dataclass
+class Block:
+    """One keyword with its parameters, its data lines and where it stands."""
+
+    keyword: str
+    parameters: dict[str, str]
+    path: Path
+    number: int
+    lines: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, text: str, path: Path, number: int) -> Block:
+        """Return the block of a keyword line such as ``*ELEMENT, TYPE=C3D8``."""
+        words = [word.strip() for word in text.lstrip("* ").split(",")]
+        parameters = {}
+        for word in words[1:]:
+            key, _, value = word.partition("=")
+            parameters[key.strip().upper()] = value.strip()
+        return cls(re.sub(r"\s+", " ", words[0]).upper(), parameters, path, number)
+
+    @property
+    def place(self) -> str:
+        """File and line."""
+        return f"{self.path.name}:{self.number}"
+
+    @property
+    def where(self) -> str:
+        """Beginning of messages."""
+        return f"{self.place}: *{self.keyword}"
+
+    def text(self, parameter: str) -> str:
+        """Return the value of a parameter without quotes, empty if it has none."""
+        return self.parameters.get(parameter, "").strip('" ')
+
+    @property
+    def tokens(self) -> list[str]:
+        """All words of the data lines."""
+        return [word for line in self.lines for word in line.replace(",", " ").split()]
+
+    @property
+    def rows(self) -> list[list[str]]:
+        """The data lines as lists of words; a word may be empty."""
+        return [
+            [word.strip() for word in line.strip().rstrip(",").split(",")] for line in self.lines
+        ]
+
+    def whole(self, words: list[str]) -> Ints:
+        """Return words as whole numbers, or raise."""
+        try:
+            return np.array(words, dtype=np.int64)
+        except (ValueError, OverflowError):
+            pass
+        numbers = []
+        for word in words:
+            plain = re.fullmatch(r"([+-]?\d+)(\.0*)?", word.strip())
+            if plain is None or abs(int(plain[1][:25])) > BIG:
+                wrong = "is no whole number" if plain is None else "is too large for a number"
+                raise self.wrong(f"'{word[:25]}' {wrong}; is the file cut off or damaged?")
+            numbers.append(int(plain[1]))
+        return np.array(numbers, dtype=np.int64)
+
+    def wrong(self, sentence: str) -> InputError:
+        """Return the error that says what is wrong with the block."""
+        return InputError(Problem(self.where, sentence))
+
+
+def real(word: str) -> float:
+    """Return a number; blank means zero, Fortran's ``1.5D+00`` is one."""
+    word = word.strip()
+    return float(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d+$)", "e", word)) if word else 0.0
+
+
+def blocks(path: Path) -> Iterator[Block]:
+    """Yield the keyword blocks of a file; data before any keyword as one without a keyword.
+
+    The lines of an included file stand where ``*INCLUDE`` stands: data at its beginning continue
+    the keyword that is open, and its last keyword stays open behind it, as in Abaqus and CalculiX.
+
+    Raises
+    ------
+    InputError
+        If an included file is missing or includes itself.
+    """
+    block: Block | None = None
+    for here, number, line, opens in _lines(path, ()):
+        if opens:
+            if block is not None:
+                yield block
+            block = Block.of(line, here, number)
+        else:
+            block = block or Block("", {}, here, number)
+            block.lines.append(line)
+    if block is not None:
+        yield block
+
+
+_Line = tuple[Path, int, str, bool]
+
+
+def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
+    """Yield file, number, text and whether it is a keyword, with the lines of included files.
+
+    Keyword lines go on after a comma; they are joined to one.
+    """
+    if len(above) > DEPTH:
+        raise InputError(Problem(path.name, "*INCLUDE goes round in circles"))
+    above = (*above, path)
+    begun, first = "", 0
+    with open(path, encoding="latin-1") as file:
+        for number, line in enumerate(file, start=1):
+            text = line.strip()
+            if not text or line.startswith("**"):
+                continue
+            if begun and re.match(r"[-+.\d]", text):  # a comma too many, data follow
+                yield from _opened(begun.rstrip(","), first, above)
+                begun = ""
+            if begun or text.startswith("*"):
+                first = first if begun else number
+                begun += text
+                if not text.endswith(","):
+                    yield from _opened(begun, first, above)
+                    begun = ""
+            else:
+                yield path, number, text, False
+    if begun:
+        yield from _opened(begun.rstrip(","), first, above)
+
+
+def _opened(text: str, number: int, above: tuple[Path, ...]) -> Iterator[_Line]:
+    """Yield a keyword line, or what the file contains that it includes."""
+    block = Block.of(text, above[-1], number)
+    if block.keyword != "INCLUDE":
+        yield above[-1], number, text, True
+    target = block.text("INPUT")
+    if block.keyword != "INCLUDE" and (not target or block.keyword not in _DATA_FILES):
+        return
+    # beside the file that includes it or, as Abaqus and CalculiX do, where the deck is
+    found = [file.parent / target for file in (above[-1], above[0])]
+    inner = next((file for file in found if target and file.is_file()), None)
+    if inner is None:
+        raise block.wrong(f"the included file '{target}' is not there; keep it beside")
+    yield from _lines(inner, above)
