@@ -7,6 +7,7 @@ Blocks are executed page by page in their order, in an empty folder:
 * ``yaml`` with a first line ``# NAME.yaml``: written to that file and checked by ``jousto check``;
   ``# NAME.yml`` is a part alone, which ``jousto reduce`` must accept.
 * ``console``: lines after ``$ jousto ...`` are its output, ``$ echo $?`` asks for its exit code.
+  Each command runs in a process of its own, as a user starts it.
 
 In outputs ``...`` stands for anything. The page `OWN` adds a force to the engine: it runs in a
 copy of the sources, see test_own_element.py.
@@ -20,6 +21,8 @@ import importlib
 import io
 import re
 import shlex
+import subprocess
+import sys
 import traceback
 import warnings
 from collections.abc import Iterator
@@ -77,6 +80,29 @@ def run_python(code: str, where: str, names: dict[str, object]) -> tuple[str, bo
     return out.getvalue(), noted or bool(ended)
 
 
+def commands(page: str) -> Iterator[str]:
+    """Yield the name of each command that a page runs."""
+    for language, text, *_ in blocks(page):
+        if language == "console":
+            for line in re.findall(r"^\$ jousto (.*)$", text, re.M):
+                words = shlex.split(line)
+                yield words[2 if words[0] == "--with" else 0]
+
+
+def run_command(words: list[str], folder: Path | None = None) -> tuple[int, str]:
+    """Return exit code and output of a command in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, "-m", "jousto", *words],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        timeout=300,
+        check=False,
+    )
+    return done.returncode, done.stdout.decode()
+
+
 def run_console(text: str, where: str) -> None:
     """Run the commands of a console block and compare their output."""
     code, prompt = 0, re.compile(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", re.M)
@@ -88,12 +114,12 @@ def run_console(text: str, where: str) -> None:
             assert str(code) == expected.strip(), f"{where}: exit code {code}"
         elif words[0] == "jousto":
             assert asked or code == 0, f"{where}: exit code {code}, not shown"
-            result = CliRunner().invoke(app, words[1:], prog_name="jousto")
-            code, asked = result.exit_code, False
+            code, output = run_command(words[1:])
+            asked = False
             if expected.strip():
-                same(expected, result.output, f"{where}: {command}")
+                same(expected, output, f"{where}: {command}")
             else:
-                assert code == 0, f"{where}: {command}\n{result.output}"
+                assert code == 0, f"{where}: {command}\n{output}"
     assert asked or code == 0, f"{where}: exit code {code}, not shown"
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import inspect
 import pydoc
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -48,6 +50,23 @@ def test_the_rooms_list_their_names() -> None:
         assert inspect.getdoc(room), name
     # a file of the same name does not hide a function
     assert callable(jo.monitor.watch) and callable(jo.simulation.kinematics)
+
+
+def test_every_room_is_imported_by_its_public_name() -> None:
+    """As ``import jousto.gauges`` does, in a process that has imported nothing else."""
+    rooms = [name for name in jo.__all__ if isinstance(getattr(jo, name), Room)]
+    for name in rooms:
+        lines = (
+            f"import jousto.{name}",
+            f"import jousto.{name} as room",
+            f"assert jousto.{name} is room",
+            f"from jousto.{name} import {getattr(jo, name).__all__[0]}",
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{name}: {done.stderr}"
+    assert {"gauges", "twin", "monitor"} <= {*rooms}
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 from .certificate.advice import Advice as Advice, advise as advise
 from .certificate.certificate import Certificate as Certificate, Check as Check
 from .certificate.certify import certify as certify
+from .fields.invariants import Invariants as Invariants
+from .fields.stress import StressModes as StressModes
 from .files.cache import ReductionCache as ReductionCache
 from .frames.clamp import clamp as clamp, in_frame as in_frame
 from .frames.frame import (
