@@ -70,6 +70,9 @@ double jo_cycle_damage(const jo_meter *r, double from, double to)
     return pow(s / r->amplitude, slope) / r->cycles;
 }
 
+/* share of the knee of the S-N curve below which a range is the rounding of the history */
+#define ROUNDING 1e-12
+
 /* -- the stack ---------------------------------------------------------------------------------- */
 
 /* Kahan's sum: damage of 1e9 small cycles is not lost */
@@ -119,7 +122,7 @@ static int push(const jo_meter *r, double *m, double x, double *cycles)
         return 0;
     }
     const double top = z[n - 1];
-    if (x == top) return 0;
+    if (fabs(x - top) <= ROUNDING * r->amplitude) return 0;   /* rounding turns no history */
     if (n > 1 && (x > top) == (top > z[n - 2])) {
         z[n - 1] = x;   /* further in the same direction */
     } else {

@@ -82,6 +82,8 @@ export interface Sensor {
   side: Side | null;
   arrow: "force" | "moment" | "velocity" | "acceleration" | null;
   columns: number[] | null;
+  /** What a reading of each component must exceed to be more than rounding. */
+  floors: number[];
 }
 
 export interface Mode {

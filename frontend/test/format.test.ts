@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { csv } from "../src/format/csv";
 import { ticks, typed, zoomed } from "../src/format/range";
-import { clock, fixed, mark, number, quantity, unitFor } from "../src/format/units";
+import { clock, fixed, mark, number, quantity, reading, unitFor } from "../src/format/units";
 import { limit } from "../src/format/range";
 
 test("stress gets the prefix of its size", () => {
@@ -19,6 +19,12 @@ test("lengths are millimetres below one metre", () => {
   assert.equal(quantity(2.5, "m"), "2.500 m");
   assert.equal(quantity(-0.25, "m", 3), "−250 mm");
   assert.equal(quantity(3e-6, "m", 2), "3.0 µm");
+});
+
+test("what is no more than rounding is zero", () => {
+  assert.equal(quantity(reading(9.157e-17, 1e-14), "m"), "0 mm");
+  assert.equal(quantity(reading(-4.635e-9, 1e-6), "Pa"), "0 MPa");
+  assert.equal(quantity(reading(-2e-14, 1e-14), "m", 2), "−2.0·10⁻⁸ µm");
 });
 
 test("quantities without a prefix keep their unit", () => {

@@ -93,6 +93,11 @@ function superscript(text: string): string {
   return [...text].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
 }
 
+/** Return a reading, 0 where it is no more than rounding. */
+export function reading(value: number, floor: number): number {
+  return Math.abs(value) <= floor ? 0 : value;
+}
+
 /** Return a value with its unit: `12.3 MPa`. */
 export function quantity(value: number | null | undefined, unit: string, digits = 4): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";

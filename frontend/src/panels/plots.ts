@@ -3,6 +3,7 @@
 import type { Column } from "../format/csv";
 import { csv } from "../format/csv";
 import { measure } from "../format/measures";
+import { reading } from "../format/units";
 import type { App } from "../app";
 import type { History } from "../protocol";
 import type { Place } from "../state";
@@ -15,6 +16,8 @@ export interface Curve extends Column {
   id: string;
   /** Of the chosen place: the next choice replaces it. */
   fleeting?: boolean;
+  /** What values of a stream must exceed to be more than rounding. */
+  floor?: number;
 }
 
 const MOST = 4000;
@@ -128,7 +131,7 @@ export class Plots {
     const values = curve.values as number[];
     if (times.length && time < times[times.length - 1]) times.length = values.length = 0;
     times.push(time);
-    values.push(value);
+    values.push(reading(value, curve.floor ?? 0));
     if (times.length > STREAM) {
       times.splice(0, STREAM / 4);
       values.splice(0, STREAM / 4);
@@ -159,6 +162,7 @@ export class Plots {
         id: `live ${name} ${k}`,
         label: several ? `${name} ${component}` : name,
         unit: sensor.units[k] ?? sensor.unit,
+        floor: sensor.floors[k],
         time: [],
         values: [],
       })),
@@ -167,12 +171,13 @@ export class Plots {
 
   private named(answer: History, run: number, name: string): Curve[] {
     const title = this.app.runs.length > 1 ? `${this.app.runs[run].title}: ` : "";
+    const floors = this.app.runs[run].scene.sensors.find((sensor) => sensor.name === name)?.floors ?? [];
     return answer.units.map((unit, k) => ({
       id: `sensor ${run} ${name} ${k}`,
       label: title + (answer.labels?.[k] ?? name),
       unit,
       time: answer.time.data,
-      values: row(answer, k),
+      values: row(answer, k).map((value) => reading(value, floors[k] ?? 0)),
     }));
   }
 

@@ -1,6 +1,6 @@
 /** Values of the sensors of a running machine; a click plots one. */
 
-import { number, unitFor } from "../format/units";
+import { quantity, reading } from "../format/units";
 import type { Live } from "../protocol";
 import { h, section } from "./dom";
 import type { Kit } from "./kit";
@@ -9,7 +9,7 @@ const MOST = 12; // values of a sensor that are listed: fields of many points on
 
 export function mountReadings(kit: Kit): { element: HTMLElement | null; show: (live: Live) => void } {
   const { sensors } = kit.app.runs[0].scene;
-  const rows: { at: number; unit: string; output: HTMLElement }[] = [];
+  const rows: { at: number; unit: string; floor: number; output: HTMLElement }[] = [];
   const listed: HTMLElement[] = [];
   let at = 0;
   for (const sensor of sensors) {
@@ -19,7 +19,7 @@ export function mountReadings(kit: Kit): { element: HTMLElement | null; show: (l
     const several = sensor.components.length > 1;
     sensor.components.forEach((component, k) => {
       const output = h("output");
-      rows.push({ at: first + k, unit: sensor.units[k] ?? sensor.unit, output });
+      rows.push({ at: first + k, unit: sensor.units[k] ?? sensor.unit, floor: sensor.floors[k] ?? 0, output });
       const name = h("button", {
         class: "link",
         text: several ? `${sensor.name} ${component}` : sensor.name,
@@ -31,10 +31,8 @@ export function mountReadings(kit: Kit): { element: HTMLElement | null; show: (l
     });
   }
   const show = ({ sensors: { data } }: Live): void => {
-    for (const { at: place, unit, output } of rows) {
-      const value = data[place];
-      const { label, factor } = unitFor(unit, value);
-      output.textContent = `${number(value * factor, 4)}${label ? ` ${label}` : ""}`;
+    for (const { at: place, unit, floor, output } of rows) {
+      output.textContent = quantity(reading(data[place], floor), unit);
     }
   };
   return { element: rows.length ? section("Sensors", true, h("div", "readings", ...listed)) : null, show };

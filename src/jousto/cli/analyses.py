@@ -39,7 +39,10 @@ Steps = Annotated[int, typer.Option("--steps", min=1, help="Steps to the last va
 @command()
 def equilibrium(model: Model, trust: Trust = False) -> None:
     """Find where a model rests: positions of the bodies and values of the sensors."""
+    from jousto.base.rounding import without_rounding
     from jousto.model.native.native import Engine
+    from jousto.model.scales import scales_of
+    from jousto.simulation.results.frames import component_units
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
     compiled = compiled_model(model, trust)
@@ -47,16 +50,19 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
     engine = Engine(compiled)
     engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
     engine.accelerations()
-    values = engine.sensors()
+    values, scales = engine.sensors(), scales_of(compiled)
+    places = without_rounding(state.q, scales.floor("m"))
     # of beams the ends
     inner = {int(i) for beam in compiled.beam_shapes for i in beam.bodies[1:-1]}
     rows = [
-        (f"body {body.name}", f"origin at x y z = {numbers(state.q[body.iq : body.iq + 3])} m")
+        (f"body {body.name}", f"origin at x y z = {numbers(places[body.iq : body.iq + 3])} m")
         for i, body in enumerate(compiled.bodies)
         if i not in inner
     ]
     for sensor in compiled.sensors:
+        units = component_units({"unit": sensor.unit, "components": sensor.components})
         found = values[sensor.offset : sensor.offset + sensor.count]
+        found = without_rounding(found, [scales.floor(unit) for unit in units])
         rows.append((f"sensor {sensor.name}", named(found, sensor.components, sensor.unit)))
     facts(rows, f"{model.name} at rest")
 

@@ -176,6 +176,7 @@ def sensor_peaks(
     """Return name, smallest value, its time, largest value, its time and unit of components."""
     import numpy as np
 
+    from jousto.base.rounding import without_rounding
     from jousto.recovery.instants import window
     from jousto.simulation.results.frames import component_units
 
@@ -190,7 +191,9 @@ def sensor_peaks(
         values = values.reshape(len(values), -1)
         parts = about["components"] if values.shape[1] > 1 else ("",)
         units = component_units(about) if values.shape[1] > 1 else (about["unit"],)
-        for part, unit, column in zip(parts, units, values.T, strict=True):
+        floors = run.floors(name)
+        for part, unit, floor, column in zip(parts, units, floors, values.T, strict=True):
+            column = without_rounding(column, floor)
             low, high = int(np.argmin(column)), int(np.argmax(column))
             rows.append(
                 (

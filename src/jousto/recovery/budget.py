@@ -11,6 +11,7 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
+from jousto.base.rounding import difference
 from jousto.base.units import shown_unit
 from jousto.parts.mesh_error import place_errors
 from jousto.parts.solids.stress import SolidStress
@@ -141,12 +142,16 @@ def error_budget(
     own = float(ranked(np.asarray(spot.value)))
 
     def change(other: Finer | None) -> float:
-        return float("nan") if other is None else abs(_peak(found, spot, other, ranked) - own)
+        return (
+            float("nan")
+            if other is None
+            else abs(difference(_peak(found, spot, other, ranked), own))
+        )
 
     terms = {"modes": change(modes), "step": change(step), "mesh": change(mesh)}
     if mesh is None:
         terms["mesh"] = spot.mesh if part is None else _scatter(found, spot, *part)
-    terms["instants"] = max(float(ranked(np.asarray(spot.between))) - own, 0.0)
+    terms["instants"] = max(difference(float(ranked(np.asarray(spot.between))), own), 0.0)
     if np.isnan(spot.between):
         terms["instants"] = float("nan")
     return ErrorBudget(

@@ -174,6 +174,7 @@ def sensor_of(run: Solution, name: str, symbols: Sequence[Symbol]) -> Sensor:
         side=side,
         arrow=arrow,
         columns=(0, 1, 2) if arrow else None,
+        floors=tuple(run.floors(name).tolist()),
     )
 
 

@@ -211,6 +211,8 @@ class Sensor:
         "force", "moment", "velocity" or "acceleration" if it is a vector in world axes.
     columns : tuple of int or None
         The components of that vector.
+    floors : tuple of float
+        What a reading of each component must exceed to be no rounding.
     """
 
     name: str
@@ -221,6 +223,7 @@ class Sensor:
     side: Side | None = None
     arrow: str | None = None
     columns: tuple[int, ...] | None = None
+    floors: tuple[float, ...] = ()
 
 
 @described

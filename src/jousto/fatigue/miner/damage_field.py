@@ -16,6 +16,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
 from jousto.base.ranking import ranking
+from jousto.base.rounding import SHARE
 from jousto.fatigue.cycles.duty import DutyCycle, check_duty, count_duty
 from jousto.fatigue.cycles.rainflow import Cycles, check_residue
 from jousto.fatigue.miner.damage import (
@@ -161,15 +162,16 @@ class DamageField(Tabular):
         ]
         for i in self._order()[:count]:
             place = " ".join(f"{1e3 * x:.4g}" for x in self.positions[i])
-            least = "" if self.counted[i] else "> "
+            some = abs(self.peak[i]) > SHARE * self.sn.S_D  # more than rounding
+            least = "" if some and self.counted[i] else "> "
             rows.append(
                 (
                     self.labels[i],
                     place,
-                    f"{'' if self.exact[i] else '< '}{self.peak[i] / 1e6:.5g}",
+                    f"{'' if self.exact[i] else '< '}{self.peak[i] / 1e6:.5g}" if some else "0",
                     f"{self.damage[i]:.5g}",
                     told(float(self.life[i])),
-                    f"{least}{self.safety[i]:.4g}",
+                    f"{least}{min(float(self.safety[i]), 1.0 / SHARE):.4g}",
                 )
             )
         return rows

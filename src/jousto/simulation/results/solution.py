@@ -16,6 +16,7 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count, suggest
+from jousto.base.rounding import Scales
 from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
@@ -297,6 +298,19 @@ class Solution(Mapping[str, Array]):
             "unit": ", ".join(dict.fromkeys(units[k] for k in columns)),
             "components": tuple(about["components"][k] for k in columns),
         }
+
+    def floors(self, name: str) -> Array:
+        """Return what readings of each component of a sensor must exceed to be no rounding.
+
+        In the units of the components; 0 where the results do not know what the quantities of the
+        machine come to, and of pure numbers. See `jousto.base.rounding`.
+        """
+        about, known = self.about(name), self.attributes.get("scales")
+        units = frames.component_units(about)
+        if known is None:
+            return np.zeros(len(units))
+        scales = Scales(*(float(x) for x in known))
+        return np.array([scales.floor(unit) for unit in units])
 
     def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[frames.Column]:
         return [(name, self.about(name), self[name]) for name in named(self, names, sensors)]
