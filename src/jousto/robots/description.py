@@ -14,7 +14,7 @@ from jousto.base.described import described
 from jousto.base.errors import Problem
 from jousto.base.rotations import turn_onto
 
-KINDS = ("revolute", "prismatic", "ball", "planar", "floating", "fixed")
+KINDS = ("revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed")
 
 
 @described
@@ -61,6 +61,8 @@ class Link:
         Named frames in that of the link.
     where : str
         Where the file describes it.
+    lifts : tuple of (float, (3,) array)
+        Masses whose weight is compensated, kg, and where, in the frame of the link, m.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Link:
     shapes: tuple[Array, ...] = ()
     frames: Mapping[str, Frame] = field(default_factory=dict)
     where: str = ""
+    lifts: tuple[tuple[float, Array], ...] = ()
 
     def __repr__(self) -> str:
         return f"<Link {self.name!r}: {self.mass:g} kg>"
@@ -87,8 +90,15 @@ class Link:
             frames[other.name] = at
         frames.update((name, at @ inner) for name, inner in other.frames.items())
         shapes = (*self.shapes, *(at.r + shape @ at.A.T for shape in other.shapes))
+        lifts = (*self.lifts, *((m, at.r + at.A @ r) for m, r in other.lifts))
         return replace(
-            self, mass=mass, center=center, inertia=inertia, shapes=shapes, frames=frames
+            self,
+            mass=mass,
+            center=center,
+            inertia=inertia,
+            shapes=shapes,
+            frames=frames,
+            lifts=lifts,
         )
 
 
@@ -109,8 +119,9 @@ class RobotJoint:
     ----------
     name : str
         Its name.
-    kind : {"revolute", "prismatic", "ball", "planar", "floating", "fixed"}
-        How the child moves. A continuous joint is a revolute one without limits.
+    kind : {"revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed"}
+        How the child moves. A continuous joint is a revolute one without limits; the coordinate
+        of a screw is its angle.
     parent, child : str
         Names of the links.
     origin : Frame
@@ -133,6 +144,10 @@ class RobotJoint:
         What it follows.
     where : str
         Where the file describes it.
+    initial : float
+        Where it starts unless told otherwise, rad or m.
+    pitch : float
+        Displacement of a screw in one turn, m.
     """
 
     name: str
@@ -153,6 +168,8 @@ class RobotJoint:
     rest: float = 0.0
     mimic: Mimic | None = None
     where: str = ""
+    initial: float = 0.0
+    pitch: float = 0.0
 
     def __repr__(self) -> str:
         return f"<RobotJoint {self.name!r}: {self.kind}, {self.parent} - {self.child}>"
@@ -160,7 +177,7 @@ class RobotJoint:
     @property
     def frame(self) -> Frame:
         """Frame of the joint in that of the child, whose z axis is the joint's."""
-        if self.kind in ("revolute", "prismatic", "planar"):
+        if self.kind in ("revolute", "prismatic", "screw", "planar"):
             return Frame(self.anchor, turn_onto(np.eye(3), self.axis))
         return Frame(self.anchor)
 
@@ -170,9 +187,41 @@ class RobotJoint:
         return math.isfinite(self.lower) or math.isfinite(self.upper)
 
 
+@dataclass(frozen=True)
+class Actuator:
+    """A motor or servo of a robot with a control signal u.
+
+    The force on the joint is ``g (gain u + b0 + b1 g q + b2 g q')``, g being the gear, rad or m of
+    the actuator for one of the joint.
+
+    Parameters
+    ----------
+    name : str
+        Its name, that of its input.
+    joint : str
+        The joint it acts on.
+    gear, gain : float
+        Transmission ratio g, and force for one unit of the signal.
+    bias : (float, float, float)
+        b0 (N or N m), b1 and b2 (of its own length and rate).
+    limit : float
+        Largest force of the actuator, N or N m, before the gear.
+    where : str
+        Where the file describes it.
+    """
+
+    name: str
+    joint: str
+    gear: float = 1.0
+    gain: float = 1.0
+    bias: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    limit: float = math.inf
+    where: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot as a file or a table describes it: a tree of links.
+    """A robot as a file or a table describes it: a tree of links, and what closes loops.
 
     Parameters
     ----------
@@ -190,6 +239,10 @@ class Robot:
         The file.
     gravity : (3,) array
         Acceleration of free fall, m/s2.
+    loops : tuple of RobotJoint
+        Joints that close loops between links of the tree, without coordinates of their own.
+    actuators : tuple of Actuator
+        Motors and servos.
     """
 
     name: str
@@ -199,6 +252,8 @@ class Robot:
     odd: tuple[Problem, ...] = ()
     source: Path | None = None
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
+    loops: tuple[RobotJoint, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
 
     def __repr__(self) -> str:
         moving = sum(joint.kind != "fixed" for joint in self.joints)

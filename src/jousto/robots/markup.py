@@ -37,6 +37,8 @@ class Element:
         In their order.
     text : str
         What stands in it besides them.
+    file : str
+        Name of the file it stands in.
     """
 
     tag: str
@@ -44,6 +46,7 @@ class Element:
     line: int
     children: list[Element] = field(default_factory=list)
     text: str = ""
+    file: str = ""
 
     def all(self, *tags: str) -> Iterator[Element]:
         """Yield the children of some names."""
@@ -61,7 +64,8 @@ class Refused(Exception):
 class _Builder:
     """Builds elements from the events of a parser."""
 
-    def __init__(self) -> None:
+    def __init__(self, file: str) -> None:
+        self.file = file
         self.parser = expat.ParserCreate()
         self.root: Element | None = None
         self.open: list[Element] = []
@@ -78,7 +82,8 @@ class _Builder:
             raise Refused(f"has more than {MOST} elements, or {DEEPEST} within each other")
         # names of files end up in messages
         known = {key: harmless(value) for key, value in given.items()}
-        element = Element(harmless(tag), known, self.parser.CurrentLineNumber)
+        line = self.parser.CurrentLineNumber
+        element = Element(harmless(tag), known, line, file=self.file)
         if self.open:
             self.open[-1].children.append(element)
         elif self.root is None:
@@ -127,7 +132,7 @@ def parse_file(path: Path) -> Element:
 
 def parse_bytes(data: bytes, where: str) -> Element:
     """Return the root of XML, see `parse_file`."""
-    builder = _Builder()
+    builder = _Builder(where)
     try:
         builder.parser.Parse(data, True)
     except Refused as error:
@@ -158,7 +163,8 @@ class Reading:
         self.path = path
         self.problems: list[Problem] = []
         self.odd: list[Problem] = []
-        self.ignored: dict[str, tuple[int, int]] = {}
+        self.ignored: dict[str, tuple[str, int]] = {}
+        self.effects: dict[str, tuple[str, dict[str, int]]] = {}
 
     def where(self, element: Element | None, what: str = "") -> str:
         """Return the beginning of messages, ``arm.urdf:12: joint 'elbow'``."""
@@ -167,7 +173,11 @@ class Reading:
             return file if not what else f"{file}: {what}"
         name = element.given.get("name", "")
         what = what or (f"{element.tag} {name!r}" if name else element.tag)
-        return f"{file}:{element.line}: {what}"
+        return f"{self.line(element)}: {what}"
+
+    def line(self, element: Element) -> str:
+        """Return file and line of an element, ``arm.urdf:12``."""
+        return f"{element.file or harmless(self.path.name)}:{element.line}"
 
     def add(self, element: Element | None, message: str, what: str = "") -> None:
         """Note a problem."""
@@ -180,17 +190,25 @@ class Reading:
     def leave_out(self, element: Element, name: str = "") -> None:
         """Note an element that is not read; all of one name are told together."""
         name = name or element.tag
-        line, times = self.ignored.get(name, (element.line, 0))
+        line, times = self.ignored.get(name, (self.line(element), 0))
         self.ignored[name] = (line, times + 1)
+
+    def effect(self, element: Element, word: str, effect: str) -> None:
+        """Note what a word that is not done changes; all words of one effect are told together."""
+        _, words = self.effects.setdefault(effect, (self.where(element), {}))
+        words[word] = words.get(word, 0) + 1
 
     def finish(self) -> tuple[Problem, ...]:
         """Raise InputError with all problems, or warn of what is odd and return it."""
         if self.problems:
             raise InputError(self.problems)
-        file = harmless(self.path.name)
+        for effect, (where, words) in self.effects.items():
+            named = ", ".join(words)
+            again = f" ({times} places)" if (times := sum(words.values())) > 1 else ""
+            self.odd.append(Problem(where, f"{named}{again}: {effect}"))
         for name, (line, times) in self.ignored.items():
             again = f" and {times - 1} more" if times > 1 else ""
-            self.odd.append(Problem(f"{file}:{line}", f"<{name}>{again} is not read, left out"))
+            self.odd.append(Problem(line, f"<{name}>{again} is not read, left out"))
         for odd in self.odd:
             warn(odd.where, odd.message)
         return tuple(self.odd)
@@ -222,6 +240,14 @@ class Reading:
             self.add(element, f"{what} is {text.strip()[:60]!r}, must be finite")
             return spare
         return values
+
+    def list(self, element: Element, key: str) -> Array | None:
+        """Return the numbers of an attribute, however many, or None for none and for text."""
+        try:
+            values = np.array([float(word) for word in element.given.get(key, "").split()])
+        except ValueError:
+            return None
+        return values if len(values) and (np.abs(values) <= 1e100).all() else None
 
     def vector(self, element: Element, key: str, default: tuple[float, ...] | None) -> Array:
         """Return three numbers of an attribute."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,9 @@ from jousto.mechanism.bodies import shapes
 from jousto.mechanism.bodies.shapes import Solid, read_surface
 from jousto.robots.markup import Element, Reading
 
-READ = (".stl", ".obj", ".ply")
+READ = (".stl", ".obj", ".ply", ".dae")
 LARGEST = 256 * 2**20  # bytes
+MOST = 1e100  # m, beyond squares overflow
 
 
 class Folders:
@@ -49,6 +51,18 @@ class Folders:
                 raise InputError(Problem(f"packages[{name!r}]", message))
             self.packages[str(name)] = Path(folder).resolve()
         self.base = self.home
+
+    def within(self, name: str) -> Folders:
+        """Return the same folders, names counted from a folder in that of the file."""
+        found = copy(self)
+        found.base = self.base / name
+        return found
+
+    def at(self, folder: Path) -> Folders:
+        """Return the same folders for a file in one of them, names counted from there."""
+        found = copy(self)
+        found.base = folder
+        return found
 
     def find(self, name: str) -> tuple[Path | None, str]:
         """Return the file of a name in a robot's file, or why it may not be read."""
@@ -91,29 +105,33 @@ class Folders:
             return None, f"cannot be found: {type(error).__name__}"
         return real, ""
 
-    def mesh(self, reading: Reading, element: Element, name: str, scale: Array) -> Array | None:
-        """Return the triangles (nt, 3, 3) of a mesh file, m, or note why there are none."""
+    def surface(self, name: str) -> tuple[Array | None, str]:
+        """Return the triangles (nt, 3, 3) of a mesh file, m, or why there are none."""
         path, why = self.find(name)
         shown = harmless(name)
-        if path is not None and path.suffix.lower() not in READ:
-            why = f"is a {path.suffix or 'nameless'} file, {', '.join(READ)} are read"
-            path = None
         if path is None:
-            reading.note(element, f"the mesh '{shown}' {why}; the shape is left out")
-            return None
+            return None, f"'{shown}' {why}"
+        if path.suffix.lower() not in READ:
+            known = ", ".join(READ)
+            return None, f"'{shown}' is a {path.suffix or 'nameless'} file, {known} are read"
         try:
             with np.errstate(all="ignore"):  # readers guess the kind of a file by its numbers
-                triangles = read_surface("mesh", path, "m") * scale
-            if not np.isfinite(triangles).all():
-                raise InputError(Problem("", "it has corners that are no numbers"))
+                triangles = read_surface("mesh", path, "m")
         except InputError as error:
-            message = error.problems[0].message
-            reading.note(
-                element, f"the mesh '{shown}' cannot be used: {message}; the shape is left out"
-            )
+            return None, f"'{shown}' cannot be used: {error.problems[0].message}"
+        if not np.isfinite(triangles).all() or np.abs(triangles).max(initial=0.0) > MOST:
+            return None, f"'{shown}' cannot be used: it has corners that are no finite numbers"
+        return triangles, ""
+
+    def mesh(self, reading: Reading, element: Element, name: str, scale: Array) -> Array | None:
+        """Return the triangles (nt, 3, 3) of a mesh file, m, or note why there are none."""
+        found, why = self.surface(name)
+        if found is None:
+            reading.note(element, f"the mesh {why}; the shape is left out")
             return None
+        found = found * scale
         # a mirrored mesh is turned inside out
-        return triangles[:, ::-1] if np.prod(scale) < 0.0 else triangles
+        return found[:, ::-1] if np.prod(scale) < 0.0 else found
 
 
 def solid_of(reading: Reading, element: Element, kind: str, sizes: Array) -> Solid | None:

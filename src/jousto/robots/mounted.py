@@ -17,6 +17,7 @@ from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.bodies.posed import ZERO3, Orientation
 from jousto.mechanism.joints.base import Joint
+from jousto.robots.actuators import with_actuators
 from jousto.robots.build import Seat, built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.files import read_robot
@@ -88,7 +89,8 @@ class Mounted(Assembly, section="robots"):
 
     `Mechanism` takes it as it takes bodies; all that the robot consists of gets names with its
     prefix: ``arm_elbow``. Its joints count as its file counts them. Gravity is that of the
-    machine. What is called `mechanism` for a robot alone holds for its stops, losses and rotors.
+    machine; the forces of weights that the file compensates are those of the gravity of the file.
+    What `mechanism` says of a robot alone holds for its stops, losses, rotors and actuators.
 
     ``robot["tool"]`` is the marker of a link or a named frame, by its name in the file, with its
     own axes.
@@ -150,6 +152,11 @@ class Mounted(Assembly, section="robots"):
         default=True,
         kw_only=True,
     )
+    actuators: Flag = field(
+        "Whether the motors and servos of the file act, each with an input of its name",
+        default=True,
+        kw_only=True,
+    )
     at: AnyField = field(
         "Where joints start, by their names in the file, rad or m; elsewhere at zero, or at the "
         "limit that is nearest to it",
@@ -182,6 +189,7 @@ class Mounted(Assembly, section="robots"):
         base: Any = self.base
         if base is not None:
             robot = replace(robot, fixed_base=True)
+        robot = with_actuators(robot, self.actuators, ())
         marker = ground["origin"] if base is None else base
         seat = Seat(marker, Frame(self.position, rotation_matrix(self.orientation)))
         try:
@@ -256,4 +264,17 @@ def prefixed(robot: Robot, prefix: str) -> Robot:
         )
         for joint in robot.joints
     )
-    return replace(robot, links=links, joints=joints)
+    loops = tuple(
+        replace(
+            joint,
+            name=f"{prefix}{joint.name}",
+            parent=f"{prefix}{joint.parent}",
+            child=f"{prefix}{joint.child}",
+        )
+        for joint in robot.loops
+    )
+    actuators = tuple(
+        replace(one, name=f"{prefix}{one.name}", joint=f"{prefix}{one.joint}")
+        for one in robot.actuators
+    )
+    return replace(robot, links=links, joints=joints, loops=loops, actuators=actuators)

@@ -44,6 +44,7 @@ MOVES: dict[type[Joint], tuple[Move, ...]] = {
 OF_ROBOT: dict[str, type[Joint]] = {
     "revolute": Revolute,
     "prismatic": Prismatic,
+    "screw": Screw,
     "planar": Planar,
     "ball": Spherical,
     "fixed": Fixed,
@@ -263,6 +264,7 @@ def coordinate_names(joint: RobotJoint) -> tuple[str, ...]:
     own = {
         "revolute": ("angle",),
         "prismatic": ("displacement",),
+        "screw": ("displacement", "angle"),
         "planar": ("x", "y", "angle"),
         "ball": ("",),
     }.get(joint.kind, ())
@@ -290,15 +292,19 @@ def of_robot(robot: Robot, gravity: Array) -> Parts:
         a, b = numbers[joint.parent], numbers[joint.child]
         frame = joint.frame
         moves = MOVES[OF_ROBOT[joint.kind]]
-        zero = (0.0,) * len(names)
+        zero = (joint.initial,) * len(names)
         joints.append(Tie(joint.name, moves, names, a, b, joint.origin @ frame, frame, zero))
         if joint.mimic is not None:
             relations.append(mimic_relation(robot, joint))
+        if joint.kind == "screw":
+            slide, turn = names
+            lead = joint.pitch / (2.0 * np.pi)
+            relations.append(Relation(joint.name, (turn, slide), (-lead, 1.0), 0.0))
         if joint.armature > 0.0:
             armature |= dict.fromkeys(names, joint.armature)
         if joint.bounded and len(names) == 1 and joint.kind != "ball":
             limits[names[0]] = (joint.lower, joint.upper)
-    frames = {}
+    frames: dict[str, tuple[int, Frame]] = {}
     for i, link in enumerate(robot.links):
         frames[link.name] = (i, Frame())
         frames[f"{link.name}.origin"] = (i, Frame())
@@ -306,7 +312,22 @@ def of_robot(robot: Robot, gravity: Array) -> Parts:
         for name, at in link.frames.items():
             frames.setdefault(name, (i, at))
             frames[f"{link.name}.{name}"] = (i, at)
-    return Parts(bodies, tuple(joints), tuple(relations), gravity, armature, limits, frames)
+    closures = tuple(closure_of(joint, numbers) for joint in robot.loops)
+    return Parts(
+        bodies, tuple(joints), tuple(relations), gravity, armature, limits, frames, closures
+    )
+
+
+def closure_of(joint: RobotJoint, numbers: dict[str, int]) -> Closure:
+    """Return a joint that closes a loop of a robot."""
+    frame, kind = joint.frame, OF_ROBOT[joint.kind]
+    a = (numbers[joint.parent], joint.origin @ frame)
+    b = (numbers[joint.child], frame)
+    across = {Prismatic: (0, 1), Planar: (2,)}.get(kind, ())
+    lines = tuple(
+        Sum((Measured(f"{joint.name} {i}", "along", i, a, b),), (1.0,), 0.0) for i in across
+    )
+    return Closure(joint.name, a, b, kind.coincident, kind.perpendicular, lines)
 
 
 def mimic_relation(robot: Robot, joint: RobotJoint) -> Relation:

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.complexstep import scalar
-from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
+from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Choice
 from jousto.base.numbers import Vector
 from jousto.base.rotations import turn_onto
 from jousto.base.units import LENGTHS
+from jousto.mechanism.bodies.surface_files import file_triangles
 
 CAD = (".step", ".stp", ".brep")
 FACETS = 32  # around circles that are drawn
@@ -150,6 +151,7 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     middle = points.mean(axis=0)
     a, b, c = np.moveaxis(triangles - middle, 1, 0)
     d = np.einsum("ti,ti->t", a, np.cross(b, c))
+    _check_pieces(where, corners, triangles - middle, d)
     volume = float(d.sum()) / 6.0
     size = float(np.ptp(points, axis=0).max())
     if abs(volume) <= 1e-12 * size**3:
@@ -163,6 +165,50 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     second = second - volume * np.outer(center, center)
     inertia = np.trace(second) * np.eye(3) - second
     return Solid(volume, middle + center, inertia, np.array(triangles))
+
+
+def _check_pieces(where: str, corners: NDArray[np.int_], triangles: Array, d: Array) -> None:
+    """Raise InputError if pieces of a surface are turned differently and are no hollows in others.
+
+    A hollow is turned inside out and lies in a piece that is not: its solid angle seen from a
+    corner of the hollow is 4 pi there, and 0 outside.
+    """
+    from scipy.sparse import coo_array  # slow to import and rarely needed
+    from scipy.sparse.csgraph import connected_components
+
+    count = int(corners.max()) + 1
+    links = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]]])
+    graph = coo_array((np.ones(len(links)), links.T), shape=(count, count))
+    number, label = connected_components(graph, directed=False)
+    piece = label[corners[:, 0]]
+    volumes = np.bincount(piece, d, number)
+    turned = np.flatnonzero(volumes * np.sign(d.sum() or 1.0) < 0.0)
+    outer = triangles[~np.isin(piece, turned)]
+    lost = [i for i in turned if abs(_turns_round(outer, triangles[piece == i][0, 0])) < 0.5]
+    if lost:
+        at = ", ".join(f"{x:.4g}" for x in triangles[piece == lost[0]].mean(axis=(0, 1)))
+        raise InputError(
+            Problem(
+                where,
+                f"{len(lost)} of {number} pieces of the surface are turned inside out and lie in "
+                f"no other, the first at ({at}) m from the middle; let the program that made it "
+                "repair the normals",
+            )
+        )
+
+
+def _turns_round(triangles: Array, point: Array) -> float:
+    """Return how often triangles (nt, 3, 3) surround a point (3,): solid angle by 4 pi.
+
+    ``tan(W / 2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b)`` (Van Oosterom and
+    Strackee 1983).
+    """
+    a, b, c = np.moveaxis(triangles - point, 1, 0)
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    top = np.einsum("ti,ti->t", a, np.cross(b, c))
+    dots = [np.einsum("ti,ti->t", x, y) for x, y in ((a, b), (b, c), (c, a))]
+    below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+    return float(np.arctan2(top, below).sum() / (2.0 * np.pi))
 
 
 def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
@@ -199,28 +245,9 @@ def read_surface(where: str, source: Any, unit: str) -> Array:
         # a STEP file knows its unit
         return cad_surface(Path(source), unit if Path(source).suffix.lower() == ".brep" else None)
     if isinstance(source, str | os.PathLike):
-        return LENGTHS[unit] * _file(where, Path(source))
+        return file_triangles(where, Path(source), LENGTHS[unit])
     problems = Problems()
     found = problems.array(where, "triangles", source, (None, 3, 3))
     problems.raise_if_any()
     assert found is not None
     return LENGTHS[unit] * found
-
-
-def _file(where: str, path: Path) -> Array:
-    import meshio  # slow to import and rarely needed
-
-    if not path.is_file():
-        raise MissingFileError(Problem(where, f"no such file '{path}'"))
-    try:
-        mesh = meshio.read(path)
-    except (Exception, SystemExit) as error:  # its readers raise many kinds
-        text = str(error).strip().splitlines()
-        raise InputError(
-            Problem(where, f"'{path.name}' cannot be read: {text[0] if text else 'unknown kind'}")
-        ) from None
-    blocks = [block.data for block in mesh.cells if block.type == "triangle"]
-    if not blocks:
-        raise InputError(Problem(where, f"'{path.name}' holds no triangles"))
-    points = np.asarray(mesh.points, dtype=np.float64)
-    return np.asarray(points[np.concatenate(blocks)])

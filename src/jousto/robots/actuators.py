@@ -1,0 +1,59 @@
+"""Motors and servos of robots as forces with inputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container
+from dataclasses import replace
+from typing import Any
+
+from jousto.base.errors import warn
+from jousto.mechanism.forces.springs import JointForce, Servo, Spring
+from jousto.mechanism.joints.coordinate import Coordinate
+from jousto.mechanism.signals.base import Input, Signal
+from jousto.robots.description import Actuator, Robot
+
+
+def with_actuators(robot: Robot, whether: bool, moved: Container[str]) -> Robot:
+    """Return a robot with its actuators, without those on joints that something else moves."""
+    kept = (actuator for actuator in robot.actuators if actuator.joint not in moved)
+    return replace(robot, actuators=tuple(kept) if whether else ())
+
+
+def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
+    """Return the forces of an actuator on the coordinate of its joint.
+
+    ``f = g (gain u + b0 + b1 g s + b2 g s')``: a `Servo` where b1 < 0, of the reference
+    ``(gain u + b0) / (-b1 g)``, else a `JointForce`, with a damper where b2 < 0.
+    """
+    g, gain, (b0, b1, b2) = actuator.gear, actuator.gain, actuator.bias
+    if s is None or g == 0.0:
+        return []
+    name = actuator.name
+    if b1 > 0.0 or b2 > 0.0:
+        warn(actuator.where or name, "pushes away from where it is: it makes no force here")
+        return []
+    u = Input(name)
+    if b1 < 0.0:
+        wanted = scaled(u, gain / (-b1 * g), b0 / (-b1 * g))
+        limit = g * actuator.limit
+        return [
+            Servo(
+                name,
+                s,
+                wanted,
+                -b1 * g * g,
+                -b2 * g * g,
+                abs(limit) if math.isfinite(limit) else None,
+            )
+        ]
+    found: list[Any] = [JointForce(name, s, scaled(u, g * gain, g * b0))]
+    if b2 < 0.0:
+        found.append(Spring(f"{name} damping", s, 0.0, -b2 * g * g, 0.0))
+    return found
+
+
+def scaled(u: Signal, factor: float, offset: float) -> Signal:
+    """Return ``factor u + offset`` without what changes nothing."""
+    made = u if factor == 1.0 else factor * u
+    return made if offset == 0.0 else made + offset
