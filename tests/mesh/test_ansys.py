@@ -84,3 +84,57 @@ def test_archives_need_a_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     path.write_text("/PREP7\nNBLOCK,6,SOLID\n")
     with pytest.raises(InputError, match=r"pip install mapdl-archive"):
         jo.read_mesh(path)
+
+
+BRICK = """/PREP7
+ET,1,185
+NBLOCK,3
+(1i9,3e20.9e3)
+        1
+        2    1.000000000E+000
+        3    1.000000000E+000    1.000000000E+000
+        4    0.000000000E+000    1.000000000E+000    0.000000000E+000
+        5    0.000000000E+000    0.000000000E+000    1.000000000E+000
+        6    1.000000000E+000    0.000000000E+000    1.000000000E+000
+        7    1.000000000E+000    1.000000000E+000    1.000000000E+000
+        8    0.000000000E+000    1.000000000E+000    1.000000000E+000
+N,R5.3,LOC,       -1,
+EBLOCK,19,SOLID,         1,         1
+(19i9)
+        1        1        1        1        0        0        0        0        8        0        1\
+        1        2        3        4        5        6        7        8
+       -1
+FINISH
+"""
+
+
+@pytest.mark.usefixtures("samples")
+@pytest.mark.parametrize("end", ["N,R5.3,LOC,       -1,", "-1", "N,UNBL,LOC,  -1,"])
+def test_nodes_without_solid_model_entities(end: str, tmp_path: Path) -> None:
+    # lines end with the last coordinate that is not 0: "1" is the node at the origin
+    path = tmp_path / "brick.cdb"
+    path.write_text(BRICK.replace("N,R5.3,LOC,       -1,", end).replace("NBLOCK", "nblock"))
+    mesh = jo.read_mesh(path)
+    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    np.testing.assert_array_equal(mesh.nodes, cube)
+    assert mesh.volume == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.usefixtures("samples")
+@pytest.mark.parametrize(
+    ("found", "instead", "sentence"),
+    [
+        ("(1i9,3e20.9e3)", "(3i9,6e2", r"brick.cdb:4: the format of NBLOCK is '\(3i9,6e2'"),
+        (
+            "        4    0.000000000E+000    1.0",
+            "        4    0.000000000E+000    one",
+            "cdb:8: 'one",
+        ),
+        ("        3    1", "      3.5    1", "brick.cdb:7: '3.5' is no whole number"),
+    ],
+)
+def test_wrong_nodes_are_told(found: str, instead: str, sentence: str, tmp_path: Path) -> None:
+    path = tmp_path / "brick.cdb"
+    path.write_text(BRICK.replace(found, instead))
+    with pytest.raises(InputError, match=sentence):
+        jo.read_mesh(path)

@@ -33,10 +33,10 @@ def test_files_of_other_keywords_are_no_includes(keyword: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("line", ["9", "9,", "9,,,", "9, , ,"])
-def test_a_node_without_coordinates_is_told(line: str, tmp_path: Path) -> None:
-    text = f"{NODES}{line}\n*ELEMENT, TYPE=C3D8\n1, {BRICK}\n"
-    with pytest.raises(InputError, match="'9.*' is no node: number, x, y, z are needed"):
-        jo.read_mesh(deck(tmp_path, text))
+def test_a_node_without_coordinates_is_at_the_origin(line: str, tmp_path: Path) -> None:
+    # Abaqus' manual: "blank or left-out coordinates are zero"; CalculiX reads it so, too
+    mesh = jo.read_mesh(deck(tmp_path, f"{NODES}{line}\n*ELEMENT, TYPE=C3D8\n1, {BRICK}\n"))
+    np.testing.assert_array_equal(mesh.nodes[mesh.node_ids == 9], [[0.0, 0.0, 0.0]])
 
 
 def test_coordinates_left_out_at_the_end_are_zero(tmp_path: Path) -> None:

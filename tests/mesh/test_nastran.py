@@ -264,3 +264,72 @@ def test_ties_that_are_not_read(tmp_path: Path) -> None:
         jo.JoustoWarning, match="1 MPC not read: the nodes are not tied; .*Interface"
     ):
         jo.read_mesh(path)
+
+
+CUBE = "BEGIN BULK\n" + "".join(
+    f"GRID,{i},,{x}.,{y}.,{z}.\n"
+    for i, (x, y, z) in enumerate(
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)], 1
+    )
+)
+
+
+def cube(tmp_path: Path, entries: str) -> jo.Mesh:
+    path = tmp_path / "cube.bdf"
+    path.write_text(f"{CUBE}{entries}\nENDDATA\n")
+    return jo.read_mesh(path)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "CHEXA,1,1,1,2,3,4,5,6\n,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,+A,+A,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,+,,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,,,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,+A,7,8",
+        "CHEXA,1,1,1,2,3,4,5,6,+A\n+A,7,8,,,,,,,mine",
+        "CHEXA*,1,1,1,2,*,*,3,4,5,6,*\n*,7,8",
+    ],
+)
+def test_lines_in_free_format_may_go_on(line: str, tmp_path: Path) -> None:
+    mesh = cube(tmp_path, line + "\nSET1,5,1,2,3,4,5,6,7,THRU,8")
+    np.testing.assert_array_equal(mesh.solids[0].nodes, [[*range(8)]])
+    assert mesh.node_sets["set5"].tolist() == [*range(8)]
+
+
+def test_a_free_line_that_can_mean_two_things_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"cube.bdf:10: the field 10 is blank and '7' follows"):
+        cube(tmp_path, "CHEXA,1,1,1,2,3,4,5,6,,7,8")
+
+
+def test_shells_may_lack_midside_nodes(tmp_path: Path) -> None:
+    mesh = cube(tmp_path, "CHEXA,1,1,1,2,3,4,5,6,7,8\nCQUAD8,2,2,1,2,3,4\nCTRIA6,3,3,1,2,3")
+    assert [cells.kind for cells in mesh.cells] == ["hexahedron", "quad", "triangle"]
+    assert mesh.set("pid2").tolist() == [0, 1, 2, 3]
+    with pytest.warns(jo.JoustoWarning, match="1 CQUAD8 lack some midside nodes: read by their"):
+        mesh = cube(tmp_path, "CHEXA,1,1,1,2,3,4,5,6,7,8\nCQUAD8,2,2,1,2,3,4,5,0\n,6")
+    assert mesh.set("pid2").tolist() == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("kind", ["tetra", "tetra10", "hexahedron", "hexahedron20", "wedge15"])
+def test_solids_may_be_listed_in_either_sense(kind: str, tmp_path: Path) -> None:
+    # CHEXA: the faces G1 to G4 and G5 to G8 are opposite, whichever way round they are listed
+    mesh = block(kind, (2, 1, 1), (2.0, 1.0, 1.0))
+    path = tmp_path / "block.bdf"
+    mirrored_nodes = mesh.nodes * (1.0, 1.0, -1.0)
+    meshio.nastran.write(path, meshio.Mesh(mirrored_nodes, [(kind, mesh.solids[0].nodes)]))
+    back = jo.read_mesh(path)
+    assert back.volume == pytest.approx(2.0, rel=1e-12)
+    assert back.check() == ()
+
+
+@pytest.mark.parametrize("element", ["CBAR,1,1,1,2,0.,0.,1.", "CTRIA3,1,1,1,2,3"])
+def test_sets_of_numbers_that_are_not_there(element: str, tmp_path: Path) -> None:
+    with pytest.warns(
+        jo.JoustoWarning, match=r"cube.bdf:11: SET1: 100, 101 is no node and no element"
+    ):
+        mesh = cube(tmp_path, f"{element}\nSET1,7,100,101")
+    assert "set7" not in mesh.node_sets
+    assert mesh.check()[0].kind == "empty"

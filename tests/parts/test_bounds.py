@@ -33,7 +33,7 @@ from jousto.base.errors import InputError
 from jousto.mesh.readers.nastran import read_bulk
 from jousto.mesh.readers.cad import step_unit
 from jousto.mesh.readers.cdb import _announced
-from jousto.mesh.readers.files import FORMATS
+from jousto.mesh.formats import FORMATS
 from jousto.measurement.gauges.units import split_label
 from jousto.measurement.monitor.stream import _name_and_unit
 from jousto.schema.entries.base import Orientation
@@ -55,7 +55,8 @@ step_unit(b"LENGTH_UNIT()" * 100_000)
 folder = Path(sys.argv[1])
 for name, text in (("a.cdb", lines + "x"), ("b.bdf", "INCLUDE" + blanks + "a'b'c\n")):
     (folder / name).write_text(text)
-for read, name in ((_announced, "a.cdb"), (read_bulk, "b.bdf")):
+announced = lambda path: _announced(path, path.read_bytes())
+for read, name in ((announced, "a.cdb"), (read_bulk, "b.bdf")):
     try:
         read(folder / name)
     except InputError as error:
@@ -177,4 +178,5 @@ def test_files_that_begin_like_others_are_known(tmp_path: Path) -> None:
         path.write_text(text)
         assert which(path).name == name
     (tmp_path / "a.cdb").write_text("/PREP7\n  NBLOCK,6,SOLID,3,3\nEBLOCK,19,SOLID,2,2\n")
-    assert _announced(tmp_path / "a.cdb") == (3, 2)
+    path = tmp_path / "a.cdb"
+    assert _announced(path, path.read_bytes()) == (3, 2)

@@ -29,6 +29,9 @@ KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""How the text begins that Git keeps in the place of a large file."""
+
 # what NumPy and the zip archive raise over a damaged .npz file
 DAMAGED_NPZ = (
     OSError,
@@ -88,6 +91,27 @@ def check_file(path: Path, remedy: str = "") -> None:
     if found:
         tail = f"; {remedy}" if remedy else ""
         raise InputError(Problem(str(path), f"is {found}, must be a file{tail}"))
+
+
+def check_input(path: Path, remedy: str = "") -> None:
+    """Refuse what cannot be read as a file: folders, devices, pipes, pointers of Git LFS.
+
+    Nothing is said of files that are not there.
+
+    Raises
+    ------
+    InputError
+        Naming what it is and, of a pointer, how to get the file.
+    """
+    check_file(path, remedy)
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        if file.read(len(POINTER)) == POINTER:
+            raise InputError(
+                Problem(
+                    str(path),
+                    "is a pointer of Git LFS, not the file itself: fetch it with git lfs pull",
+                )
+            )
 
 
 @contextmanager

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_input
 
 # what h5py raises where a file is damaged or holds something other than it should
 DAMAGE = (
@@ -78,6 +79,7 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
     InputError
         If it cannot be opened, is damaged, or something else.
     """
+    check_input(path)
     try:
         file = opened(path)
     except DAMAGE as error:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from jousto.base.errors import InputError, JoustoWarning, Problem, count
+from jousto.base.files import check_input
 from jousto.cli.group import command
 from jousto.cli.options import Core, Model, Output, Result, Trust, amount, compile_model, end_time
 from jousto.cli.parts import describe_content, describe_part
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 MOST_EVENTS = 20  # that are printed
-MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
 
 
 @command()
@@ -103,11 +103,14 @@ def info(
     trust: Trust = False,
 ) -> None:
     """Say what is in a model file, a results file, a reduced part or a mesh in m."""
+    from jousto.mesh.formats import begins_as_mesh, is_mesh
     from jousto.reduction.reduced import SID, ReducedPart
     from jousto.schema.file.document import is_hdf5
+    from jousto.schema.read import MODELS
     from jousto.schema.targets import MONITOR, REDUCED_PART, hdf5_format
 
-    if file.suffix.lower() in MESHES:
+    check_input(file)
+    if is_mesh(file) or (file.suffix.lower() not in MODELS and begins_as_mesh(file)):
         from jousto.cli.meshes import describe_mesh
         from jousto.mesh.readers.files import read_mesh
 

@@ -124,9 +124,9 @@ def own_classes(path: Path) -> None:
     InputError
         If it is missing or fails.
     """
-    from jousto.base.files import check_file, executed
+    from jousto.base.files import check_input, executed
 
-    check_file(path)
+    check_input(path)
     if not path.exists():
         raise MissingFileError(Problem(str(path), "no such file"))
     try:

@@ -11,12 +11,12 @@ from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.options import Output, amount
 from jousto.cli.terminal import BAD_INPUT, facts, say
+from jousto.mesh.formats import CAD, is_cad
 
 if TYPE_CHECKING:
     from jousto.mesh.inspection import Finding
     from jousto.mesh.mesh import Mesh
 
-CAD = (".step", ".stp", ".brep", ".brp", ".iges", ".igs")
 SHOWN = 24  # sets or holes in the list
 
 
@@ -58,7 +58,7 @@ def mesh(
 
     if output is not None and output.exists() and file.exists() and output.samefile(file):
         raise InputError(Problem(str(output), "is the input, it would be overwritten"))
-    if file.suffix.lower() in CAD:
+    if is_cad(file):
         from jousto.mesh.readers.step import mesh_step
 
         if size is None:
@@ -103,7 +103,7 @@ def mesh(
 def _only_cad(file: Path, given: dict[str, bool]) -> None:
     """Raise if options are given that a mesh has no use for."""
     for option in (name for name, used in given.items() if used):
-        message = f"is for CAD files ({' '.join(CAD[:3])}); {file.name} is read with its elements"
+        message = f"is for CAD files ({' '.join(CAD)}); {file.name} is read with its elements"
         raise InputError(Problem(option, message))
 
 

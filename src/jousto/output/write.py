@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from jousto.base.arguments import explained
+from jousto.mesh.formats import WRITTEN as MESH_FORMATS
 from jousto.output.dispatch import call, found
 from jousto.output.style import target
 
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
 
 File = str | Path
 
-MESHES = ("vtu", "vtk", "inp", "msh", "med", "bdf", "nas", "stl")
 SID, CONTOUR, BEAM, PROGRAM, TWIN = (
     "files.sid.write_sid",
     "files.contour.write_contour",
@@ -55,7 +55,7 @@ WRITTEN = {
         "html": "jousto.viewer.running.write_running",
     },
     "Monitor": {"c": TWIN, "zip": TWIN},
-    "Mesh": dict.fromkeys(MESHES, "files.meshes.write_mesh"),
+    "Mesh": dict.fromkeys(MESH_FORMATS, "files.meshes.write_mesh"),
     "ReducedPart": {
         "fem": "files.mbdyn.write_fem",
         "sid": SID,

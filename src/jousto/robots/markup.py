@@ -13,7 +13,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, warn
-from jousto.base.files import check_file
+from jousto.base.files import check_input
 from jousto.base.names import harmless
 
 LARGEST = 64 * 2**20  # bytes of a file
@@ -114,7 +114,7 @@ def parse_file(path: Path) -> Element:
     """
     where = harmless(path.name)
     try:
-        check_file(path)
+        check_input(path)
         if not path.exists():
             raise MissingFileError(Problem(where, f"no such file '{path}'"))
         if path.stat().st_size > LARGEST:

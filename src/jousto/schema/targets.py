@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import check_file
+from jousto.base.files import check_file, check_input
 from jousto.schema.file.document import DOCUMENTS, is_hdf5
 
 RESULTS, REDUCED_PART = "jousto results", "jousto reduced part"
@@ -43,7 +43,7 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
         If it is the input, a folder, in a folder that does not exist, or holds other data; if
         the input is a folder.
     """
-    check_file(source)
+    check_input(source)
     if given is not None:
         path = given
     else:

@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.files import check_input
 from jousto.fatigue.miner.damage_field import DamageField
+from jousto.mesh.formats import MESHES, begins_as_mesh, is_cad, is_mesh
 from jousto.reduction.reduced import SID, ReducedPart
 from jousto.schema.file.document import is_hdf5
 from jousto.schema.read import MODELS, ModelFile, read_model
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from jousto.scene.scene import Scene
 
 HDF5 = (".h5", ".hdf5")
-CAD = (".step", ".stp", ".brep", ".iges", ".igs")
 SHOWN = (*HDF5, *MODELS)
 
 
@@ -81,6 +82,7 @@ def read(path: Path, *, trust: bool = False) -> Any:
         raise InputError(Problem(str(path), f"is a folder; name a file in it{hint}"))
     if not path.is_file():
         raise MissingFileError(Problem(str(path), "no such file"))
+    check_input(path)
     kind = hdf5_format(path) if is_hdf5(path) else ""
     if kind == DAMAGED:
         message = "is cut off or damaged: copy it again, or run what has written it again"
@@ -98,30 +100,13 @@ def read(path: Path, *, trust: bool = False) -> Any:
         return read_model(path, trust=trust)
     from jousto.mesh.readers.files import read_mesh
 
-    if not _is_mesh(path):
+    if not (is_mesh(path) or is_cad(path) or begins_as_mesh(path) or not path.stat().st_size):
         message = (
             f"is of no kind that is shown; known: results and reduced parts {' '.join(HDF5)}, "
-            f"models {' '.join(MODELS)}, meshes {' '.join(_meshes())}"
+            f"models {' '.join(MODELS)}, meshes {' '.join(MESHES)}"
         )
         raise InputError(Problem(str(path), message))
     return read_mesh(path)
-
-
-def _meshes() -> list[str]:
-    from jousto.mesh.readers.files import FORMATS
-
-    return [suffix for known in FORMATS for suffix in known.suffixes]
-
-
-def _is_mesh(path: Path) -> bool:
-    """Return whether a file may be a mesh, or a shape of which one can be made."""
-    from jousto.mesh.readers.files import FORMATS
-
-    if path.suffix.lower() in (*_meshes(), *CAD):
-        return True
-    with path.open("rb") as file:
-        head = file.read(65536)
-    return not head.strip() or any(known.begins(head) for known in FORMATS)
 
 
 def modes_of(thing: Any) -> Any:

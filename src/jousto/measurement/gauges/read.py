@@ -11,7 +11,7 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest, warn
-from jousto.base.files import check_file
+from jousto.base.files import check_input
 from jousto.measurement.gauges.order import ordered
 from jousto.measurement.gauges.record import GAP, Record, record_of, too_large
 from jousto.measurement.gauges.table import read_table
@@ -77,7 +77,7 @@ def read_record(
         raise MissingFileError(
             Problem(where, f"there is no such file{near if 'mean' in near else ''}")
         )
-    check_file(file)
+    check_input(file)
     with file.open("rb") as opened:
         head = opened.read(8)
     if not head:

@@ -18,8 +18,8 @@ from jousto.base.numbers import Vector
 from jousto.base.rotations import turn_onto
 from jousto.base.units import LENGTHS
 from jousto.mechanism.bodies.surface_files import file_triangles
+from jousto.mesh.formats import is_cad
 
-CAD = (".step", ".stp", ".brep")
 FACETS = 32  # around circles that are drawn
 
 
@@ -239,11 +239,12 @@ def read_surface(where: str, source: Any, unit: str) -> Array:
     if hasattr(source, "triangles") and hasattr(source, "nodes"):  # a mesh of solids, in m
         mesh: Any = source
         return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
-    if isinstance(source, str | os.PathLike) and Path(source).suffix.lower() in CAD:
+    if isinstance(source, str | os.PathLike) and is_cad(Path(source)):
         from jousto.mesh.readers.step import cad_surface  # meshes are slow to import
 
         # a STEP file knows its unit
-        return cad_surface(Path(source), unit if Path(source).suffix.lower() == ".brep" else None)
+        step = Path(source).suffix.lower() in (".step", ".stp")
+        return cad_surface(Path(source), None if step else unit)
     if isinstance(source, str | os.PathLike):
         return file_triangles(where, Path(source), LENGTHS[unit])
     problems = Problems()

@@ -11,6 +11,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.files import check_input
 
 COLLADA = ".dae"
 LFS = b"version https://git-lfs"
@@ -33,6 +34,7 @@ def file_triangles(where: str, path: Path, factor: float) -> Array:
     InputError
         If it is not there, cannot be read, or has no triangles.
     """
+    check_input(path)
     if not path.is_file():
         raise MissingFileError(Problem(where, f"no such file '{path}'"))
     with path.open("rb") as file:

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 from jousto.base.errors import InputError, Problem, suggest
-from jousto.base.files import check_file
+from jousto.base.files import check_input
 from jousto.base.names import harmless
 from jousto.base.units import KINDS, UnitError, converted, parse_unit
 
@@ -94,7 +94,7 @@ def read_description(path: Path, where: str) -> Description:
     except ImportError:
         message = "functional mock-up units need the package FMPy: pip install fmpy"
         raise InputError(Problem(where, message)) from None
-    check_file(path)
+    check_input(path)
     names = _names(path, where)
     try:
         with zipfile.ZipFile(path) as archive:

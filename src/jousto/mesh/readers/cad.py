@@ -7,6 +7,7 @@ from pathlib import Path
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.units import LENGTHS
+from jousto.mesh.formats import is_mesh
 from jousto.mesh.readers.files import exists, unit_factor
 
 _SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO": 1e3}
@@ -41,7 +42,7 @@ def cad_scale(path: Path, unit: str | None) -> float:
         raise InputError(
             Problem(where, "is an IGES file, which holds faces and no solid: export STEP instead")
         )
-    if path.suffix.lower() in (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb"):
+    if is_mesh(path):
         raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
     raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
 

@@ -13,6 +13,7 @@ import numpy as np
 from jousto.base.arrays import Ints, some
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.readers.apart import apart
+from jousto.mesh.readers.nblock import read_nblocks
 from jousto.mesh.readers.raw import RawCells, RawMesh
 
 # solids by element type: nodes of the full brick, tetrahedron
@@ -45,7 +46,9 @@ def read_cdb(path: Path) -> RawMesh:
         raise InputError(
             Problem(path.name, "Ansys archives need mapdl-archive: pip install mapdl-archive")
         )
-    announced = _announced(path)
+    data = path.read_bytes()
+    announced = _announced(path, data)
+    ids, positions = read_nblocks(path, data)
     archive = apart(
         path,
         "jousto.mesh.readers.cdb:archive",
@@ -55,15 +58,13 @@ def read_cdb(path: Path) -> RawMesh:
     if not len(archive["lengths"]):
         elements = []
     for number, held, what in zip(
-        announced, (len(archive["nnum"]), len(elements)), ("nodes", "elements"), strict=True
+        announced, (len(ids), len(elements)), ("nodes", "elements"), strict=True
     ):
         if held < number:
             raise InputError(
                 Problem(path.name, f"announces {number} {what} but holds {held}: it is cut off")
             )
-    raw = RawMesh()
-    raw.node_ids.append(np.asarray(archive["nnum"], dtype=np.int64))
-    raw.nodes.append(np.asarray(archive["nodes"], dtype=np.float64)[:, :3])
+    raw = RawMesh([ids], [positions])
     types = {int(number): int(code) for number, code in np.asarray(archive["ekey"])}
     found: dict[tuple[str, str], list[tuple[int, Ints]]] = {}
     others, broken = Counter[int](), []
@@ -119,8 +120,6 @@ def archive(path: Path) -> dict[str, Any]:
         found: Any = mapdl_archive.Archive(path, parse_vtk=False)
         elements = [np.asarray(row, dtype=np.int64) for row in found.elem]
         return {
-            "nnum": np.asarray(found.nnum),
-            "nodes": np.asarray(found.nodes),
             "ekey": np.asarray(found.ekey),
             "elem": np.concatenate([np.zeros(0, np.int64), *elements]),
             "lengths": np.array([len(row) for row in elements], dtype=np.int64),
@@ -134,9 +133,9 @@ def archive(path: Path) -> dict[str, Any]:
         ) from None
 
 
-def _announced(path: Path) -> tuple[int, int]:
+def _announced(path: Path, data: bytes) -> tuple[int, int]:
     """Return how many nodes and elements the archive announces (0: it does not say)."""
-    data, out = path.read_bytes(), []
+    out = []
     for name in (b"NBLOCK", b"EBLOCK"):
         line = re.search(rb"^[ \t]*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)
         if line is None:
@@ -147,8 +146,9 @@ def _announced(path: Path) -> tuple[int, int]:
                     " with CDWRITE, DB",
                 )
             )
-        last = line[0].split(b",")[-1].strip()
-        out.append(int(last) if last.isdigit() else 0)
+        # name, number of fields, SOLID, highest number, number of lines
+        number = b"".join(line[0].split(b",")[4:]).strip()
+        out.append(int(number) if number.isdigit() else 0)
     return out[0], out[1]
 
 

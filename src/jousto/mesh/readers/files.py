@@ -4,72 +4,25 @@ from __future__ import annotations
 
 import gzip
 import logging
+import math
 import os
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest, warn
-from jousto.base.files import check_file
+from jousto.base.files import check_input
 from jousto.base.units import LENGTHS
+from jousto.mesh.formats import CAD, FORMATS, HEAD, MESHES, Format
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.readers.raw import RawMesh
 
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class Format:
-    """A file format: its name, suffixes, where its reader is and how its content begins."""
-
-    name: str
-    suffixes: tuple[str, ...]
-    reader: str  # module and function below this package
-    signs: tuple[bytes, ...]  # regular expressions, looked for in the first bytes
-
-    def begins(self, head: bytes) -> bool:
-        """Whether a file with this beginning is of the format."""
-        return any(re.search(sign, head, re.MULTILINE | re.IGNORECASE) for sign in self.signs)
-
-    def read(self, path: Path) -> RawMesh:
-        """Return the content of a file of the format."""
-        module, function = self.reader.split(".")
-        reader: Callable[[Path], RawMesh] = getattr(
-            import_module(f"jousto.mesh.readers.{module}"), function
-        )
-        return reader(path)
-
-
-# the first whose signs are found in a file counts
-FORMATS = (
-    Format("a Gmsh mesh", (".msh",), "msh.read_msh", (rb"\A\s*\$MeshFormat",)),
-    Format(
-        "a MED file", (".med", ".rmed", ".mmed"), "library.read_med", (rb"\A\x89HDF\r\n\x1a\n",)
-    ),
-    Format("a VTK file", (".vtk",), "library.read_vtk", (rb"\A# vtk DataFile",)),
-    Format("a VTU file", (".vtu",), "library.read_vtu", (rb"\A(<\?xml[^>]*>\s*)?<VTKFile",)),
-    Format(
-        "an Ansys archive",
-        (".cdb",),
-        "cdb.read_cdb",
-        (rb"^[ \t]*/(COM|PREP7|TITLE)\b", rb"^[ \t]*(NBLOCK|EBLOCK|\*USE_RDB)\b"),
-    ),
-    Format(
-        "an Abaqus or CalculiX input file",
-        (".inp",),
-        "inp.read_inp",
-        (rb"^[ \t]*\*[ \t]*(HEADING|NODE|PART|INCLUDE|ELEMENT|NSET)\b",),
-    ),
-    Format(
-        "a Nastran bulk data file",
-        (".bdf", ".nas", ".fem"),
-        "nastran.read_bulk",
-        (rb"^(BEGIN\s+BULK|GRID[ *,]|SOL\s+\w+|CEND|CORD|CTETRA|CHEXA|MAT1|PSOLID)",),
-    ),
-)
 # text of meshes is packed to a fifth or tenth of its size
 MOST_PACKED = 100
 LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
@@ -93,10 +46,10 @@ _STRANGE = (
 def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None = None) -> Mesh:
     """Return the mesh of a file.
 
-    Read are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran ``.bdf .nas``,
-    ``.med``, VTK ``.vtk .vtu`` and Ansys ``.cdb`` (extra ``ansys``); a ``.gz`` may follow. Other
-    suffixes are judged by their content. The order and the numbers of nodes and elements and the
-    names of sets stay as they are in the file.
+    Read are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran ``.bdf .nas .fem``,
+    ``.med``, VTK ``.vtk .vtu``, universal files ``.unv`` and Ansys ``.cdb`` (extra ``ansys``); a
+    ``.gz`` may follow. Other suffixes are judged by their content. The order and the numbers of
+    nodes and elements and the names of sets stay as they are in the file.
 
     Parameters
     ----------
@@ -117,7 +70,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     -----
     JoustoWarning
         Of what the file has and the mesh does not: point masses, springs, elements of other
-        kinds.
+        kinds; of a unit of length in the file that differs from the one given.
 
     See Also
     --------
@@ -134,18 +87,30 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     exists(path)
     if path.suffix.lower() == ".gz":
         return _unpacked(path, unit, name)
-    found = which(path)
-    raw = found.read(path)
+    raw = _read(which(path), path)
     mesh = replace(raw.build(where, name or path.stem, factor), source=where)
     for place, sentence in raw.left_out:
         warn(place, sentence)
+    if raw.length is not None and not math.isclose(raw.length, factor, rel_tol=1e-6):
+        said = next((u for u, f in LENGTHS.items() if math.isclose(f, raw.length)), None)
+        remedy = f"; give unit='{said}'" if said else ""
+        warn(where, f"says that its unit of length is {raw.length:.6g} m, read in {unit}{remedy}")
     log.info("%s: %s", where, mesh)
     return mesh
 
 
+def _read(form: Format, path: Path) -> RawMesh:
+    """Return the content of a file of a format."""
+    module, function = form.reader.split(".")
+    reader: Callable[[Path], RawMesh] = getattr(
+        import_module(f"jousto.mesh.readers.{module}"), function
+    )
+    return reader(path)
+
+
 def exists(path: Path) -> None:
     """Raise if there is no such file, with the nearest name in its folder."""
-    check_file(path)
+    check_input(path)
     if not path.is_file():
         near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
         hint = suggest(path.name, near) if near else f"; there is no folder '{path.parent}'"
@@ -156,7 +121,7 @@ def which(path: Path) -> Format:
     """Return the format of a file by suffix and content, or raise if they contradict."""
     where = path.name
     with open(path, "rb") as file:
-        head = file.read(65536)
+        head = file.read(HEAD)
     if not head.strip():
         raise InputError(Problem(where, "is empty"))
     for sign, what in _STRANGE:
@@ -167,8 +132,7 @@ def which(path: Path) -> Format:
     named = next((fmt for fmt in FORMATS if suffix in fmt.suffixes), None)
     inside = next((fmt for fmt in FORMATS if fmt.begins(head)), None)
     if named is None and inside is None:
-        known = " ".join(s for fmt in FORMATS for s in fmt.suffixes)
-        known += "; CAD files to be meshed: .step .stp .brep"
+        known = f"{' '.join(MESHES)}; CAD files to be meshed: {' '.join(CAD)}"
         raise InputError(Problem(where, f"is of no kind that is read; known: {known}"))
     if named is None:
         assert inside is not None

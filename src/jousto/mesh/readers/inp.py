@@ -132,11 +132,9 @@ def _nodes(block: Block) -> tuple[Ints, Array]:
             return block.whole([row[0] for row in rows]), table
     except ValueError:
         pass
-    for i, row in enumerate(rows):  # coordinates may be blank or left out at the end
+    for i, row in enumerate(rows):  # zeros may be blank, and left out at the end: '1' is the origin
         try:
             values = [real(word) for word in row[1:4]]
-            if not any(word.strip() for word in row[1:4]):
-                raise ValueError
         except ValueError:
             found = ",".join(row)[:40]
             raise InputError(

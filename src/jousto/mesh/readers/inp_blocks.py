@@ -11,6 +11,7 @@ import numpy as np
 
 from jousto.base.arrays import Ints
 from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_input
 from jousto.mesh.readers.raw import BIG
 
 # keywords whose INPUT names a file of data lines; of others it is a results file or such
@@ -160,4 +161,5 @@ def _opened(text: str, number: int, above: tuple[Path, ...]) -> Iterator[_Line]:
     inner = next((file for file in found if target and file.is_file()), None)
     if inner is None:
         raise block.wrong(f"the included file '{target}' is not there; keep it beside")
+    check_input(inner)
     yield from _lines(inner, above)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.mesh.readers.raw import BIG, Members, RawCells, RawMesh, joined, sensible
+from jousto.mesh.cells import KINDS
+from jousto.mesh.readers.bulk import Card, cards
+from jousto.mesh.readers.raw import Members, RawCells, RawMesh, joined, sensible
 
 # card -> (kind with corners only, kind with midside nodes)
 _SOLIDS = {
@@ -22,20 +22,14 @@ _SOLIDS = {
     "CPYRAM": ("pyramid", "pyramid13"),
     "CPYRA": ("pyramid", "pyramid13"),
 }
-_SIZES = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20} | {
-    "wedge": 6,
-    "wedge15": 15,
-    "pyramid": 5,
-    "pyramid13": 13,
-}
 _SHELLS = {
-    "CTRIA3": ("triangle", 3),
-    "CTRIAR": ("triangle", 3),
-    "CTRIA6": ("triangle6", 6),
-    "CQUAD4": ("quad", 4),
-    "CQUADR": ("quad", 4),
-    "CSHEAR": ("quad", 4),
-    "CQUAD8": ("quad8", 8),
+    "CTRIA3": ("triangle", ""),
+    "CTRIAR": ("triangle", ""),
+    "CTRIA6": ("triangle", "triangle6"),
+    "CQUAD4": ("quad", ""),
+    "CQUADR": ("quad", ""),
+    "CSHEAR": ("quad", ""),
+    "CQUAD8": ("quad", "quad8"),
 }
 _LINES = {"CROD": 2, "CBAR": 2, "CBEAM": 2, "CTUBE": 2, "CONROD": 1}  # first field of the nodes
 # nastran lists the midside nodes of the upright edges before those of the top
@@ -62,53 +56,6 @@ _REMEDIES = (
 )
 
 
-@dataclass
-class _Card:
-    """One entry: its name, its fields from the second one on, and where it begins."""
-
-    name: str
-    fields: list[str]
-    path: Path
-    number: int
-
-    @property
-    def where(self) -> str:
-        return f"{self.path.name}:{self.number}: {self.name}"
-
-    def field(self, i: int) -> str:
-        return self.fields[i] if i < len(self.fields) else ""
-
-    def whole(self, i: int, default: int | None = None) -> int:
-        """Return the whole number in field i from 0, after the name of the card."""
-        text = self.field(i)
-        if not text and default is not None:
-            return default
-        if not re.fullmatch(r"[+-]?\d{1,25}", text) or abs(int(text)) > BIG:
-            raise self.wrong(i, "a whole number")
-        return int(text)
-
-    def real(self, i: int, default: float | None = None) -> float:
-        """Return the real number in field i: ``1.5``, ``1.5E-3``, ``1.5-3`` or ``1.5D-3``."""
-        text = self.field(i)
-        if not text and default is not None:
-            return default
-        try:
-            return float(text)
-        except ValueError:
-            pass
-        try:
-            repaired = re.sub(r"(?<=[\d.])[dD]?([+-]\d+)$", r"e\1", text)
-            return float(repaired.replace("D", "e").replace("d", "e"))
-        except ValueError:
-            raise self.wrong(i, "a number") from None
-
-    def wrong(self, i: int, wanted: str) -> InputError:
-        found = f"is '{self.field(i)}'" if self.field(i) else "is missing"
-        return InputError(
-            Problem(self.where, f"field {i + 2} {found}, must be {wanted}; is the file cut off?")
-        )
-
-
 def read_bulk(path: Path) -> RawMesh:
     """Return the mesh of a Nastran bulk data file as it is written there.
 
@@ -128,16 +75,16 @@ def read_bulk(path: Path) -> RawMesh:
     InputError
         With the line of the first entry that cannot be read.
     """
-    raw = RawMesh()
+    raw = RawMesh(either_sense=True)
     points: list[tuple[int, int, float, float, float]] = []
-    systems: dict[int, _Card] = {}
+    systems: dict[int, Card] = {}
     elements: dict[str, list[tuple[int, list[int]]]] = {}
     properties: dict[int, list[int]] = {}
     materials: dict[int, int] = {}
-    numbers: list[tuple[str, Members]] = []
+    numbers: list[tuple[Card, Members]] = []
     default: int | None = None
-    problems, other = Problems(), Counter[str]()
-    for card in _cards(path, 0):
+    problems, other, partial = Problems(), Counter[str](), Counter[str]()
+    for card in cards(path, 0):
         name = card.name
         if name == "GRID":
             cp = card.whole(1, -1)
@@ -147,13 +94,8 @@ def read_bulk(path: Path) -> RawMesh:
             if default not in (None, card.whole(1, 0)):
                 problems.add(card.where, "stands there twice with different systems; keep one")
             default = card.whole(1, 0)
-        elif name in _SOLIDS:
-            kind, nodes = _solid(card, problems)
-            elements.setdefault(kind, []).append((card.whole(0), nodes))
-            properties.setdefault(card.whole(1, 0), []).append(card.whole(0))
-        elif name in _SHELLS:
-            kind, k = _SHELLS[name]
-            nodes = [card.whole(2 + i) for i in range(k)]
+        elif name in _SOLIDS or name in _SHELLS:
+            kind, nodes = _element(card, problems, partial)
             elements.setdefault(kind, []).append((card.whole(0), nodes))
             properties.setdefault(card.whole(1, 0), []).append(card.whole(0))
         elif name in _LINES:
@@ -165,7 +107,7 @@ def read_bulk(path: Path) -> RawMesh:
         elif name == "PSOLID":
             materials[card.whole(0)] = card.whole(1, 0)
         elif name in ("RBE2", "RBE3", "SET1"):
-            numbers.append((_title(card), _members(card)))
+            numbers.append((card, _members(card)))
         elif not _SILENT.match(name):
             other[name] += 1
     problems.raise_if_any()
@@ -189,12 +131,14 @@ def read_bulk(path: Path) -> RawMesh:
         raw.element_sets[title] = [np.array(members)]
         if pid in materials:
             raw.materials[title] = f"mat{materials[pid]}"
-    for title, found in numbers:
-        sets = raw.node_sets if _of_nodes(found, ids, raw.numbers(False)) else raw.element_sets
-        sets.setdefault(title, []).extend(found)
+    for card, found in numbers:
+        _add_set(raw, card, found, ids)
     text = path.read_text(encoding="latin-1").upper()
     if "BEGIN BULK" in text and "ENDDATA" not in text:
         raw.left_out.append((path.name, "has no ENDDATA; is the file cut off?"))
+    if partial:
+        names = some([f"{n} {name}" for name, n in partial.items()])
+        raw.left_out.append((path.name, f"{names} lack some midside nodes: read by their corners"))
     if other:
         for pattern, remedy in _REMEDIES:
             held = {name: n for name, n in other.items() if re.match(pattern, name)}
@@ -205,88 +149,33 @@ def read_bulk(path: Path) -> RawMesh:
     return raw
 
 
-# ---- cards ---------------------------------------------------------------------------------------
+# ---- entries -----------------------------------------------------------------------------------
 
 
-def _cards(path: Path, depth: int) -> Iterator[_Card]:
-    """Yield the entries of the bulk data section, with those of the files it includes."""
-    if depth > 10:
-        raise InputError(Problem(path.name, "INCLUDE goes round in circles"))
-    text = path.read_text(encoding="latin-1")
-    lines = text.splitlines()
-    begin = next(
-        (i for i, line in enumerate(lines) if re.match(r"\s*BEGIN\s+BULK", line, re.IGNORECASE)), -1
-    )
-    card: _Card | None = None
-    for i in range(begin + 1, len(lines)):
-        line = lines[i].split("$", 1)[0].rstrip()
-        if not line:
-            continue
-        if re.match(r"\s*ENDDATA", line, re.IGNORECASE):
-            break
-        include = re.match(r"\s*INCLUDE\s+(\S.*)", line, re.IGNORECASE)
-        if include:
-            title = include[1].strip("'").strip()
-            inner = path.parent / title
-            if not inner.is_file():
-                where = f"{path.name}:{i + 1}"
-                raise InputError(
-                    Problem(where, f"the included file '{title}' is not there; keep it beside")
-                )
-            if card is not None:
-                yield card
-                card = None
-            yield from _cards(inner, depth + 1)
-            continue
-        head, fields = _split(line)
-        if card is not None and (not head or head[0] in "+*"):
-            card.fields += fields
-            continue
-        if card is not None:
-            yield card
-        # meshio writes CTETRA_ for an element with midside nodes
-        card = _Card(head.rstrip("*_").upper(), fields, path, i + 1)
-    if card is not None:
-        yield card
-
-
-def _split(line: str) -> tuple[str, list[str]]:
-    """Return the first field and the eight (or four long) data fields of a line."""
-    if "," in line:
-        words = [word.strip() for word in line.split(",")]
-        wide = 4 if words[0].endswith("*") else 8
-        return words[0], (words[1 : 1 + wide] + [""] * wide)[:wide]
-    line = line.expandtabs(8)
-    head = line[:8].strip()
-    if "*" in head:
-        return head, [line[8 + 16 * i : 24 + 16 * i].strip() for i in range(4)]
-    return head, [line[8 + 8 * i : 16 + 8 * i].strip() for i in range(8)]
-
-
-def _solid(card: _Card, problems: Problems) -> tuple[str, list[int]]:
-    """Return kind and nodes of a solid element."""
-    low, high = _SOLIDS[card.name]
-    corners = [card.whole(2 + i) for i in range(_SIZES[low])]
-    middle = card.fields[2 + len(corners) : 2 + _SIZES[high]]
-    if not any(middle):
-        return low, corners
-    given = [word for word in middle if word and word != "0"]
-    if len(given) < _SIZES[high] - _SIZES[low]:
+def _element(card: Card, problems: Problems, partial: Counter[str]) -> tuple[str, list[int]]:
+    """Return kind and nodes of a solid or shell element; shells may lack some midside nodes."""
+    low, high = (_SOLIDS | _SHELLS)[card.name]
+    corners = [card.whole(2 + i) for i in range(KINDS[low])]
+    middle = range(2 + len(corners), 2 + KINDS[high]) if high else range(0)
+    given = [i for i in middle if card.field(i) not in ("", "0")]
+    if given and len(given) == len(middle):
+        return high, corners + [card.whole(i) for i in middle]
+    if given and card.name in _SHELLS:
+        partial[card.name] += 1
+    elif given:
         problems.add(
             card.where,
-            f"element {card.field(0)} has {len(given)} of {_SIZES[high] - _SIZES[low]} midside"
+            f"element {card.field(0)} has {len(given)} of {len(middle)} midside"
             " nodes; export with all of them or with none (is the file cut off?)",
         )
-        return low, corners
-    first = 2 + len(corners)
-    return high, corners + [card.whole(first + i) for i in range(len(middle))]
+    return low, corners
 
 
-def _title(card: _Card) -> str:
+def _title(card: Card) -> str:
     return f"{'set' if card.name == 'SET1' else card.name.lower() + '_'}{card.field(0)}"
 
 
-def _members(card: _Card) -> Members:
+def _members(card: Card) -> Members:
     """Return the nodes of an RBE2, an RBE3 or a set, with ranges ``1 THRU 9``."""
     first = {"SET1": 1, "RBE2": 3, "RBE3": 4}[card.name]
     fields = card.fields[first:]
@@ -317,6 +206,21 @@ def _members(card: _Card) -> Members:
     return [np.array(single, dtype=np.int64), *out]
 
 
+def _add_set(raw: RawMesh, card: Card, members: Members, nodes: Ints) -> None:
+    """Add the nodes of a rigid element, or a set, to the nodes or elements that it means."""
+    elements = raw.numbers(nodes=False)
+    sets = raw.node_sets if _of_nodes(members, nodes, elements) else raw.element_sets
+    if card.name == "SET1" and sets is raw.element_sets:
+        single = np.concatenate([part for part in members if not isinstance(part, range)])
+        lost = single[~np.isin(single, elements)]
+        if len(lost):
+            names = some([str(i) for i in lost])
+            raw.left_out.append((card.where, f"{names} is no node and no element that is read"))
+        if not np.isin(joined(members, elements), elements).any():
+            return
+    sets.setdefault(_title(card), []).extend(members)
+
+
 def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
     """Tell whether a set that does not say so is one of nodes: they are all there."""
     ends = [i for part in members if isinstance(part, range) for i in (part[0], part[-1])]
@@ -329,19 +233,19 @@ def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
 # ---- coordinate systems --------------------------------------------------------------------------
 
 
-def _system(card: _Card, systems: dict[int, _Card]) -> None:
+def _system(card: Card, systems: dict[int, Card]) -> None:
     """Note the coordinate systems of a card; CORD1x may hold two."""
     if card.name[:5] == "CORD1":
         for first in (0, 4):
             if card.field(first):
-                part = _Card(card.name, card.fields[first : first + 4], card.path, card.number)
+                part = Card(card.name, card.fields[first : first + 4], card.path, card.number)
                 systems[part.whole(0)] = part
     else:
         systems[card.whole(0)] = card
 
 
 def _positions(
-    path: Path, points: list[tuple[int, int, float, float, float]], systems: dict[int, _Card]
+    path: Path, points: list[tuple[int, int, float, float, float]], systems: dict[int, Card]
 ) -> Array:
     """Return positions (nn, 3) in the basic system."""
     local = sensible(np.array([p[2:] for p in points]))

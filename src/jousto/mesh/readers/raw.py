@@ -10,8 +10,9 @@ import numpy as np
 
 from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, Problems, count
-from jousto.mesh.cells import LINES, SOLIDS, SURFACES, Cells, faces
+from jousto.mesh.cells import LINES, SOLIDS, SURFACES, Cells, base, faces, mirrored
 from jousto.mesh.mesh import Mesh
+from jousto.mesh.quality import volumes
 from jousto.mesh.surface import face_kind
 
 # coordinates and numbers of nodes and elements beyond these are damage
@@ -49,6 +50,10 @@ class RawMesh:
     left_out: list[tuple[str, str]] = field(default_factory=list)
     # elements of kinds that are not read, by the name of their type
     unread: Counter[str] = field(default_factory=Counter)
+    # whether the format lets nodes of solids be listed in either sense of rotation
+    either_sense: bool = False
+    # unit of length in m, where the file says one
+    length: float | None = None
 
     def numbers(self, nodes: bool) -> Ints:
         """Return the numbers of all nodes, or of all elements."""
@@ -74,6 +79,8 @@ class RawMesh:
                     f" not hold ({count(wrong, 'element')} like that); is the file complete?",
                 )
             else:
+                if self.either_sense:
+                    found = right_handed(block.kind, found, nodes)
                 blocks.append(Cells(block.kind, found, block.ids, block.material))
         problems.raise_if_any()
         if not blocks and self.unread:
@@ -230,6 +237,16 @@ class RawMesh:
             out[title] = padded([part for part in parts if len(part)])
         problems.raise_if_any()
         return out
+
+
+def right_handed(kind: str, cells: Ints, nodes: Array) -> Ints:
+    """Return solid cells (ne, k), those mirrored whose corners span a negative volume."""
+    if kind not in SOLIDS or not len(cells):
+        return cells
+    straight = Cells(base(kind), cells[:, : SOLIDS[base(kind)]])
+    left = volumes(nodes, [straight]) < 0.0
+    out: Ints = np.where(left[:, None], cells[:, mirrored(kind)], cells)
+    return out
 
 
 def sensible(x: Array) -> Array:

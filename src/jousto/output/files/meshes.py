@@ -12,21 +12,10 @@ import numpy as np
 from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.files import written
+from jousto.mesh.formats import WRITTEN
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.readers.files import unit_factor
 from jousto.output.style import target
-
-# suffix, meshio's name of the format, and whether it keeps named sets
-FORMATS = {
-    "vtu": ("vtu", True),
-    "vtk": ("vtk", True),
-    "inp": ("abaqus", True),
-    "msh": ("gmsh22", False),
-    "med": ("med", False),
-    "bdf": ("nastran", False),
-    "nas": ("nastran", False),
-    "stl": ("stl", False),
-}
 
 
 @explained_as("write")
@@ -58,9 +47,9 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     JoustoWarning
         If the mesh has sets and the format keeps none.
     """
-    out = target(path, tuple(FORMATS))
+    out = target(path, tuple(WRITTEN))
     suffix = out.suffix.lower().lstrip(".")
-    form, keeps = FORMATS[suffix]
+    form, keeps = WRITTEN[suffix]
     factor = unit_factor("write", unit)
     if not keeps and (mesh.node_sets or mesh.element_sets) and suffix != "stl":
         warn(

@@ -11,6 +11,7 @@ import numpy as np
 
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
+from jousto.base.files import check_input
 from jousto.parts.matrices.text import refuse
 
 TABLES = (".npy", ".csv", ".txt")
@@ -92,6 +93,7 @@ def from_mesh(mesh: Any) -> Positions:
 
 
 def _table(path: Path) -> Any:
+    check_input(path)
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     try:

@@ -12,6 +12,7 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem, suggest, warn
+from jousto.base.files import check_input
 from jousto.parts.matrices import abaqus, ansys, calculix, nastran, plain
 from jousto.parts.matrices.matrices import Matrices
 from jousto.parts.matrices.nodes import Positions, read_positions
@@ -96,6 +97,8 @@ def read_matrices(
     """
     path = Path(K)
     mass = None if M is None else Path(M)
+    for file in (path, *([mass] if mass else [])):
+        check_input(file)
     system = Units.read(units)
     given_dofs = None if dofs is None else read_dofs(dofs)
     raw = _reader(path, format)(path, mass, system.unit if nodes is None else None)

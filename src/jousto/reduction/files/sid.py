@@ -13,6 +13,7 @@ import scipy.linalg
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, count, warn
+from jousto.base.files import check_input
 from jousto.reduction.content import Content
 from jousto.reduction.fields.invariants import EPS, Invariants, outer
 from jousto.reduction.fields.stiffening import Stiffening
@@ -127,6 +128,7 @@ def load_sid(path: Path, kind: type[P], versions: Mapping[str, str]) -> P:
     where = path.name
     if path.is_dir():
         raise InputError(Problem(where, "is a folder, not standard input data"))
+    check_input(path)
     if not path.exists():
         raise MissingFileError(Problem(str(path), "there is no such file"))
     try:

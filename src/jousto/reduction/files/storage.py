@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import InputError, MissingFileError, Problem
-from jousto.base.files import written
+from jousto.base.files import check_input, written
 from jousto.base.hdf5 import DAMAGE, Group
 from jousto.base.seal import Seal, sealed
 from jousto.parts.frames.element import BeamElements
@@ -110,6 +110,7 @@ def load(path: Path, kind: type[P]) -> P:
     where = str(path)
     if path.is_dir():
         raise InputError(Problem(where, "is a folder, not a reduced part"))
+    check_input(path)
     if not path.exists():
         raise MissingFileError(Problem(where, f"there is no such file; {AGAIN}"))
     try:

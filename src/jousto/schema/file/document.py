@@ -10,7 +10,8 @@ from typing import Any, TypeAlias
 
 from jousto.base.described import described
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
-from jousto.base.files import check_file
+from jousto.base.files import check_input
+from jousto.mesh.formats import is_cad, is_mesh
 from jousto.schema.file.composer import compose
 
 DOCUMENTS = (".yaml", ".yml", ".json")  # endings of files that people write
@@ -87,8 +88,8 @@ def read_document(path: str | Path) -> Document:
         twice, content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
-    check_file(path)
-    if path.is_file() and path.suffix.lower() in (*CAD, *MESHES):
+    check_input(path)
+    if path.is_file() and (is_cad(path) or is_mesh(path)):
         raise InputError(Problem(path.name, _geometry(path)))
     try:
         text = path.read_text(encoding="utf-8")
@@ -102,13 +103,9 @@ def read_document(path: str | Path) -> Document:
     return parse_document(text, name=path.name, folder=path.parent)
 
 
-CAD = (".step", ".stp", ".brep")
-MESHES = (".msh", ".inp", ".bdf", ".nas", ".med", ".vtk", ".vtu", ".cdb")
-
-
 def _geometry(path: Path) -> str:
     """Return what to do with a CAD file or a mesh in the place of a model file."""
-    if path.suffix.lower() in CAD:
+    if is_cad(path):
         what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
     else:
         # VTK files say metres, as jousto writes them; decks leave the unit to who reads them

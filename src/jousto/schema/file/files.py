@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import InputError, MissingFileError, Problem
+from jousto.base.files import check_input
 
 
 def read_matrix(path: Path) -> Any:
@@ -46,6 +47,7 @@ def _read(path: Path, readers: dict[str, Any]) -> Any:
         raise InputError(
             Problem("", f"{path.name!r} cannot be read, must end with {', '.join(readers)}")
         )
+    check_input(path)
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     try:

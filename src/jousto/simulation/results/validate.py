@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import InputError, MissingFileError, Problem
-from jousto.base.files import check_file
+from jousto.base.files import check_input
 from jousto.base.hdf5 import Group, check_dataset, damage, open_format
 from jousto.base.seal import Sealed, sealed
 from jousto.simulation.results.columns import DIAGNOSTICS
@@ -158,7 +158,7 @@ def open_results(path: Path) -> Iterator[Group]:
     InputError
         If there is no such file, it is damaged, or it is something else than results.
     """
-    check_file(path)
+    check_input(path)
     if not path.is_file():
         raise MissingFileError(Problem(str(path), "no such results file"))
     with open_format(path, FORMAT, "a results file", AGAIN) as file:
