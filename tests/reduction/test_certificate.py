@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from gmsh_session import opened
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.materials.material import Material
 from jousto.mesh.cells import Cells
 from jousto.mesh.mesh import Mesh
+from jousto.mesh.readers.step import mesh_step
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
 from jousto.reduction.certificate.certificate import Check
@@ -552,3 +555,28 @@ def test_a_mesh_that_is_too_coarse() -> None:
     # without interfaces the lowest mode tells; matrices and beams have no mesh
     assert certify(fine)["mesh error"].sentence.startswith("stress under free mode")
     assert "mesh error" not in [c.topic for c in certify(rod()).checks]
+
+
+@pytest.mark.filterwarnings("ignore:.*would be folded")
+def test_volume_against_cad(tmp_path: Path) -> None:
+    # a plate of 100 x 100 x 20 mm with four holes of 44 mm: hexagons and the like leave more
+    gmsh = pytest.importorskip("gmsh")
+    with opened(gmsh):
+        occ = gmsh.model.occ
+        holes = [(3, occ.addCylinder(x, y, -1, 0, 0, 22, 22)) for x in (25, 75) for y in (25, 75)]
+        occ.cut([(3, occ.addBox(0, 0, 0, 100, 100, 20))], holes)
+        occ.synchronize()
+        gmsh.write(str(tmp_path / "plate.step"))
+    exact = 1e-9 * 20 * (100**2 - 4 * np.pi * 22**2)
+    for per_circle, curved, status in ((4, False, "fail"), (16, False, "warn"), (16, True, "ok")):
+        mesh = mesh_step(tmp_path / "plate.step", size=4e-2, per_circle=per_circle, curved=curved)
+        assert mesh.cad_volume == pytest.approx(exact, rel=1e-9)
+        part = Part.solid(mesh, STEEL)
+        check = certify(part)["volume against CAD"]
+        assert check.status == status, check
+        share = 100 * (mesh.volume / exact - 1)
+        assert float(check.value.partition(" %")[0]) == pytest.approx(share, rel=0.06)
+        if status != "ok":
+            assert "heavier than the CAD solid" in check.sentence
+    assert mesh.scaled(2.0).cad_volume == pytest.approx(8 * exact, rel=1e-9)
+    assert mesh.solid().cad_volume == mesh.merged().cad_volume == mesh.cad_volume

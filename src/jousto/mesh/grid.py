@@ -31,6 +31,7 @@ class Grid:
     element_sets: Sets = field(default_factory=dict)
     surfaces: Sets = field(default_factory=dict)
     source: str = ""
+    cad_volume: float | None = None
 
     def __post_init__(self) -> None:
         where, problems = f"mesh '{self.name}'", Problems()
@@ -73,7 +74,9 @@ class Grid:
                         block[members[(members >= a) & (members < b)] - a].ravel()
                         for block, a, b in zip(blocks, starts[:-1], starts[1:], strict=True)
                     ]
-                    node_sets[name] = frozen(np.unique(np.concatenate(found)))
+                    node_sets[name] = frozen(
+                        np.unique(np.concatenate([*found, np.zeros(0, np.int64)]))
+                    )
         values = {"nodes": nodes, "cells": cells, "node_ids": ids, "node_sets": node_sets}
         for key, value in (values | {"element_sets": element_sets, "surfaces": surfaces}).items():
             object.__setattr__(self, key, value)

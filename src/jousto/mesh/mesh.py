@@ -48,6 +48,9 @@ class Mesh(Grid):
     source : str
         Name of the file it was read from, empty for a mesh made of arrays. Whether the unit of a
         file can be right is judged by the size; arrays are taken as they are.
+    cad_volume : float, optional
+        Volume of the CAD solids in m^3 of which it was made; the certificate compares it with
+        that of the mesh.
 
     Notes
     -----
@@ -196,7 +199,8 @@ class Mesh(Grid):
         problems = Problems()
         problems.positive(f"mesh '{self.name}'", "factor", factor, "")
         problems.raise_if_any()
-        return replace(self, nodes=self.nodes * factor)
+        volume = None if self.cad_volume is None else self.cad_volume * factor**3
+        return replace(self, nodes=self.nodes * factor, cad_volume=volume)
 
     def solid(self) -> Mesh:
         """Return the mesh of the solid elements alone, without nodes that they do not use."""
@@ -216,6 +220,7 @@ class Mesh(Grid):
             self.element_sets,
             surfaces,
             self.source,
+            self.cad_volume,
         )
 
     def merged(self, tolerance: float | None = None) -> Mesh:
@@ -241,6 +246,7 @@ class Mesh(Grid):
             self.element_sets,
             {name: new[old] for name, old in self.surfaces.items()},
             self.source,
+            self.cad_volume,
         )
 
 

@@ -125,6 +125,9 @@ def mesh_facts(mesh: Mesh) -> Facts:
         ("elements", ", ".join(f"{n} {kind}" for kind, n in kinds.items()) or "none"),
         ("volume", f"{1e6 * mesh.volume:.5g} cm3, {7850.0 * mesh.volume:.5g} kg if it is steel"),
     ]
+    if mesh.cad_volume:
+        beside = f"{100.0 * (mesh.volume / mesh.cad_volume - 1.0):+.2g} %"
+        rows.append(("CAD volume", f"{1e6 * mesh.cad_volume:.5g} cm3, the mesh {beside}"))
     if len(mesh.element_ids):
         rows.append(("quality", str(mesh.quality()).partition(": ")[2]))
     if mesh.element_sets:

@@ -121,6 +121,7 @@ def mesh_step(
         (Cells(found["kind"], found["cells"]),),
         element_sets=found["element_sets"],
         surfaces=found["surfaces"],
+        cad_volume=found["volume"],
     )
     if order == 2 and curved:
         mesh = _eased(mesh, where)
@@ -190,7 +191,8 @@ def meshed(
         gmsh.model.mesh.optimize("Netgen")
         if order == 2:
             gmsh.model.mesh.setOrder(2)
-        return {**_collect(gmsh, order, names, scale), "labels": labels}
+        found = _collect(gmsh, order, names, scale)
+        return {**found, "labels": labels, "volume": _volume(gmsh, scale)}
 
 
 def _gmsh(where: str) -> Any:
@@ -270,6 +272,12 @@ def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
     return out
 
 
+def _volume(gmsh: Any, scale: float) -> float:
+    """Return the volume of the solids of the geometry in m^3."""
+    tags = [tag for _, tag in gmsh.model.getEntities(3)]
+    return scale**3 * sum(float(gmsh.model.occ.getMass(3, tag)) for tag in tags)
+
+
 def _sizes(
     gmsh: Any,
     where: str,
@@ -286,8 +294,7 @@ def _sizes(
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
     long = float(np.linalg.norm(box[1] - box[0]))
     size = size or SHARE * long
-    tags = [tag for _, tag in gmsh.model.getEntities(3)]
-    volume = scale**3 * sum(gmsh.model.occ.getMass(3, tag) for tag in tags)
+    volume = _volume(gmsh, scale)
     wanted = _PER_CUBE * volume / size**3
     if size >= long:
         problems.add(

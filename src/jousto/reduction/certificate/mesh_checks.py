@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 POOR = 0.05
 """Scaled Jacobian below which an element spoils its neighbourhood."""
 
+VOLUME_DOUBTFUL, VOLUME_WRONG = 0.01, 0.05
+"""Shares of the CAD's volume by which that of the mesh may differ: with a warning, at all."""
+
 STIFF_KINDS = {"tetra": "tetra10", "hexahedron": "hexahedron20", "wedge": "wedge15"}
 """Elements that are too stiff in bending, and what to take instead."""
 
@@ -29,7 +32,7 @@ def mesh_checks(part: Part) -> tuple[list[Check], list[Table]]:
     if mesh is None or not hasattr(mesh, "quality"):
         return [], []
     checks, table = _quality(mesh)
-    checks.append(_order(mesh))
+    checks += [*_against_cad(mesh), _order(mesh)]
     checks.append(_surface(part))
     # what the mesh knows of itself; the shapes of elements are judged above
     found = [f for f in mesh.check() if f.kind not in ("jacobian", "sliver")]
@@ -98,6 +101,28 @@ def _quality(mesh: Any) -> tuple[list[Check], Table]:
     else:
         check = Check(topic, "ok", value, limit, "no element is flat or folded")
     return [check], table
+
+
+def _against_cad(mesh: Any) -> list[Check]:
+    """Return how the volume of the mesh compares with that of the CAD solids it was made of."""
+    cad = mesh.cad_volume
+    if not cad:
+        return []
+    share = float(mesh.volume) / cad - 1.0
+    size = abs(share)
+    topic, limit = "volume against CAD", f"{100.0 * VOLUME_DOUBTFUL:g} %"
+    value = f"{100.0 * share:+.2g} % of {number(1e9 * cad, 6)} mm3"
+    if size <= VOLUME_DOUBTFUL:
+        return [Check(topic, "ok", value, limit, "the mesh weighs what the CAD solid does")]
+    sentence = (
+        f"the mesh is {number(100.0 * size, 2)} % {'heavier' if share > 0.0 else 'lighter'} than "
+        "the CAD solid: its edges cut across curved faces, so that mass, inertia and stiffness are "
+        "those of another part"
+    )
+    remedy = "mesh with more elements per_circle, a smaller size, or edges that follow curves"
+    return [
+        Check(topic, "warn" if size <= VOLUME_WRONG else "fail", value, limit, sentence, remedy)
+    ]
 
 
 def _order(mesh: Any) -> Check:

@@ -75,6 +75,8 @@ def _gmsh_version() -> str:
 def _arrays(mesh: Mesh, told: list[str]) -> Arrays:
     out: Arrays = {"name": np.array(mesh.name), "nodes": mesh.nodes, "node_ids": mesh.node_ids}
     out["told"] = np.array(told, dtype=np.str_)
+    if mesh.cad_volume is not None:
+        out["cad_volume"] = np.array(mesh.cad_volume)
     for i, cells in enumerate(mesh.cells):
         out |= {f"cells.{i}": cells.nodes, f"ids.{i}": cells.ids}
         out[f"kind.{i}"] = np.array([cells.kind, cells.material])
@@ -99,4 +101,6 @@ def _mesh(arrays: Arrays) -> Mesh:
         }
         for group in SETS
     }
-    return Mesh(str(arrays["name"]), arrays["nodes"], tuple(cells), arrays["node_ids"], **sets)
+    volume = float(arrays["cad_volume"]) if "cad_volume" in arrays else None
+    name, nodes, ids = str(arrays["name"]), arrays["nodes"], arrays["node_ids"]
+    return Mesh(name, nodes, tuple(cells), ids, **sets, cad_volume=volume)
