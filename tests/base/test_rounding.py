@@ -10,6 +10,8 @@ import pytest
 import jousto as jo
 from cli.test_meshes import call
 from jousto.base.rounding import DIGITS, Scales, difference, without_rounding
+from jousto.scene.machine import run_scene
+from jousto.viewer.live.seen import scene_at
 
 # at rest in a frame that is turned by odd angles: nothing there cancels exactly
 REST = """\
@@ -74,6 +76,12 @@ def test_a_machine_at_rest_reads_zero(tmp_path: Any) -> None:
     code, text = call("run", model, "-q")
     assert code == 0, text
     run = jo.load(tmp_path / "rest.h5")
+    # the page shows readings by the same rule, of results and of live machines
+    with pytest.warns(jo.JoustoWarning, match="moves freely"):
+        compiled = jo.compile(jo.read_model(model).mechanism)
+    for scene in (run_scene(run), scene_at(compiled, None, "rest")[1]):
+        floors = {one.name: one.floors for one in scene.sensors}
+        assert 1e-15 < floors["tip"][0] < 1e-13 and 1e-9 < floors["bending"][0] < 1e-2
     shift = run["tip"] - run["tip"][0]
     assert np.abs(shift).max() < 1e-12  # it does not move
     code, text = call("peaks", tmp_path / "rest.h5", "speed", "bending", "life")

@@ -18,6 +18,7 @@ from jousto.base.complexstep import real_parts
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
+from jousto.model.scales import scales_of
 from jousto.model.stepped import plain_model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
@@ -83,6 +84,7 @@ class MemoryRecords:
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
             "name": self.model.name,
+            "scales": scales_of(self.model).array(),
             **self.facts,
             **self.about_run,
         }

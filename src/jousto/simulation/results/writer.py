@@ -25,6 +25,7 @@ from jousto.base.files import create, unwritable
 from jousto.base.seal import Seal
 from jousto.base.version import __version__
 from jousto.model.model import Model
+from jousto.model.scales import scales_of
 from jousto.simulation.results.columns import Column, columns
 from jousto.simulation.results.events import joints_of, sources
 from jousto.simulation.results.image import SparseImage, reserve
@@ -342,6 +343,7 @@ def _describe(
     file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["complete"] = int(complete)
     file.attrs["name"] = model.name
+    file.attrs["scales"] = scales_of(model).array()
     for about, fact in {**_ending(facts), **attributes}.items():
         file.attrs[about] = fact
     file["model"] = text

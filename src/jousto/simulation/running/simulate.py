@@ -19,7 +19,6 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
-from jousto.model.scales import scales_of
 from jousto.simulation.foreign.coupling import Coupling, check_coupling
 from jousto.simulation.foreign.process import FmuFailed
 from jousto.simulation.progress import Report, reporter
@@ -169,7 +168,6 @@ def simulate(
         "step": plan.step,
         "t_end": float(t_end),
         "gravity": model.gravity,
-        "scales": scales_of(model).array(),
         "evaluations_per_step": solver.evaluations,
     }
     rows = plan.steps // plan.every + 1
