@@ -108,7 +108,7 @@ docs: $(VENV)/.docs $(PAGE)  ## documentation in build/docs, warnings are errors
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test quick lint types layers sanitize page-test unit slow cores old-processor format
+.PHONY: test quick lint types layers sanitize page-test unit slow cores kernels old-processor format
 test: lint types layers sanitize page-test unit  ## every check except the slow verification runs
 
 lint: $(VENV)/.dev
@@ -144,15 +144,29 @@ cores: $(VENV)/.dev $(PAGE)  ## all tests in joint coordinates, then in the posi
 	@$(PYTEST) $(PYTEST_ARGS) --core joint
 	@$(PYTEST) $(PYTEST_ARGS) --core maximal
 
-# the tests of numbers once more as an old processor computes: the engine without AVX2, and the kernels
-# that OpenBLAS has for one; not those that read, cut and spoil files
-ROOMS := $(addprefix tests/,fatigue materials measurement mechanism mesh model parts planar recovery reduction sections simulation verification test_docs.py)
+# the tests of numbers once more with each set of kernels that OpenBLAS has for this processor, then as an
+# old one computes: the engine, OpenBLAS and NumPy without AVX; not those that read, cut and spoil files.
+# Property tests try few examples: their laws were searched before, here other roundings are
+ROOMS := $(addprefix tests/,design fatigue materials measurement mechanism mesh model parts planar recovery \
+  reduction sections simulation verification cli/test_hotspots.py cli/test_statics.py test_docs.py)
 FILES := $(addprefix --ignore=tests/,parts/mesh parts/test_apart.py reduction/test_cache.py \
   simulation/test_damage.py recovery/monitor/test_damage.py)
+FLAGS := $(shell grep -m1 '^flags' /proc/cpuinfo 2>/dev/null)
+KERNELS := $(if $(filter avx512vl,$(FLAGS)),SkylakeX) $(if $(filter avx2,$(FLAGS)),Haswell) \
+  $(if $(filter avx,$(FLAGS)),Sandybridge)
+DISPATCHED := from numpy._core._multiarray_umath import __cpu_dispatch__ as d, __cpu_features__ as f; \
+  print(*(x for x in d if f[x]))
+kernels: $(addprefix kernel-,$(KERNELS)) old-processor  ## the tests of numbers with other kernels of BLAS and NumPy
+kernel-% old-processor: export HYPOTHESIS_PROFILE := few
+kernel-%: export OPENBLAS_CORETYPE = $*
+kernel-%: $(VENV)/.dev
+	@echo "kernels of OpenBLAS: $*"
+	@$(PYTEST) $(PYTEST_ARGS) $(FILES) $(ROOMS)
 old-processor: export JOUSTO_CPU := baseline
 old-processor: export OPENBLAS_CORETYPE := Nehalem
-old-processor: $(VENV)/.dev  ## the tests of numbers as a processor without AVX computes
-	@$(PYTEST) $(PYTEST_ARGS) $(FILES) $(ROOMS)
+old-processor: $(VENV)/.dev  ## the same as a processor without AVX computes
+	@echo "a processor without AVX: kernels Nehalem, NumPy without its own"
+	@NPY_DISABLE_CPU_FEATURES="$$($(PY) -c '$(DISPATCHED)')" $(PYTEST) $(PYTEST_ARGS) $(FILES) $(ROOMS)
 
 format: $(VENV)/.dev  ## reformat and repair what can be repaired
 	@$(BIN)/ruff check --fix .
