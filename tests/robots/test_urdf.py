@@ -299,3 +299,99 @@ def test_misspelt_attributes_and_degrees_are_told(write: Write) -> None:
     assert "limit: 'min' is not read" in told and "limit: 'max' is not read" in told
     assert "rpy is '0 90 0'; are these degrees?" in told
     assert "heat" not in told and len(said) == 4
+
+
+def test_inertia_without_mass_counts_where_it_is_fixed_to_a_mass(write: Write) -> None:
+    """The rotor of a motor, whose mass is in its housing: Pinocchio adds its inertia, too."""
+    rotor = BALL.replace('mass value="2"', 'mass value="0"').replace('izz="1"', 'izz="0.5"')
+    weld = '<joint name="w" type="fixed"><parent link="b"/><child link="c"/><origin rpy="0.3 0 0"/></joint>'
+    hinge = HINGE.format('<axis xyz="0 1 1"/>')
+    path = write(f'{LINKS}<link name="c">{rotor}</link>{hinge}{weld}')
+    robot = read_urdf(path)
+    A = Rotation.from_euler("x", 0.3).as_matrix()
+    wanted = np.eye(3) + A @ np.diag([1, 1, 0.5]) @ A.T
+    np.testing.assert_allclose(robot.links[1].inertia, wanted, atol=1e-15)
+    pinocchio = pytest.importorskip("pinocchio")
+    model = pinocchio.buildModelFromUrdf(str(path))
+    M = pinocchio.crba(model, model.createData(), np.zeros(model.nq))
+    np.testing.assert_allclose(Tree(robot).mass_matrix([0.0]), M, atol=1e-14)
+    # alone it counts for nothing, and is told
+    lone = f'<link name="a"/><link name="b">{rotor}</link>{HINGE.format("")}'
+    with pytest.warns(jo.JoustoWarning) as found:
+        read_urdf(write(lone))
+    assert "link 'b': has inertia but no mass" in "\n".join(str(one.message) for one in found)
+
+
+def test_masses_below_zero_are_refused_wherever_they_are(write: Write) -> None:
+    minus = BALL.replace('mass value="2"', 'mass value="-2"')
+    weld = '<joint name="w" type="fixed"><parent link="b"/><child link="c"/></joint>'
+    text = f'{LINKS}<link name="c">{minus}</link>{HINGE.format("")}{weld}'
+    said = sentences(write(text))
+    assert said.count("mass is -2 kg, must not be negative") == 1 and "link 'c'" in said
+    assert "mass is -2 kg" in sentences(write(text), merge=False)
+    # on what stands still, too
+    assert "mass is -2 kg" in sentences(write(f'<link name="a">{minus}</link>'))
+
+
+def test_meshes_may_be_left_out(write: Write) -> None:
+    text = '<link name="a"><visual><geometry><mesh filename="gone.stl"/></geometry></visual></link>'
+    robot = read_urdf(write(text), meshes=False)  # no warning
+    assert robot.links[0].shapes == ()
+
+
+COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><created>2020-01-01T00:00:00</created><modified>2020-01-01T00:00:00</modified><unit name="cm" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="12">0 0 0 10 0 0 0 20 0 0 0 30</float_array>
+<technique_common><accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 0 1 3</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><translate>100 0 0</translate><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+# 4 points, 2 texture coordinates, 1 normal
+OBJ = """v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nvt 0 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\nf 1/1/1 2/2/1 4/1/1\nf 2//1 3//1 4//1\n"""
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "low", "high", "count"),
+    [("x.dae", COLLADA, [1, 0, 0], [1.1, 0.2, 0.3], 2), ("x.obj", OBJ, [0, 0, 0], [1, 2, 3], 3)],
+)
+def test_shapes_of_collada_and_obj_files(
+    name: str,
+    text: str,
+    low: list[float],
+    high: list[float],
+    count: int,
+    write: Write,
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("collada")
+    pytest.importorskip("trimesh")
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    visual = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
+    (shape,) = read_urdf(write(f'<link name="a">{visual}</link>')).links[0].shapes
+    assert shape.shape == (count, 3, 3)
+    np.testing.assert_allclose(shape.min((0, 1)), low, atol=1e-6)  # 32 bits
+    np.testing.assert_allclose(shape.max((0, 1)), high, atol=1e-6)
+
+
+def test_a_collada_file_reaches_for_no_other(write: Write, tmp_path: Path) -> None:
+    pytest.importorskip("collada")
+    bomb = '<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/hostname">]>' + COLLADA.partition("?>")[2]
+    (tmp_path / "x.dae").write_text(bomb, encoding="utf-8")
+    (tmp_path / "y.stl").write_text(
+        "version https://git-lfs.github.com/spec/v1\n", encoding="utf-8"
+    )
+    for name, said in (("x.dae", "has a DOCTYPE"), ("y.stl", "is a pointer of Git LFS")):
+        visual = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
+        with pytest.warns(jo.JoustoWarning, match=said):
+            read_urdf(write(f'<link name="a">{visual}</link>'))
+
+
+def test_words_for_gazebo_that_change_the_motion_are_told(write: Write) -> None:
+    more = '<gazebo reference="b"><turnGravityOff>true</turnGravityOff><mu1>3</mu1></gazebo>'
+    with pytest.warns(jo.JoustoWarning) as found:
+        read_urdf(write(f"{LINKS}{HINGE.format('')}{more}"))
+    (one,) = found
+    assert "robot.urdf:1: turnGravityOff: <turnGravityOff>: the weight acts on this link" in str(
+        one.message
+    )

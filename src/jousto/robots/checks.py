@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from jousto.base.errors import suggest
-from jousto.robots.description import Link, Robot, RobotJoint
+from jousto.robots.description import Frame, Link, Robot, RobotJoint
 from jousto.robots.markup import Adder, Reading
 from jousto.robots.masses import check_mass, note_sizes, weighed
 
@@ -52,6 +52,29 @@ def robot(
         note_sizes(add, made)
         made = complete(made)
     return replace(made, odd=reading.finish())
+
+
+def with_loops(made: Robot, loops: Sequence[RobotJoint]) -> Robot:
+    """Return a robot with joints that close loops between its links, which may be merged."""
+    places = {name: (link.name, at) for link in made.links for name, at in link.frames.items()}
+    places |= {link.name: (link.name, Frame()) for link in made.links}
+    found = []
+    for joint in loops:
+        (a, at_a), (b, at_b) = (places[link_name(name)] for name in (joint.parent, joint.child))
+        if a == b:
+            continue
+        found.append(
+            replace(
+                joint,
+                name=joint_name(joint.name),
+                parent=a,
+                child=b,
+                origin=at_a @ joint.origin @ at_b.inverted(),
+                axis=at_b.A @ joint.axis,
+                anchor=at_b.r + at_b.A @ joint.anchor,
+            )
+        )
+    return replace(made, loops=(*made.loops, *found))
 
 
 def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:

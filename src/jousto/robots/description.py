@@ -81,6 +81,7 @@ class Link:
         """Return this link with another one fixed to it at a frame, which keeps its name."""
         mass = self.mass + other.mass
         c, d = self.center, at.r + at.A @ other.center
+        # equal and opposite masses have no centre; negative ones are refused
         center = c if mass == 0.0 else (self.mass * c + other.mass * d) / mass
         inertia = self.inertia + at.A @ other.inertia @ at.A.T
         for m, x in ((self.mass, c - center), (other.mass, d - center)):

@@ -27,12 +27,13 @@ def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
     What stands on a fixed joint may have any inertia, as long as what it is merged with has
     one that a body can have.
     """
-    made = replace(made, links=tuple(massless(add, link) for link in made.links))
     made = idle(add, made)
     wrong = {link.name: said for link in made.links if (said := wrong_mass(link))}
     whole, homes = merged(made)
     if not merge:
         whole, homes = made, {link.name: link.name for link in made.links}
+    # what is fixed to a link with a mass adds its inertia, with or without a mass of its own
+    whole = replace(whole, links=without_idle_inertia(add, made, whole, homes))
     held = held_links(whole)
     links, size = [], extent(made)
     for link in whole.links:
@@ -48,7 +49,9 @@ def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
         links.append(link)
     bad = {link.name for link in whole.links if wrong_mass(link) and link.name not in held}
     for link in made.links:
-        if link.name in wrong and homes[link.name] not in bad:
+        if link.mass < 0.0 and homes[link.name] not in bad:
+            add(link, wrong[link.name])
+        elif link.name in wrong and homes[link.name] not in bad:
             add.note(link, f"{wrong[link.name]}; it does not matter, since it is fixed to others")
     return replace(whole, links=tuple(links))
 
@@ -62,12 +65,18 @@ def held_links(made: Robot) -> set[str]:
     return held
 
 
-def massless(add: Adder, link: Link) -> Link:
-    """Return a link, without inertia if it has no mass."""
-    if link.mass == 0.0 and np.any(link.inertia != 0.0):
-        add.note(link, "has inertia but no mass; it counts as a frame without either")
-        return replace(link, inertia=np.zeros((3, 3)))
-    return link
+def without_idle_inertia(
+    add: Adder, made: Robot, whole: Robot, homes: dict[str, str]
+) -> tuple[Link, ...]:
+    """Return merged links, without inertia where there is no mass; note the links that gave it."""
+    empty = {link.name for link in whole.links if link.mass == 0.0}
+    for link in made.links:
+        if link.mass == 0.0 and homes[link.name] in empty and np.any(link.inertia != 0.0):
+            add.note(link, "has inertia but no mass; it counts as a frame without either")
+    return tuple(
+        replace(link, inertia=np.zeros((3, 3))) if link.name in empty else link
+        for link in whole.links
+    )
 
 
 def idle(add: Adder, made: Robot) -> Robot:

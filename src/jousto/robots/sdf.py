@@ -17,7 +17,10 @@ from jousto.robots import checks
 from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.markup import Element, Reading, parse_file
 from jousto.robots.meshes import Folders, solid_of
+from jousto.robots.sdf_nested import flattened
+from jousto.robots.sdf_words import SDF
 from jousto.robots.urdf import roll_pitch_yaw
+from jousto.robots.words import check_words
 
 TYPES = {
     "revolute": "revolute",
@@ -26,9 +29,11 @@ TYPES = {
     "ball": "ball",
     "fixed": "fixed",
     "universal": "universal",
+    "revolute2": "universal",
+    "screw": "screw",
+    "gearbox": "gearbox",
 }
-QUIET = {"self_collide", "allow_auto_disable", "enable_wind", "plugin", "static", "pose"}
-QUIET |= {"link", "joint", "frame"}
+CLOSING = ("revolute", "prismatic", "ball", "fixed")
 FAR = 1e15  # limits beyond are none
 
 
@@ -40,13 +45,16 @@ def read_sdf(
     fixed_base: bool = False,
     merge: bool = True,
     repair: bool = False,
+    meshes: bool = True,
 ) -> Robot:
-    """Read a robot from an SDF file: its first model.
+    """Read a robot from an SDF file: its first model, with the models within it.
 
     Poses may be relative to any link, joint or frame of the model. Without ``relative_to`` that of
     a joint is relative to its child, the others to the model. Joints are revolute, continuous,
-    prismatic, universal, ball and fixed. The root is the world; what no joint holds moves
-    freely, unless the model is static or `fixed_base`.
+    prismatic, screw, universal, revolute2, ball and fixed; those that close loops, too. A gearbox
+    couples the joints between its reference body and its two links. The root is the world; what
+    no joint holds moves freely, unless the model is static or `fixed_base`. Links of a model within
+    are called ``model::link``.
 
     Parameters
     ----------
@@ -61,6 +69,8 @@ def read_sdf(
     repair : bool
         Whether inertia that no body has is replaced by the nearest one that a body can have, with
         a warning, instead of refused.
+    meshes : bool
+        Whether meshes are read; without them they are not drawn.
 
     Raises
     ------
@@ -80,39 +90,52 @@ def read_sdf(
         reading.finish()
     world = root.first("world") or root
     models = list(world.all("model"))
-    for element in world.all("include"):
-        reading.add(element, "<include> is not read; put the model itself into the file")
+    check_words(reading, root, SDF)
     if not models:
         reading.add(root, "has no <model>")
     if reading.problems:
         reading.finish()
     for other in models[1:]:
         reading.note(other, "is left out, only the first model is read")
-    reader = _Reader(reading, models[0], root.given.get("version", "1.7"), Folders(path, packages))
+    version = root.given.get("version", "1.7")
+    reader = _Reader(reading, models[0], version, Folders(path, packages), draw=meshes)
     links, joints = reader.parts(fixed_base)
     name = models[0].given.get("name", path.stem)
-    made = checks.robot(reading, name, links, joints, fixed_base=True, merge=merge, repair=repair)
     gravity = world.first("gravity")
-    if gravity is None:
-        return made
-    return replace(made, gravity=_numbers(reading, gravity, 3, None))
+    weight = np.array([0.0, 0.0, -9.81])
+    if gravity is not None:
+        weight = _numbers(reading, gravity, 3, weight)
+
+    def complete(made: Robot) -> Robot:
+        return replace(checks.with_loops(made, reader.loops), gravity=weight)
+
+    return checks.robot(
+        reading,
+        name,
+        links,
+        joints,
+        fixed_base=True,
+        merge=merge,
+        repair=repair,
+        complete=complete,
+    )
 
 
 class _Reader:
     """Reads one model."""
 
-    def __init__(self, reading: Reading, model: Element, version: str, folders: Folders) -> None:
-        self.reading, self.model, self.folders = reading, model, folders
+    def __init__(
+        self, reading: Reading, model: Element, version: str, folders: Folders, *, draw: bool
+    ) -> None:
         self.old = version in ("1.0", "1.2", "1.3", "1.4")  # axes are those of the model
+        model = flattened(model, self.old)
+        self.reading, self.model, self.folders, self.draw = reading, model, folders, draw
+        self.loops: list[RobotJoint] = []
         self.named: dict[str, Element] = {}
         self.placed: dict[str, Frame] = {"__model__": Frame()}
         for element in model.children:
             if element.tag in ("link", "joint", "frame"):
                 self.named.setdefault(element.given.get("name", ""), element)
-            elif element.tag in ("include", "model"):
-                reading.add(element, f"a <{element.tag}> within a model is not read; write it out")
-            elif element.tag not in QUIET:
-                reading.leave_out(element)
 
     def parts(self, fixed_base: bool) -> tuple[list[Link], list[RobotJoint]]:
         """Return links and joints, the world first."""
@@ -120,8 +143,15 @@ class _Reader:
         links = [Link("world", where=self.reading.where(self.model, "world"))]
         links += [self.link(element) for element in self.model.all("link")]
         joints: list[RobotJoint] = []
+        gearboxes = []
         for element in self.model.all("joint"):
-            joints += self.joint(element, links)
+            if element.given.get("type") == "gearbox":
+                gearboxes.append(element)
+            else:
+                joints += self.joint(element, links)
+        joints = self.without_loops(joints)
+        for element in gearboxes:
+            self.gearbox(element, joints)
         at = self.pose(self.model, Frame())
         held = {joint.child for joint in joints}
         bases = [link for link in links[1:] if link.name not in held]
@@ -133,6 +163,54 @@ class _Reader:
             origin = at @ self.place(link.name, None)
             joints.append(RobotJoint(name, kind, "world", link.name, origin, where=link.where))
         return links, joints
+
+    def without_loops(self, joints: list[RobotJoint]) -> list[RobotJoint]:
+        """Return the joints of the tree; keep those that close loops."""
+        root: dict[str, str] = {}
+
+        def end(name: str) -> str:
+            while name in root:
+                name = root[name]
+            return name
+
+        tree = []
+        for joint in joints:
+            a, b = end(joint.parent), end(joint.child)
+            if a == b and joint.kind in CLOSING and joint.parent != joint.child:
+                self.loops.append(joint)
+                continue
+            if a != b:
+                root[b] = a
+            tree.append(joint)
+        return tree
+
+    def gearbox(self, element: Element, joints: list[RobotJoint]) -> None:
+        """Let the joint of the parent follow that of the child: ``q1 = -ratio q2``.
+
+        q1 and q2 are the angles of parent and child against the reference body about ``axis`` and
+        ``axis2``.
+        """
+        body = _text(element, "gearbox_reference_body")
+        found = []
+        for tag, axis in (("parent", "axis"), ("child", "axis2")):
+            link = _text(element, tag)
+            ends = {body, link}
+            places = [i for i, x in enumerate(joints) if {x.parent, x.child} == ends]
+            if len(places) != 1 or joints[places[0]].kind != "revolute" or link not in self.named:
+                self.reading.add(
+                    element,
+                    f"a gearbox needs a revolute joint between its reference body {body!r} and its "
+                    f"{tag} {link!r}",
+                )
+                return
+            joint = joints[places[0]]
+            below = self.place(joint.child, element)
+            own = self.axis(element, element.first(axis), below)["axis"]
+            forward = 1.0 if joint.child == link else -1.0
+            found.append((places[0], forward * float(np.sign(own @ joint.axis) or 1.0)))
+        (i, one), (j, other) = found
+        ratio = self.value(element, "gearbox_ratio", 1.0)
+        joints[i] = replace(joints[i], mimic=Mimic(joints[j].name, -ratio * one * other, 0.0))
 
     # -- places -----------------------------------------------------------------------------
 
@@ -198,7 +276,10 @@ class _Reader:
                 xy, xz, yz = (self.value(found, key, 0.0) for key in ("ixy", "ixz", "iyz"))
                 tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         where, inertia = reading.where(element), at.A @ tensor @ at.A.T
-        return Link(name, mass, at.r, inertia, tuple(shapes), frames, where)
+        # a link without gravity moves as one whose weight is compensated
+        weightless = _text(element, "gravity") in ("false", "0") and mass != 0.0
+        lifts = ((mass, at.r),) if weightless else ()
+        return Link(name, mass, at.r, inertia, tuple(shapes), frames, where, lifts)
 
     def visual(self, visual: Element) -> Array | None:
         """Return the triangles of a ``<visual>`` in the frame of its link, or None."""
@@ -206,6 +287,8 @@ class _Reader:
         if geometry is None or not geometry.children:
             return None
         shape, at = geometry.children[0], self.pose(visual, Frame())
+        if shape.tag == "mesh" and not self.draw:
+            return None
         if shape.tag == "mesh":
             scale = shape.first("scale")
             factors = np.ones(3) if scale is None else _numbers(self.reading, scale, 3, np.ones(3))
@@ -219,8 +302,6 @@ class _Reader:
             inner = shape.first("size" if shape.tag == "box" else "radii")
             sizes = np.zeros(3) if inner is None else _numbers(self.reading, inner, 3, np.zeros(3))
         else:
-            if shape.tag not in ("plane", "empty"):
-                self.reading.leave_out(shape, f"geometry {shape.tag}")
             return None
         solid = solid_of(self.reading, shape, shape.tag, sizes)
         return None if solid is None else at.r + solid.triangles @ at.A.T
@@ -260,7 +341,9 @@ class _Reader:
         ]
         if kind in ("ball", "fixed"):
             return [RobotJoint(name, kind, parent, child, origin, **common)]
-        if kind != "universal":
+        if kind == "screw":
+            common["pitch"] = self.pitch(element)
+        if TYPES[kind] != "universal":
             return [RobotJoint(name, TYPES[kind], parent, child, origin, **axes[0], **common)]
         cross = f"{name} cross"
         links.append(Link(cross, where=where))
@@ -269,6 +352,21 @@ class _Reader:
             first,
             RobotJoint(f"{name} 2", "revolute", cross, child, Frame(), **axes[1], **common),
         ]
+
+    def pitch(self, element: Element) -> float:
+        """Return the displacement of a screw in one turn, m.
+
+        ``thread_pitch`` is that of Gazebo Classic: rad/m of a left-hand thread.
+        """
+        if element.first("screw_thread_pitch") is None and element.first("thread_pitch"):
+            found = -self.value(element, "thread_pitch", 1.0)
+            pitch = 2.0 * math.pi / found if found != 0.0 else 0.0
+        else:
+            pitch = self.value(element, "screw_thread_pitch", 1.0)
+        if pitch == 0.0 or not math.isfinite(pitch):
+            self.reading.add(element, "the pitch of the screw is 0; a revolute joint has none")
+            return 1.0
+        return pitch
 
     def axis(self, element: Element, axis: Element | None, below: Frame) -> dict[str, Any]:
         """Return direction, limits and losses of an ``<axis>``, the direction in the child."""

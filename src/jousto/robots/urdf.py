@@ -11,11 +11,13 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import suggest
+from jousto.base.rotations import rotation_matrix
 from jousto.robots import checks
 from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.markup import Element, Reading, parse_file
 from jousto.robots.meshes import Folders, solid_of
+from jousto.robots.urdf_words import URDF
+from jousto.robots.words import check_words
 
 TYPES = {
     "revolute": "revolute",
@@ -25,24 +27,6 @@ TYPES = {
     "floating": "floating",
     "planar": "planar",
 }
-ATTRIBUTES = {
-    "origin": ("xyz", "rpy"),
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "axis": ("xyz",),
-    "parent": ("link",),
-    "child": ("link",),
-    "limit": ("lower", "upper", "effort", "velocity"),
-    "dynamics": ("damping", "friction", "armature"),
-    "mimic": ("joint", "multiplier", "offset"),
-    "box": ("size",),
-    "cylinder": ("radius", "length"),
-    "capsule": ("radius", "length"),
-    "sphere": ("radius",),
-}
-"""What is read of the elements whose attributes are mechanics."""
-# what says nothing of mechanics
-QUIET = {"material", "gazebo", "collision", "safety_controller", "calibration", "sensor"}
 
 
 @explained
@@ -53,6 +37,7 @@ def read_urdf(
     fixed_base: bool = True,
     merge: bool = True,
     repair: bool = False,
+    meshes: bool = True,
 ) -> Robot:
     """Read a robot from a URDF file.
 
@@ -75,6 +60,8 @@ def read_urdf(
     repair : bool
         Whether inertia that no body has is replaced by the nearest one that a body can have, with
         a warning, instead of refused.
+    meshes : bool
+        Whether meshes are read; without them they are not drawn.
 
     Returns
     -------
@@ -99,46 +86,28 @@ def read_urdf(
         hint = "; run xacro first" if "xacro" in root.tag else ""
         reading.add(root, f"a URDF file begins with <robot>, not <{root.tag}>{hint}")
         reading.finish()
-    check_attributes(reading, root)
+    check_words(reading, root, URDF)
     folders = Folders(path, packages)
-    links = [read_link(reading, folders, element) for element in root.all("link")]
+    links = [read_link(reading, folders, element, draw=meshes) for element in root.all("link")]
     joints = [read_joint(reading, element) for element in root.all("joint")]
     for element in root.children:
-        if element.tag == "transmission":
-            reading.leave_out(element)
-        elif element.tag.startswith("xacro:"):
+        if element.tag.startswith("xacro:"):
             reading.add(element, f"<{element.tag}> is a macro; run xacro first")
-        elif element.tag not in QUIET | {"link", "joint"}:
-            reading.leave_out(element)
     name = root.given.get("name", path.stem)
     return checks.robot(
         reading, name, links, joints, fixed_base=fixed_base, merge=merge, repair=repair
     )
 
 
-def check_attributes(reading: Reading, element: Element) -> None:
-    """Note attributes that nobody reads, below an element; those of other programs have a colon."""
-    for child in element.children:
-        known = ATTRIBUTES.get(child.tag, tuple(child.given))
-        for name in child.given:
-            if name not in known and ":" not in name:
-                reading.note(child, f"{name!r} is not read{suggest(name, known)}")
-        if child.tag in ("link", "joint", "inertial", "visual", "geometry"):
-            check_attributes(reading, child)
-
-
-def read_link(reading: Reading, folders: Folders, element: Element) -> Link:
+def read_link(reading: Reading, folders: Folders, element: Element, *, draw: bool) -> Link:
     """Return a link with mass and shapes."""
     where = reading.where(element)
     name = element.given.get("name", "")
     shapes = []
     for visual in element.all("visual"):
-        shape = read_visual(reading, folders, visual)
+        shape = read_visual(reading, folders, visual, draw=draw)
         if shape is not None:
             shapes.append(shape)
-    for child in element.children:
-        if child.tag not in QUIET | {"visual", "inertial"}:
-            reading.leave_out(child)
     inertial = element.first("inertial")
     if inertial is None:
         return Link(name, shapes=tuple(shapes), where=where)
@@ -174,6 +143,15 @@ def read_origin(reading: Reading, element: Element) -> Frame:
     origin = element.first("origin")
     if origin is None:
         return Frame()
+    if "quat_xyzw" in origin.given:
+        x, y, z, w = reading.numbers(
+            origin, origin.given["quat_xyzw"], "quat_xyzw", 4, np.array([0.0, 0.0, 0.0, 1.0])
+        )
+        e = np.array([w, x, y, z])
+        if not (size := float(np.linalg.norm(e))) > 0.0:
+            reading.add(origin, "quat_xyzw is zero; 0 0 0 1 is no turn")
+            return Frame()
+        return Frame(reading.vector(origin, "xyz", (0.0, 0.0, 0.0)), rotation_matrix(e / size))
     angles = reading.vector(origin, "rpy", (0.0, 0.0, 0.0))
     if np.abs(angles).max() > 2.0 * np.pi:
         reading.note(
@@ -200,7 +178,7 @@ def roll_pitch_yaw(angles: Array) -> Array:
     )
 
 
-def read_visual(reading: Reading, folders: Folders, visual: Element) -> Array | None:
+def read_visual(reading: Reading, folders: Folders, visual: Element, *, draw: bool) -> Array | None:
     """Return the triangles of a ``<visual>`` in the frame of its link, or None."""
     at = read_origin(reading, visual)
     geometry = visual.first("geometry")
@@ -216,6 +194,8 @@ def read_visual(reading: Reading, folders: Folders, visual: Element) -> Array | 
         solid = solid_of(reading, shape, shape.tag, values)
     elif shape.tag == "sphere":
         solid = solid_of(reading, shape, "sphere", np.array([reading.number(shape, "radius")]))
+    elif shape.tag == "mesh" and not draw:
+        return None
     elif shape.tag == "mesh":
         scale = reading.vector(shape, "scale", (1.0, 1.0, 1.0))
         triangles = folders.mesh(reading, shape, shape.given.get("filename", ""), scale)
@@ -241,10 +221,6 @@ def read_joint(reading: Reading, element: Element) -> RobotJoint:
     found = element.first("axis")
     if found is not None:
         axis = reading.vector(found, "xyz", (1.0, 0.0, 0.0))
-    for child in element.children:
-        known_tags = {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}
-        if child.tag not in QUIET | known_tags:
-            reading.leave_out(child)
     return RobotJoint(
         element.given.get("name", ""),
         TYPES.get(kind, "fixed"),

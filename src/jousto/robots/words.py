@@ -70,12 +70,15 @@ class Tag:
         separated by spaces.
     whole : Word or None
         Treatment of the element with everything in it; None if it is that of its words.
+    free : bool
+        Whether other programs may put words of theirs there, which are not reported.
     """
 
     done: str = ""
     quiet: str = ""
     words: Mapping[str, Word] = field(default_factory=dict)
     whole: Word | None = None
+    free: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_known", dict(self.all()))
@@ -140,7 +143,8 @@ class Format:
             if below.whole is not None:
                 return below.whole
             parent, tag = name, below
-        return tag.word(word)
+        below = self.tag(parent, word)
+        return tag.word(word) if below is None else below.whole or Word(DONE)
 
 
 def check_words(reading: Reading, root: Element, words: Format, parent: str = "") -> None:
@@ -156,16 +160,17 @@ def check_words(reading: Reading, root: Element, words: Format, parent: str = ""
             if word is not None:
                 if word.counts(value):
                     _report(reading, element, name, word)
-            elif ":" not in name:  # words of other programs have a name space
+            elif ":" not in name and not tag.free:  # words of other programs have a name space
                 known = [known for known, _ in tag.all()]
                 reading.note(element, f"{name!r} is not read{suggest(name, known)}")
         for child in reversed(element.children):
             below, word = words.tag(element.tag, child.tag), tag.word(child.tag)
             if below is not None:
                 waiting.append((child, below))
-            elif word is None and ":" not in child.tag:
-                reading.leave_out(child)
-            elif word is not None and word.counts(child.text):
+            elif word is None:
+                if ":" not in child.tag and not tag.free:
+                    reading.leave_out(child)
+            elif word.counts(child.text):
                 _report(reading, child, f"<{child.tag}>", word)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -99,15 +100,17 @@ def _collada(where: str, path: Path) -> Array:
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         message = f"'{path.name}' has a DOCTYPE, through which it could reach for other files"
         raise InputError(Problem(where, message))
-    document: Any = collada.Collada(io.BytesIO(data), ignore=[collada.common.DaeError])
     found = []
-    for geometry in document.scene.objects("geometry") if document.scene else ():
-        for primitive in geometry.primitives():
-            if hasattr(primitive, "triangleset"):
-                primitive = primitive.triangleset()
-            corners = getattr(primitive, "vertex_index", None)
-            if corners is not None and np.ndim(corners) == 2 and corners.shape[1] == 3:
-                found.append(np.asarray(primitive.vertex, dtype=np.float64)[corners])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # it uses the matrices that numpy advises against
+        document: Any = collada.Collada(io.BytesIO(data), ignore=[collada.common.DaeError])
+        for geometry in document.scene.objects("geometry") if document.scene else ():
+            for primitive in geometry.primitives():
+                if hasattr(primitive, "triangleset"):
+                    primitive = primitive.triangleset()
+                corners = getattr(primitive, "vertex_index", None)
+                if corners is not None and np.ndim(corners) == 2 and corners.shape[1] == 3:
+                    found.append(np.asarray(primitive.vertex, dtype=np.float64)[corners])
     if not found:
         raise InputError(Problem(where, f"'{path.name}' holds no triangles"))
     unit = document.assetInfo.unitmeter if document.assetInfo else None
