@@ -106,3 +106,24 @@ def test_values_of_other_kinds_are_named():
     refused(
         "must be a sequence of PointMass", lambda: jo.Part.beam(1.0, tube, 2, STEEL, point_masses=1)
     )
+
+
+def test_point_masses_of_nothing_change_nothing():
+    """A mass of 0 kg, or of less than the smallest number with all its digits, is none."""
+    grid = block("hexahedron20", SIZE, (4, 2, 2))
+    arm = mesh(grid.nodes, ("hexahedron20", grid.cells[0].nodes))
+    ends = {"tip": np.flatnonzero(grid.nodes[:, 0] == grid.nodes[:, 0].max()).tolist()}
+    arm = replace(arm, node_sets=ends)
+    plain = jo.reduce(jo.Part.solid(arm, STEEL), jo.FreeFree(modes=3))
+    for none in (
+        jo.parts.PointMass(0, 0.0),
+        jo.parts.PointMass("tip", 0.0, offset=(0.1, 0, 0)),
+        jo.parts.PointMass(0, 1e-320),
+    ):
+        part = jo.Part.solid(arm, STEEL, point_masses=[none])
+        found = jo.reduce(part, jo.FreeFree(modes=3))
+        np.testing.assert_array_equal(found.frequencies, plain.frequencies)
+        assert found.invariants.mass == plain.invariants.mass
+    rotor = jo.parts.PointMass("tip", 0.0, inertia=(1e-3, 1e-3, 1e-3))
+    with pytest.raises(jo.InputError, match="'tip': has an inertia, but a mass of 0 kg; give it"):
+        jo.Part.solid(arm, STEEL, point_masses=[rotor])

@@ -171,3 +171,36 @@ SCARA_SDF = """
   <joint name="spin" type="continuous"><parent>quill</parent><child>spindle</child><axis><xyz>0 0 1</xyz></axis></joint>
 </model></world></sdf>
 """
+
+WORKS = """
+<mujoco model="works">
+  <compiler settotalmass="30" balanceinertia="true"/>
+  <option gravity="0 0 -9.81"><flag contact="disable"/></option>
+  <default><position kp="20"/><mesh scale="1 1 2"/><default class="b"><joint ref="10"/></default></default>
+  <asset><mesh name="m" vertex="0 0 0 .3 0 0 0 .2 0 0 0 .7" inertia="shell"/></asset>
+  <worldbody>
+    <body name="crank" gravcomp="0.5"><joint name="a" axis="0 1 0" springdamper="0.1 1"/><geom type="mesh" mesh="m"/>
+      <body name="rod" pos="0 0 .2"><joint name="b" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .5 0 .2" size=".01"/><site name="tip" pos=".5 0 .2"/></body></body>
+    <body name="rocker" pos=".5 0 0"><joint name="c" axis="0 1 0"/><geom type="cylinder" size=".01 .2" shellinertia="true"/><site name="top" pos="0 0 .4"/></body>
+    <body name="hub" pos="2 0 0"><joint name="spin"/><geom size=".1"/>
+      <replicate count="3" euler="0 0 120"><body name="blade" pos=".2 0 0" childclass="b"><joint name="pitch" axis="1 0 0"/><geom type="box" mesh="m"/></body></replicate></body>
+    <attach body="rocker" prefix="other "/>
+  </worldbody>
+  <equality><connect name="pin" site1="tip" site2="top"/><weld body1="hub" body2="other rocker" active="false"/><joint joint1="spin" polycoef="0.2"/></equality>
+  <actuator><position name="servo" joint="a" dampratio="1"/><general joint="pitch" gear="2"/><velocity joint="c" kv="3"/></actuator>
+</mujoco>
+"""
+
+NESTED_SDF = """
+<sdf version="1.9"><model name="m">
+  <link name="arm"><inertial><mass>1</mass></inertial></link>
+  <model name="tool"><pose relative_to="arm">0.4 0 0.1 0 0.3 0</pose>
+    <link name="body"><gravity>false</gravity><inertial><mass>2</mass></inertial></link><link name="tip"><inertial><mass>3</mass></inertial></link>
+    <joint name="turn" type="screw"><parent>body</parent><child>tip</child><screw_thread_pitch>0.1</screw_thread_pitch></joint></model>
+  <joint name="base" type="revolute"><parent>world</parent><child>arm</child><axis><xyz>0 0 1</xyz></axis></joint>
+  <joint name="flange" type="revolute"><parent>arm</parent><child>tool::body</child><axis><xyz>1 0 0</xyz></axis></joint>
+  <link name="wheel"><inertial><mass>1</mass></inertial></link>
+  <joint name="axle" type="revolute"><parent>arm</parent><child>wheel</child><axis><xyz>1 0 0</xyz></axis></joint>
+  <joint name="gear" type="gearbox"><parent>wheel</parent><child>tool::body</child><gearbox_reference_body>arm</gearbox_reference_body><gearbox_ratio>2</gearbox_ratio></joint>
+</model></sdf>
+"""

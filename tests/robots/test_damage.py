@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,9 @@ import pytest
 import jousto as jo
 from jousto.robots import Tree, mechanism, read_robot
 from robots.damage import damaged, watched
-from robots.machines import ARM, CREATURE, GRIPPER, SCARA, SCARA_SDF
+from robots.machines import ARM, CREATURE, GRIPPER, NESTED_SDF, SCARA, SCARA_SDF, WORKS
 
-FILES = (ARM, SCARA, GRIPPER, CREATURE, SCARA_SDF)
+FILES = (ARM, SCARA, GRIPPER, CREATURE, SCARA_SDF, WORKS, NESTED_SDF)
 MANY = int(os.environ.get("JOUSTO_DAMAGED", "2000"))  # 10,000 take minutes
 
 
@@ -32,7 +33,7 @@ def test_damaged_files_are_told_in_sentences(count: int, tmp_path: Path) -> None
             path.write_bytes(damaged(FILES[i % len(FILES)], rng))
             try:
                 robot = read_robot(path)
-                tree = Tree(robot)
+                tree = Tree(replace(robot, loops=()))
                 assert np.isfinite(tree.mass_matrix(tree.initial)).all()
                 mechanism(robot)
             except jo.InputError as error:

@@ -25,13 +25,11 @@ def attached_points(
     the rotation that fits their displacements best: with ``r`` from their mean position,
     ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. It does not stiffen them.
     """
-    if not masses:
-        return None
-    k, ndof = len(masses), 3 * len(nodes)
-    position, arm = np.zeros((k, 3)), np.zeros((k, 3))
+    ndof = 3 * len(nodes)
+    position, arm, heavy = [], [], []
     N: list[tuple[Array, Ints]] = []
     turn: list[tuple[Array, Ints]] = []
-    for i, mass in enumerate(masses):
+    for mass in masses:
         at = f"{where}: point mass at {mass.node!r}"
         if isinstance(mass.node, str) and mass.node in node_sets:
             members = np.array(node_sets[mass.node], dtype=np.int64)
@@ -44,6 +42,10 @@ def attached_points(
             if not 0 <= members[0] < len(nodes):
                 problems.add(at, f"no such node, must be in 0..{len(nodes) - 1}")
                 continue
+        if mass.mass < np.finfo(float).tiny:  # none, or one that loses its digits
+            if np.any(mass.inertia != 0.0):
+                problems.add(at, f"has an inertia, but a mass of {mass.mass:g} kg; give it one")
+            continue
         spread = _averages(nodes[members])
         rigid = bool(np.any(mass.inertia != 0.0) or np.any(mass.offset != 0.0))
         if rigid and spread is None:
@@ -59,13 +61,15 @@ def attached_points(
         rotation = np.zeros_like(mean) if spread is None or not rigid else spread
         N.append((mean - skew(mass.offset) @ rotation, columns))
         turn.append((rotation, columns))
-        position[i] = nodes[members].mean(axis=0) + mass.offset
-        arm[i] = mass.offset
-    if problems.found:
+        position.append(nodes[members].mean(axis=0) + mass.offset)
+        arm.append(mass.offset)
+        heavy.append(mass)
+    if problems.found or not heavy:
         return None
-    moment = second_moment(np.stack([m.inertia for m in masses]))
-    total = np.array([m.mass for m in masses], dtype=np.float64)
-    return MassPoints(total, position, moment, _rows(N, ndof), _rows(turn, ndof), arm)
+    moment = second_moment(np.stack([m.inertia for m in heavy]))
+    total = np.array([m.mass for m in heavy], dtype=np.float64)
+    N_all, turn_all = _rows(N, ndof), _rows(turn, ndof)
+    return MassPoints(total, np.array(position), moment, N_all, turn_all, np.array(arm))
 
 
 def _averages(x: Array) -> Array | None:

@@ -275,6 +275,9 @@ class Geoms:
             self.reading.add(asset.where, f"the mesh {name!r} has no mass: {error}")
             return None
         assert solid is not None
+        if not (np.isfinite(solid.volume) and np.isfinite(solid.inertia).all()):
+            self.reading.add(asset.where, f"the mesh {name!r} is too large; is it in m?")
+            return None
         if asset.kind == LEGACY and not true:
             self.reading.note(
                 asset.where,

@@ -143,6 +143,9 @@ class Bodies:
             mass, center, inertia = self.geoms.total(parts)
         if inertial is not None and moving and (not weighed or mass == 0.0):
             mass, center, inertia = self.inertial(inertial)
+        if not (np.isfinite(mass) and np.isfinite(inertia).all()):
+            self.reading.add(element, "mass or inertia is beyond all numbers; are sizes in m?")
+            mass, inertia = 0.0, np.zeros((3, 3))
         if moving:
             mass, inertia = self.bounded(mass, inertia)
         i = next(i for i, one in enumerate(self.found.links) if one is link)
