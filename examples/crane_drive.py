@@ -73,7 +73,7 @@ def with_unit(folder: Path, step: float, between: str) -> jo.Mechanism:
     unit = UNIT.replace("STEP", f"{step} s").replace("BETWEEN", between)
     path = folder / "crane.yaml"
     path.write_text(described(CRANE.read_text(encoding="utf-8")) + unit, encoding="utf-8")
-    return jo.read_model(path).mechanism
+    return jo.read_model(path, trust=True).mechanism
 
 
 def as_one() -> jo.Mechanism:

@@ -339,7 +339,7 @@ fmus:
 
 def test_a_model_file_says_the_same_as_python(oil: Path) -> None:
     (oil.parent / "cart.yaml").write_text(FILE)
-    file = jo.read_model(oil.parent / "cart.yaml")
+    file = jo.read_model(oil.parent / "cart.yaml", trust=True)
     fmu = file.mechanism.fmus[0]
     assert fmu.parameters == {"volume": 1e-3, "pressure": 4e5} and fmu.patience == 60.0
     model = jo.compile(file.mechanism)
@@ -357,6 +357,49 @@ def test_a_model_file_says_the_same_as_python(oil: Path) -> None:
     wanted = jo.simulate(jo.compile(same), 0.05, solver=jo.RK4(step=2.5e-4))
     assert np.array_equal(found["place"], wanted["place"])
     assert np.array_equal(found["oil.pressure"], wanted["oil.pressure"])
+
+
+STEPS = (
+    ("run", "--quiet"), ("live",), ("view", "--modes", "-o", "modes.html"),
+    ("study", "--vary", "speed=0.1,0.3", "--outcome", "max(place)"),
+    ("export", "-o", "machine.fmu"), ("export", "-o", "machine.html"), ("realtime",),
+    ("modes",), ("equilibrium",), ("linearise",), ("verify",), ("view", "-o", "pose.html"),
+    ("check",), ("info",),
+)  # fmt: skip
+
+
+def test_no_command_loads_a_unit_of_a_file_that_nobody_trusts(tmp_path: Path) -> None:
+    """Loading alone would run the constructor of its library, which leaves a mark."""
+    mark = tmp_path / "mark"
+    pack(tmp_path, "oil", f'-DMARK="{mark}"')
+    file = tmp_path / "cart.yaml"
+    run = "simulation: {t_end: 0.01, solver: {type: RK4, step: 1 ms}}"
+    machine = FILE.replace("0.2, 0, 0", "${speed}, 0, 0")
+    file.write_text(f"{run}\n{machine}parameters: {{speed: 0.2}}\n")
+    for name, *words in STEPS:
+        more = [str(tmp_path / x) if x.endswith((".fmu", ".html")) else x for x in words]
+        code, said = command(name, file, *more)
+        assert not mark.exists(), name
+        loads_nothing = name in ("check", "info") or "pose.html" in words
+        assert (code == 0) == loads_nothing and "internal error" not in said, (name, code, said)
+    code, said = command("run", file, "--quiet")
+    assert "cart.yaml:16" in said and "native code" in said and "--trust" in said
+    assert not file.with_suffix(".h5").exists()
+    code, said = command("check", file)
+    assert code == 0 and "runs only if trusted" in said
+    code, said = command("run", file, "--quiet", "--trust")
+    assert code == 0 and mark.exists(), said
+
+
+def test_a_unit_of_a_file_runs_in_python_only_with_trust(oil: Path) -> None:
+    (oil.parent / "cart.yaml").write_text(FILE)
+    with pytest.raises(jo.InputError, match=r"native code.*read_model\(path, trust=True\)"):
+        jo.simulate(jo.compile(jo.read_model(oil.parent / "cart.yaml").mechanism), 0.01)
+
+
+def test_a_live_machine_refuses_a_unit_that_it_would_not_step(oil: Path) -> None:
+    with pytest.raises(jo.InputError, match="fmu 'oil' does not step in a live machine"):
+        jo.live(cart(oil), open=False)
 
 
 def test_check_lists_a_unit_and_compares_its_step(oil: Path) -> None:

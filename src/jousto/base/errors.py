@@ -17,6 +17,11 @@ from numpy.typing import NDArray
 from jousto.base.complexstep import floats, is_stepping, scalar
 
 T = TypeVar("T")
+ASK_TRUST = (
+    "which may do anything on this computer; if you trust the model file, run it with --trust "
+    "(in Python: read_model(path, trust=True))"
+)
+"""End of the sentence about code that a model file names."""
 
 
 def _again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:

@@ -22,7 +22,8 @@ From = Annotated[
 ]
 To = Annotated[str | None, typer.Option("--to", metavar="TIME", help="Leave out what is after.")]
 Trust = Annotated[
-    bool, typer.Option("--trust", help="Run Python functions that the model file names.")
+    bool,
+    typer.Option("--trust", help="Run Python functions and mock-up units that the file names."),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 Table = Annotated[Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write every place.")]

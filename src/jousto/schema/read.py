@@ -110,8 +110,10 @@ def read_model(
         what flexibility does, and for `inverse_dynamics`. Sensors of modes and stress are left
         out.
     trust : bool
-        Whether Python functions that the file names (forces of type ``user-force``) may run.
-        They can do anything that you can on this computer: only for files whose author you know.
+        Whether Python functions (forces of type ``user-force``) and functional mock-up units
+        (``fmus``) that the file names may run. They can do anything that you can on this computer:
+        only for files whose author you know. Without it functions are refused here, units when
+        `simulate` would load them.
     progress : bool or function, optional
         What `reduce` reports to, for parts that take long.
     parameters : dict of str to float, optional

@@ -73,6 +73,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
     for fmu in mechanism.fmus:
         inputs, outputs = (", ".join(names) or "none" for names in (fmu.inputs, fmu.outputs))
         text = f"{fmu.file.name}, step {fmu.step:g} s, inputs {inputs}, outputs {outputs}"
+        text += "; native code, runs only if trusted (--trust)" if fmu.untrusted else ""
         rows.append((f"fmu {fmu.name}", text))
     for event in mechanism.events:
         mark = {"both": "passes", "rising": "rises above", "falling": "falls below"}

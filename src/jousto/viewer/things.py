@@ -42,7 +42,7 @@ def scenes_of(
     modes : bool
         Show the modes of vibration of machines instead of their pose.
     trust : bool
-        Let model files run their own Python code.
+        Let model files run their own Python code and mock-up units.
 
     Raises
     ------

@@ -55,6 +55,12 @@ class Fmu(Declared, section="fmus"):
     sensors ``NAME.delivered``, ``NAME.received`` and ``NAME.energy_error`` for each `power`.
 
     The unit runs in a process of its own. Its code is not checked: run only what you trust.
+
+    Attributes
+    ----------
+    untrusted : str
+        Line of the model file that names the unit, if it was read without trust; `simulate` then
+        refuses to load the unit's native code. Empty for units made in Python.
     """
 
     kind = "fmu"
@@ -113,6 +119,7 @@ class Fmu(Declared, section="fmus"):
     )
     description: Description = kept()
     sensors: tuple[FmuSensor, ...] = kept()
+    untrusted: str = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Read the description and compare with it."""
@@ -148,6 +155,7 @@ class Fmu(Declared, section="fmus"):
                 "leave it out and compare two runs with other steps",
             )
         object.__setattr__(self, "sensors", tuple(self._sensors()))
+        object.__setattr__(self, "untrusted", "")
 
     def _variable(self, problems: Problems, where: str, name: Any, *fit: str) -> Variable | None:
         """Return a variable of some causality, or note that there is none."""

@@ -32,7 +32,7 @@ class Builder:
     rigid : bool
         Whether flexible bodies are made rigid.
     trust : bool
-        Whether Python code that the document names may run.
+        Whether Python code and mock-up units that the document names may run.
     options : mapping, optional
         Arguments of `reduce` that go before those of the document: solver, cache, progress.
     """

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jousto.base.errors import InputError, MissingFileError, Problem, suggest
+from jousto.base.errors import ASK_TRUST, InputError, MissingFileError, Problem, suggest
 from jousto.base.files import executed
 from jousto.base.units import KINDS
 from jousto.mechanism.bodies.body import FlexibleBody
@@ -79,11 +79,7 @@ def function(place: Place, text: str) -> Any:
     """
     module, _, name = text.rpartition(":")
     if not place.builder.trust:
-        place.builder.note(
-            place.loc,
-            f"{text!r} is Python code, which may do anything on this computer; if you trust this "
-            "file, run it with --trust (in Python: read_model(path, trust=True))",
-        )
+        place.builder.note(place.loc, f"{text!r} is Python code, {ASK_TRUST}")
         return None
     return place.builder.make(place.loc, load_function, place.builder, module, name)
 

@@ -14,6 +14,7 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.inertia import rigid_inertia
 from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
+from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries import model as sm, parts as sp
 from jousto.schema.file.document import Loc
@@ -148,6 +149,8 @@ class ModelBuilder(Builder):
     def item(self, loc: Loc, entry: Any) -> Any:
         """Return the object of an entry of a list, None if anything is wrong with it."""
         made = build_declared(self, loc, entry, self.known)
+        if isinstance(made, Fmu) and not self.trust:
+            object.__setattr__(made, "untrusted", self.document.where((*loc, "file")))
         return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
 
     def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:

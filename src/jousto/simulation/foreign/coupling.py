@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problems, warn
+from jousto.base.errors import ASK_TRUST, InputError, Problems, warn
 from jousto.model.model import FmuModel, Model
 from jousto.model.native.header import places
 from jousto.model.native.native import Engine
@@ -252,6 +252,25 @@ class Coupling:
                 put[self._inputs[f"{fmu.name}.delivered"]] = delivered
                 put[self._inputs[f"{fmu.name}.received"]] = received
                 put[self._inputs[f"{fmu.name}.energy_error"]] = received - delivered
+
+
+def check_trust(model: Model) -> None:
+    """Refuse to load native code that a model file names and nobody trusts.
+
+    Raises
+    ------
+    InputError
+        With all such units.
+    """
+    problems = Problems()
+    for unit in model.fmus:
+        fmu = unit.fmu
+        if fmu.untrusted:
+            problems.add(
+                f"{fmu.untrusted}: fmu {fmu.name!r}",
+                f"{fmu.file.name!r} contains native code, {ASK_TRUST}",
+            )
+    problems.raise_if_any()
 
 
 def check_coupling(

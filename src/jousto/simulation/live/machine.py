@@ -18,6 +18,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, SimulationError, suggest
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.live.hand import (
     BODY,
     NAMES,
@@ -69,7 +70,7 @@ class LiveMachine:
     Raises
     ------
     InputError
-        If a method chooses its steps itself.
+        If a method chooses its steps itself, or the model has units of other programs.
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class LiveMachine:
         interval: float | None = None,
         state: State | None = None,
     ) -> None:
+        without_fmus(model, "live", "does not step in a live machine")
         chosen: Any = choose(model, 1.0, None)[0] if solver is None else solver
         if chosen.adaptive:
             name = type(chosen).__name__

@@ -19,7 +19,7 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
-from jousto.simulation.foreign.coupling import Coupling, check_coupling
+from jousto.simulation.foreign.coupling import Coupling, check_coupling, check_trust
 from jousto.simulation.foreign.process import FmuFailed
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results.events import Chronicle
@@ -150,6 +150,7 @@ def simulate(
         solver, reason = choose(model, t_end, output_step, start)
         log.info("%s: %r, since %s", model.name, solver, reason)
     plan = schedule(model, t_end, solver, output_step, start)
+    check_trust(model)
     check_coupling(model, solver, plan, state, inputs)
     model, feed = connect(model, inputs, plan.steps, plan.every)
     for sentence in cautions(model, solver, plan):

@@ -232,7 +232,7 @@ def live(
         Port of this computer on which frames of inputs are taken and outputs sent, one a step; 0
         for any free port. ``.runner.link`` has the port and what was lost.
     trust : bool
-        Whether Python functions that a model file names may run.
+        Whether Python functions and mock-up units that a model file names may run.
 
     Returns
     -------
