@@ -37,10 +37,17 @@ typedef struct {
     char name[1];           /* longer */
 } host;
 
+/* The logger takes a format. The text itself is the format, with % doubled: loggers that cannot read further arguments show it, too. */
 static void forward(void *h, int status, const char *category, const char *text)
 {
     host *to = h;
-    if (to->log) to->log(to->environment, to->name, status, category, "%s", text);
+    char format[2 * JO_FMU_MESSAGE], *end = format;
+    for (; *text && end < format + sizeof format - 2; text++) {
+        if (*text == '%') *end++ = '%';
+        *end++ = *text;
+    }
+    *end = 0;
+    if (to->log) to->log(to->environment, to->name, status, category, format);
 }
 
 API const char *fmi2GetTypesPlatform(void) { return "default"; }
@@ -158,7 +165,7 @@ API Status fmi2SerializedFMUstateSize(Component instance, State state, size_t *s
 {
     MAY("fmi2SerializedFMUstateSize", ANY);
     if (!state || !size) return JO_FMU_ERROR;
-    *size = jo_fmu_bytes(instance);
+    *size = jo_fmu_bytes(state);
     return JO_FMU_OK;
 }
 API Status fmi2SerializeFMUstate(Component instance, State state, char bytes[], size_t size)

@@ -274,7 +274,7 @@ API Status fmi3SerializedFMUStateSize(Instance instance, State state, size_t *si
 {
     MAY("fmi3SerializedFMUStateSize", ANY);
     if (!state || !size) return JO_FMU_ERROR;
-    *size = jo_fmu_bytes(instance);
+    *size = jo_fmu_bytes(state);
     return JO_FMU_OK;
 }
 API Status fmi3SerializeFMUState(Instance instance, State state, uint8_t bytes[], size_t size)

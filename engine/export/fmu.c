@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESSAGE = 400 };
 #define NEAR 1e-6           /* of a step: instants that differ by less are the same */
 
 static const char *const REASONS[] = {
@@ -24,7 +23,7 @@ int jo_fmu_say(jo_fmu *f, int status, const char *format, ...)
 {
     static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal"};
     if (f && f->log && (f->logging || status >= JO_FMU_DISCARD)) {
-        char text[MESSAGE];
+        char text[JO_FMU_MESSAGE];
         va_list values;
         va_start(values, format);
         vsnprintf(text, sizeof text, format, values);
@@ -43,6 +42,10 @@ jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int loggi
     }
     if (!token || strcmp(token, PLANT_TOKEN)) {
         jo_fmu_say(&silent, JO_FMU_ERROR, "%s: the token is not %s: description and binary do not belong together", name, PLANT_TOKEN);
+        return 0;
+    }
+    if (exchange && *PLANT_NOT_EXCHANGED) {
+        jo_fmu_say(&silent, JO_FMU_ERROR, "%s: is for co-simulation only: %s", name, PLANT_NOT_EXCHANGED);
         return 0;
     }
     const long long bytes = jo_machine_bytes(&PLANT);
@@ -186,60 +189,60 @@ int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *re
     return status == JO_MACHINE_OK ? JO_FMU_OK : failed(f);
 }
 
-/* -- saved states: mode, start, stop, then the machine --------------------------------------------------------- */
+/* -- saved states: head, then the machine; doubles, so that the bytes of one are the doubles themselves ---------- */
 
-enum { HEAD = 4 };
+/* The size of a state stands first, in bytes: it is compared before anything behind it is read. */
+enum { STATE_BYTES, STATE_EXCHANGE, STATE_MODE, STATE_START, STATE_HAS_STOP, STATE_STOP, HEAD };
 
-size_t jo_fmu_bytes(const jo_fmu *f) { return sizeof(double) * (size_t)(HEAD + jo_machine_state_size(f->machine)); }
+static size_t state_bytes(const jo_fmu *f) { return sizeof(double) * (size_t)(HEAD + jo_machine_state_size(f->machine)); }
 
-int jo_fmu_save(jo_fmu *f, void *bytes)
+/* whether a state is one of an instance of this kind; says what it is otherwise */
+static int fits(jo_fmu *f, const double *state)
 {
-    const double head[HEAD] = {f->mode, f->start, f->has_stop, f->stop};
-    double *state = malloc(jo_fmu_bytes(f));   /* bytes may lie at any address */
-    if (!state) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
-    memcpy(state, head, sizeof head);
-    const int status = jo_machine_save(f->machine, state + HEAD);
-    if (status == JO_MACHINE_OK) memcpy(bytes, state, jo_fmu_bytes(f));
-    free(state);
-    f->current = 0;
-    return status == JO_MACHINE_OK ? JO_FMU_OK : failed(f);
-}
-
-int jo_fmu_load(jo_fmu *f, const void *bytes)
-{
-    double *state = malloc(jo_fmu_bytes(f));
-    if (!state) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
-    memcpy(state, bytes, jo_fmu_bytes(f));
-    const double mode = state[0];
-    int status = JO_MACHINE_WRONG;
-    if (mode == JO_FMU_MADE || mode == JO_FMU_INITIALISING || mode == JO_FMU_EVENTS || mode == JO_FMU_CONTINUOUS
-        || mode == JO_FMU_STEPS || mode == JO_FMU_ENDED)
-        status = jo_machine_load(f->machine, state + HEAD);
-    if (status == JO_MACHINE_OK) {
-        f->mode = (int)mode;
-        f->start = state[1];
-        f->has_stop = state[2] != 0.0;
-        f->stop = state[3];
-    }
-    f->current = 0;
-    free(state);
-    return status == JO_MACHINE_OK ? JO_FMU_OK : jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
+    static const char *const kinds[] = {"co-simulation", "model exchange"};
+    if (state[STATE_BYTES] == (double)state_bytes(f) && state[STATE_EXCHANGE] == (double)f->exchange) return 1;
+    const int known = state[STATE_EXCHANGE] == 0.0 || state[STATE_EXCHANGE] == 1.0;
+    jo_fmu_say(f, JO_FMU_ERROR, "the state is one of %s with %.0f bytes, states of this instance are of %s with %.0f bytes",
+               known ? kinds[state[STATE_EXCHANGE] == 1.0] : "another unit", state[STATE_BYTES], kinds[f->exchange],
+               (double)state_bytes(f));
+    return 0;
 }
 
 int jo_fmu_take(jo_fmu *f, void **state)
 {
     if (!state) return JO_FMU_ERROR;
-    void *bytes = *state ? *state : malloc(jo_fmu_bytes(f));
-    if (!bytes) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
-    const int status = jo_fmu_save(f, bytes);
-    if (status == JO_FMU_OK) *state = bytes;
-    else if (!*state) free(bytes);
-    return status;
+    const double head[HEAD] = {(double)state_bytes(f), f->exchange, f->mode, f->start, f->has_stop, f->stop};
+    double *kept = *state;
+    const int other = !kept || kept[STATE_BYTES] != head[STATE_BYTES];   /* no room for a state of this instance */
+    double *made = other ? malloc(state_bytes(f)) : kept;
+    if (!made) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
+    f->current = 0;
+    if (jo_machine_save(f->machine, made + HEAD) != JO_MACHINE_OK) {
+        if (other) free(made);
+        return failed(f);
+    }
+    memcpy(made, head, sizeof head);
+    if (other) free(kept);
+    *state = made;
+    return JO_FMU_OK;
 }
 
-int jo_fmu_give(jo_fmu *f, const void *state)
+int jo_fmu_give(jo_fmu *f, const void *from)
 {
-    return state ? jo_fmu_load(f, state) : jo_fmu_say(f, JO_FMU_ERROR, "there is no state");
+    const double *state = from;
+    if (!state) return jo_fmu_say(f, JO_FMU_ERROR, "there is no state");
+    if (!fits(f, state)) return JO_FMU_ERROR;
+    const double mode = state[STATE_MODE];
+    const int known = mode == JO_FMU_MADE || mode == JO_FMU_INITIALISING || mode == JO_FMU_EVENTS || mode == JO_FMU_CONTINUOUS
+                      || mode == JO_FMU_STEPS || mode == JO_FMU_ENDED;
+    f->current = 0;
+    if (!known || jo_machine_load(f->machine, state + HEAD) != JO_MACHINE_OK)
+        return jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
+    f->mode = (int)mode;
+    f->start = state[STATE_START];
+    f->has_stop = state[STATE_HAS_STOP] != 0.0;
+    f->stop = state[STATE_STOP];
+    return JO_FMU_OK;
 }
 
 int jo_fmu_release(void **state)
@@ -250,19 +253,27 @@ int jo_fmu_release(void **state)
     return JO_FMU_OK;
 }
 
+size_t jo_fmu_bytes(const void *state) { return (size_t)((const double *)state)[STATE_BYTES]; }
+
 int jo_fmu_write(jo_fmu *f, const void *state, void *bytes, size_t size)
 {
-    if (!state || !bytes || size < jo_fmu_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "no room for a state");
-    memcpy(bytes, state, jo_fmu_bytes(f));
+    if (!state || !bytes || size < jo_fmu_bytes(state)) return jo_fmu_say(f, JO_FMU_ERROR, "no room for a state");
+    memcpy(bytes, state, jo_fmu_bytes(state));
     return JO_FMU_OK;
 }
 
 int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state)
 {
-    if (!state || !bytes || size != jo_fmu_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
-    void *made = *state ? *state : malloc(size);
+    double head[HEAD];
+    if (!state || !bytes || size < sizeof head) return jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
+    memcpy(head, bytes, sizeof head);   /* the bytes may lie at any address */
+    if (!fits(f, head)) return JO_FMU_ERROR;
+    if (size != state_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "a state has %.0f bytes, not %.0f", head[0], (double)size);
+    double *kept = *state;
+    double *made = kept && kept[STATE_BYTES] == head[STATE_BYTES] ? kept : malloc(size);
     if (!made) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
     memcpy(made, bytes, size);
+    if (made != kept) free(kept);
     *state = made;
     return JO_FMU_OK;
 }

@@ -15,6 +15,8 @@ typedef enum { JO_FMU_OK = 0, JO_FMU_WARNING = 1, JO_FMU_DISCARD = 2, JO_FMU_ERR
 enum { JO_FMU_MADE = 1, JO_FMU_INITIALISING = 2, JO_FMU_EVENTS = 4, JO_FMU_CONTINUOUS = 8, JO_FMU_STEPS = 16, JO_FMU_ENDED = 32,
        JO_FMU_BROKEN = 64 };
 
+enum { JO_FMU_MESSAGE = 400 };   /* bytes of a message */
+
 typedef struct jo_fmu jo_fmu;
 typedef void (*jo_fmu_log)(void *host, int status, const char *category, const char *text);
 struct jo_fmu {
@@ -43,13 +45,12 @@ int jo_fmu_set(jo_fmu *f, const unsigned *refs, size_t count, const double *valu
 /* advance to time + length; `reached` the time; early: an event stops the machine before */
 int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *reached);
 int jo_fmu_rates(jo_fmu *f, double *xdot);
-size_t jo_fmu_bytes(const jo_fmu *f);                            /* of a saved state */
-int jo_fmu_save(jo_fmu *f, void *bytes);
-int jo_fmu_load(jo_fmu *f, const void *bytes);
 
-/* The same in memory of their own, as both versions ask for them: `state` is made where it is 0. */
+/* Saved states in memory of their own, as both versions ask for them: `state` is made where it is 0. A state knows its size and
+ * whether it is one of model exchange; an instance takes only those of its kind. */
 int jo_fmu_take(jo_fmu *f, void **state);
 int jo_fmu_give(jo_fmu *f, const void *state);
+size_t jo_fmu_bytes(const void *state);
 int jo_fmu_release(void **state);
 int jo_fmu_write(jo_fmu *f, const void *state, void *bytes, size_t size);
 int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state);

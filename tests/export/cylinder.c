@@ -111,7 +111,7 @@ int fmi2DoStep(void *c, double t, double h, int keep)
 #endif
 #ifdef REFUSE
     if (x->steps > 5) {
-        say(NULL, "oil", 3, "error", "the oil boils");
+        say(NULL, "oil", 3, "error", "the oil boils at %d bar, %s", 42, "100%");
         return 3;
     }
 #endif

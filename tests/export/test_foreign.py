@@ -206,7 +206,7 @@ def test_a_tunable_parameter_follows_a_sensor(oil: Path) -> None:
     "flag,said",
     [
         ("-DCRASH", r"fmu 'bad' at 0\.005 s: its binary crashed \(SIGSEGV\)"),
-        ("-DREFUSE", r"fmu 'bad' at 0\.005 s: fmi2DoStep failed .*log ends: error: the oil boils"),
+        ("-DREFUSE", r"fmu 'bad' at 0\.005 s: fmi2DoStep failed .*log ends: error: the oil boils at 42 bar, 100%"),
         ("-DNOT_A_NUMBER", r"fmu 'bad' at 0\.005 s: its output 'force' is -?nan"),
     ],
 )

@@ -97,13 +97,15 @@ def write_fmu(
     out = Path(path)
     chosen = platforms(on)
     made = program(model, solver, state=state, name=name or out.stem, named=named)
-    exchange = not why_not_exchanged(model)
+    why = why_not_exchanged(model)
+    exchange = not why
     code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
     if derivatives:
         code |= slopes(code, made)
     identity = token(made, "".join(code.values()) + repr(sorted(made.fields.items())))
     code["plant.h"] += (
         f"#define PLANT_TOKEN {text(identity)}\n#define PLANT_BAUMGARTE {number(BAUMGARTE)}\n"
+        f"#define PLANT_NOT_EXCHANGED {text(why)} /* reason; empty: model exchange is offered */\n"
     )
     if derivatives:
         code["plant.h"] += "#define PLANT_SLOPES\n"

@@ -45,6 +45,7 @@ class Worker:
             )
             calls.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
             calls.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
+            expand_messages(calls)
             unit.instantiate(callbacks=calls, loggingOn=True)
             self.put, self.get = unit.setReal, unit.getReal
             self.put_some(*task["parameters"])
@@ -102,6 +103,21 @@ class Worker:
         self.unit.terminate()
         self.unit.freeInstance()
         return []
+
+
+def expand_messages(calls: Any) -> None:
+    """Let the native logger of FMPy fill in the values of messages, which are formats of printf.
+
+    Callbacks of Python get the format alone. FMPy has no such library for some platforms; messages
+    then show their ``%d``.
+    """
+    from ctypes import byref
+
+    try:
+        from fmpy.logging import addLoggerProxy
+    except (ImportError, OSError):
+        return
+    addLoggerProxy(byref(calls))
 
 
 def main() -> None:
