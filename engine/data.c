@@ -311,6 +311,7 @@ jo_real *jo_data_a(jo_data *d) { return d->a; }
 jo_real *jo_data_lam(jo_data *d) { return d->lam; }
 jo_real *jo_data_time(jo_data *d) { return d->time; }
 jo_work *jo_data_work(jo_data *d) { return &d->work; }
+const jo_work *jo_data_power(const jo_data *d) { return &d->power; }
 jo_real *jo_data_input(jo_data *d) { return d->input; }
 jo_real *jo_data_turn(jo_data *d) { return d->turn; }
 int *jo_data_locked(jo_data *d) { return d->locked; }

@@ -412,6 +412,7 @@ jo_real *jo_data_a(jo_data *d);                  /* (nv) */
 jo_real *jo_data_lam(jo_data *d);                /* (nrow) */
 jo_real *jo_data_time(jo_data *d);               /* (1) s */
 jo_work *jo_data_work(jo_data *d);
+const jo_work *jo_data_power(const jo_data *d);  /* W, of the last evaluation of the accelerations */
 jo_real *jo_data_input(jo_data *d);              /* (ninput) external inputs */
 jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of every unwrapped angle, rad */
 int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */

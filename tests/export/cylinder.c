@@ -35,13 +35,21 @@ void *fmi2Instantiate(const char *name, int type, const char *guid, const char *
     fflush(stdout);
     return c;
 }
+#ifdef MASS
+/* an added mass A, with drag B per acceleration squared: F = -A v - B |v| v, v being an acceleration */
+static void respond(cylinder *x) { x->F = -x->A * x->v - x->B * (x->v < 0 ? -x->v : x->v) * x->v; }
+#endif
 void fmi2FreeInstance(void *c) { free(c); }
 int fmi2SetupExperiment(void *c, int a, double b, double s, int d, double e) { return 0; }
 int fmi2EnterInitializationMode(void *c) { return 0; }
 int fmi2ExitInitializationMode(void *c)
 {
     cylinder *x = c;
+#ifdef MASS
+    respond(x);
+#else
     x->F = x->A * x->p * 1e5;
+#endif
     return 0;
 }
 int fmi2Terminate(void *c) { return 0; }
@@ -57,6 +65,9 @@ int fmi2SetReal(void *c, const unsigned *r, size_t n, const double *x)
 {
     for (size_t i = 0; i < n; i++)
         ((double *)c)[r[i]] = x[i];
+#if defined(MASS) && !defined(LATE)
+    respond(c);
+#endif
     return 0;
 }
 int fmi2GetInteger(void *c, const unsigned *r, size_t n, int *x) { return 3; }
@@ -122,6 +133,10 @@ int fmi2DoStep(void *c, double t, double h, int keep)
 #ifdef NOT_A_NUMBER
     if (x->steps > 5)
         x->p = 0.0 / 0.0 * x->steps;
+#endif
+#ifdef MASS
+    respond(x);
+    return 0;
 #endif
     x->p -= x->B * x->A / x->V * x->v * h * 1e-5; /* bar */
     x->F = x->A * x->p * 1e5;

@@ -239,10 +239,10 @@ def tell_events(solution: Solution) -> None:
 
 def describe_result(path: Path) -> None:
     """Print what is in a results file."""
-    from jousto.simulation.results.solution import load
+    from jousto.simulation.results.solution import Solution
     from jousto.simulation.running.simulate import describe
 
-    solution = load(path)
+    solution = Solution(path)  # also one that has no instants yet
     facts([(name, plain(value)) for name, value in describe(solution).items()], path.name)
     rows = []
     for name in solution.sensors:
@@ -277,7 +277,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
             facts([("solver", f"{solver}, since {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
         if compiled.fmus:
-            from jousto.simulation.foreign.coupling import check_coupling
+            from jousto.simulation.foreign.requirements import check_coupling
 
             check_coupling(compiled, solver, steps, None, None)
         sentence = stability_warning(compiled, solver, steps.step)

@@ -15,6 +15,7 @@ from jousto.base.names import harmless
 from jousto.base.units import KINDS, UnitError, converted, parse_unit
 
 LARGEST = 4 << 30  # bytes of all files of an archive
+LONGEST = 64 << 20  # bytes of a description
 REALS = ("Real", "Float64")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
@@ -67,6 +68,9 @@ class Description:
         Whether it can go back to a state.
     variable_steps : bool
         Whether its steps may differ.
+    direct : dict
+        Inputs on which outputs depend directly, by their names in ``<ModelStructure>``; an output
+        that says nothing there may depend on all of them and is not among these.
     """
 
     version: int
@@ -75,6 +79,11 @@ class Description:
     variables: dict[str, Variable]
     states: bool
     variable_steps: bool
+    direct: dict[str, frozenset[str]]
+
+    def feeds_through(self, output: str, given: str) -> bool:
+        """Return whether an output may depend on an input at the same instant."""
+        return output not in self.direct or given in self.direct[output]
 
     def named(self, *causality: str) -> list[str]:
         """Return the names of the variables of some causality."""
@@ -97,8 +106,12 @@ def read_description(path: Path, where: str) -> Description:
     check_input(path)
     names = _names(path, where)
     try:
-        with zipfile.ZipFile(path) as archive:
-            text = archive.read("modelDescription.xml")
+        with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as packed:
+            text = packed.read(LONGEST + 1)  # whatever length the archive claims
+        if len(text) > LONGEST:
+            raise ValueError(f"it has more than {LONGEST >> 20} MB")
+        if b"<!DOCTYPE" in text:
+            raise ValueError("it declares a document type, which units do not have")
         with io.BytesIO() as alone:
             with zipfile.ZipFile(alone, "w") as archive:
                 archive.writestr("modelDescription.xml", text)
@@ -132,6 +145,11 @@ def read_description(path: Path, where: str) -> Description:
         variables={x.name: x for x in found},
         states=bool(abilities.canGetAndSetFMUstate),
         variable_steps=bool(abilities.canHandleVariableCommunicationStepSize),
+        direct={
+            x.variable.name: frozenset(v.name for v in x.dependencies)
+            for x in about.outputs
+            if x.dependencies is not None
+        },
     )
 
 

@@ -104,6 +104,7 @@ class Engine:
         self.time = self._view(self._library.jo_data_time(data), 1)
         self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine alone
         self.work = self._view(self._library.jo_data_work(data), len(places("jo_work")))
+        self.power = self._view(self._library.jo_data_power(data), len(places("jo_work")))
         self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
         turns = sum(c.kind == "angle" for c in model.coordinates)
         self.turn = self._view(self._library.jo_data_turn(data), turns)

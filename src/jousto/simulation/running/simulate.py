@@ -6,7 +6,7 @@ import errno
 import logging
 import time as clock
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,9 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive
-from jousto.simulation.foreign.coupling import Coupling, check_coupling, check_trust
+from jousto.simulation.foreign.coupling import Coupling
 from jousto.simulation.foreign.process import FmuFailed
+from jousto.simulation.foreign.requirements import check_coupling, check_trust
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
@@ -372,14 +373,17 @@ def _coupled(
     """Do the same with functional mock-up units beside the engine."""
     feed.set(engine, 0)
     coupling = Coupling(engine, plan)
+    suspects = ""
     try:
         status = Coupled(engine, native, plan, feed, coupling, record).run(report)
+        suspects = coupling.suspects
     finally:
         coupling.close()
     if status == "event":
         return stopped(engine)
     if status != "ok":
-        return cause(engine.model, solver, plan, engine, status)
+        ending = cause(engine.model, solver, plan, engine, status)
+        return replace(ending, sentence=f"{ending.sentence}; {suspects}") if suspects else ending
     coupling.judge()
     return None
 
