@@ -74,6 +74,23 @@ static int fits(const unsigned char *bytes, long size, int kind, unsigned long m
     return 1;
 }
 
+/* whether a sequence number follows the last one; counts it otherwise */
+static int follows(uint64_t sequence, jo_frame_counts *counts)
+{
+    const uint64_t ahead = sequence - counts->last, behind = counts->last - sequence;   /* modulo 2^64 */
+    if (!sequence || !counts->taken || (counts->leapt && sequence == counts->awaited)) return 1;
+    if (ahead && ahead < JO_FRAME_LEAP) {
+        counts->lost += (unsigned long)(ahead - 1);
+        return 1;
+    }
+    if (behind >= JO_FRAME_LATE) {
+        counts->leapt = 1;
+        counts->awaited = sequence + 1;
+    }
+    counts->old++;
+    return 0;
+}
+
 int jo_frame_read(const unsigned char *bytes, long size, int kind, unsigned long mark, jo_frame_counts *counts, double *time, double *values, int count)
 {
     if (!fits(bytes, size, kind, mark, count)) {
@@ -81,13 +98,8 @@ int jo_frame_read(const unsigned char *bytes, long size, int kind, unsigned long
         return 0;
     }
     const unsigned long long sequence = get(bytes + 16, 8);
-    if (sequence && counts->taken) {
-        if (sequence <= counts->last) {
-            counts->old++;
-            return 0;
-        }
-        counts->lost += (unsigned long)(sequence - counts->last - 1);
-    }
+    if (!follows(sequence, counts)) return 0;
+    counts->leapt = 0;
     counts->last = sequence;
     counts->taken++;
     *time = get_double(bytes + 24);

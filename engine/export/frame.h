@@ -10,17 +10,21 @@
  *         32 ..     the numbers, 8 bytes each, in the order of the header of the machine, SI units
  *
  * Whole numbers and doubles are little endian. A frame of another size, version, machine or with numbers that are not finite is not
- * taken, nor one whose sequence number is not above the last; what is missing between two numbers was lost on the way. */
+ * taken, nor one whose sequence number is not above the last; what is missing between two numbers was lost on the way. Numbers go on
+ * from 2^64 - 1 to 0. A number that is JO_FRAME_LEAP or more ahead, or JO_FRAME_LATE or more behind, is taken only if the next frame
+ * goes on from it (RFC 3550, appendix A.1): one forged or damaged frame does not end a link, a sender that begins anew is followed. */
 #ifndef JO_FRAME_H
 #define JO_FRAME_H
 
 #include "machine.h"
 
-enum { JO_FRAME_HEAD = 32, JO_FRAME_VERSION = 1, JO_FRAME_INPUTS = 0, JO_FRAME_OUTPUTS = 1 };
+enum { JO_FRAME_HEAD = 32, JO_FRAME_VERSION = 1, JO_FRAME_INPUTS = 0, JO_FRAME_OUTPUTS = 1, JO_FRAME_LEAP = 3000, JO_FRAME_LATE = 100 };
 
 typedef struct {
     unsigned long taken, wrong, old, lost;   /* frames */
     unsigned long long last;                 /* sequence number of the last frame that was taken */
+    unsigned long long awaited;              /* after a leap: the number that would confirm it */
+    int leapt;
 } jo_frame_counts;
 
 unsigned long jo_frame_mark(const jo_plant *p);

@@ -151,12 +151,13 @@ def test_a_peer_drives_the_program_by_datagrams(model: jo.Model, built: Path) ->
                 peer.send(pack(INPUTS, peer.mark ^ 1, k, 0.0, law(0.0)))
                 peer.send(pack(INPUTS, peer.mark, k, 0.0, [np.nan, 0.0]))
                 peer.send(pack(INPUTS, peer.mark, 3, 0.0, law(0.0)))
+                peer.send(pack(INPUTS, peer.mark, 2**64 - 1, 0.0, law(0.0)))  # forged
             number = k if k < 100 else k + 7  # seven are lost
             rows.append(peer.exchange(number, law(k * STEP)))
         process.terminate()
         assert process.stdout is not None
         assert process.stdout.read().strip() == (
-            f"{STEPS} steps, frames: {STEPS} taken, 7 lost, 1 old, 7 wrong"
+            f"{STEPS} steps, frames: {STEPS} taken, 7 lost, 2 old, 7 wrong"
         )
     assert process.returncode == 0 and peer.received.lost == 0
     close_to(np.array(rows), model)
@@ -185,6 +186,24 @@ def test_a_peer_drives_the_program_by_shared_memory(
                 assert values is not None
                 rows.append([received.time, *values])
     close_to(np.array(rows), model)
+
+
+@pytest.mark.parametrize("far", [2**64 - 1, 2**63, 10_000])
+def test_one_frame_from_far_away_does_not_end_a_link(far: int) -> None:
+    """RFC 3550, A.1: a leap counts once the next frame goes on from it."""
+    reader = Received(INPUTS, 7, 1)
+    take = lambda k: reader.read(pack(INPUTS, 7, k, 0.0, [1.0])) is not None  # noqa: E731
+    assert [take(k) for k in (5, 6, far, 7, far, 8)] == [True, True, False, True, False, True]
+    assert (reader.old, reader.lost) == (2, 0)
+    # a sender that begins anew elsewhere is followed from its second frame on
+    assert [take(far), take((far + 1) % 2**64), take((far + 2) % 2**64)] == [False, True, True]
+
+
+def test_numbers_go_on_from_the_last_to_the_first() -> None:
+    reader = Received(INPUTS, 7, 1)
+    numbers = [2**64 - 2, 2**64 - 1, 0, 1, 3]
+    assert all(reader.read(pack(INPUTS, 7, k, 0.0, [1.0])) is not None for k in numbers)
+    assert (reader.taken, reader.old, reader.lost) == (5, 0, 1)
 
 
 def test_a_live_machine_in_python_takes_the_same_frames(model: jo.Model) -> None:

@@ -179,6 +179,19 @@ def test_tokens_differ(built: None) -> None:
     assert words[0] != words[1] and min(map(len, words)) >= 32
 
 
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "TRACE", "HEAD", "OPTIONS", "PATCH"])
+def test_methods_other_than_get_are_not_allowed(server: Server, method: str) -> None:
+    """RFC 9110: 405 with the methods that are; TRACE would show the token to other pages."""
+    for path in ("/", "/socket", "/page.html", "/viewer.js"):
+        link = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+        link.request(method, f"{path}?token={token(server)}")
+        found = link.getresponse()
+        said = found.read().decode()
+        link.close()
+        assert (found.status, found.getheader("Allow")) == (405, "GET")
+        assert "token" not in said and (method == "HEAD") == (said == "")
+
+
 def test_other_methods_and_garbage_do_not_hurt(server: Server) -> None:
     for data in (b"POST / HTTP/1.1\r\nHost: x\r\n\r\n", b"\x16\x03\x01\x02", b"GET\r\n\r\n"):
         with socket.create_connection(("127.0.0.1", server.port), timeout=60) as line:

@@ -187,6 +187,10 @@ class Server:
 
     async def _page(self, connection: ServerConnection, request: Request) -> Response | None:
         """Answer a request for a file; None lets a page connect."""
+        method = getattr(request, "method", "GET")  # before websockets 16 others never come here
+        if method != "GET":
+            text = "" if method == "HEAD" else f"{method} is not allowed here, GET alone."
+            return _response(HTTPStatus.METHOD_NOT_ALLOWED, text, more={"Allow": "GET"})
         refusal = self._refusal(request)
         path = urlsplit(request.path).path
         if refusal is not None:

@@ -14,7 +14,7 @@ import pytest
 import jousto as jo
 from jousto.model.model import Model
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.live.pace import EDGES, Pace
+from jousto.simulation.live.pace import EDGES, SLOWEST, Pace
 from jousto.simulation.live.ranges import input_ranges, parse_ranges
 from jousto.simulation.live.recorder import repeat
 from jousto.simulation.live.runner import Runner
@@ -190,6 +190,48 @@ def test_errors_belong_to_whoever_asked(run: Callable[..., Runner]) -> None:
         runner.speed(-1.0)
     then = runner.glance.time
     until(lambda: runner.glance.time > then)  # it runs on
+
+
+@pytest.mark.parametrize("speed", [1e-12, 1e-320, 1e300, -1.0, float("nan"), float("inf")])
+def test_a_speed_beyond_its_bounds_is_refused(run: Callable[..., Runner], speed: float) -> None:
+    """A step of 1 ms at 1e-12 would be due in 31 years; 1e-3 / 1e-320 is no number."""
+    runner = run(machine(), speed=0)
+    with pytest.raises(jo.InputError, match="speed is .*from 1e-06 to 1e\\+06"):
+        runner.speed(speed)
+    with pytest.raises(jo.InputError, match="speed is"):
+        Runner(machine(), speed=speed)
+    then = runner.glance.time
+    until(lambda: runner.glance.time > then)
+
+
+def test_orders_do_not_wait_for_a_step_that_is_due_much_later(run: Callable[..., Runner]) -> None:
+    runner = run(machine(), speed=1.0)
+    runner.speed(SLOWEST)  # the next step but one is due in 1000 s
+    for value in (1.0, 2.0):
+        began = time.monotonic()
+        runner.do(lambda m, value=value: m.set("force", value))
+        assert time.monotonic() - began < PATIENCE
+        assert runner.glance.inputs["force"] == value
+    runner.speed(0)
+    then = runner.glance.time
+    until(lambda: runner.glance.time > then)
+
+
+def test_an_error_that_nobody_foresaw_stops_the_machine_and_not_its_thread(
+    run: Callable[..., Runner],
+) -> None:
+    runner = run(machine(), speed=0, playing=False)
+
+    def fail(*given: object) -> None:
+        raise OverflowError("too large")
+
+    runner.do(lambda m: setattr(m, "step", fail))
+    runner.play()
+    until(lambda: not runner.glance.playing)
+    assert "too large" in runner.glance.message
+    runner.do(lambda m: delattr(m, "step"))
+    runner.play()
+    until(lambda: runner.glance.time > 0.0)
 
 
 def test_a_record_while_it_runs_is_the_same_again(

@@ -15,6 +15,10 @@ from jousto.base.arrays import Array
 HEAD = struct.Struct("<4sHHIIQd")
 """Mark "JOFR", version, kind, checksum of the names, count, sequence number, time stamp."""
 VERSION = 1
+NUMBERS = 1 << 64
+"""Sequence numbers; they go on from the last one to 0."""
+LEAP, LATE = 3000, 100
+"""Numbers ahead and behind from which a frame is taken only if the next one goes on from it."""
 INPUTS, OUTPUTS = 0, 1
 """Kinds of frames: to a machine, and from it."""
 
@@ -54,9 +58,12 @@ class Received:
     ----------
     taken, wrong, old, lost : int
         Frames: taken; of another size, version or machine, or not finite; with a sequence number
-        that is not above the last; missing between two numbers.
+        that is not above the last, or far from it and not confirmed by the next one (RFC 3550,
+        appendix A.1: one forged frame does not end a link); missing between two numbers.
     last : int
         Sequence number of the last one that was taken.
+    awaited : int
+        After a leap the number that would confirm it; else -1.
     time : float
         Its time stamp, s.
 
@@ -81,6 +88,7 @@ class Received:
     lost: int = 0
     last: int = 0
     time: float = 0.0
+    awaited: int = -1
 
     def read(self, frame: bytes) -> Array | None:
         """Return the numbers of a frame (count,), None if it is not taken."""
@@ -89,13 +97,24 @@ class Received:
             self.wrong += 1
             return None
         sequence, time = HEAD.unpack_from(frame)[5:]
-        if sequence and self.taken:
-            if sequence <= self.last:
-                self.old += 1
-                return None
-            self.lost += sequence - self.last - 1
+        if not self._follows(sequence):
+            self.old += 1
+            return None
+        self.awaited = -1
         self.taken, self.last, self.time = self.taken + 1, sequence, time
         return values
+
+    def _follows(self, sequence: int) -> bool:
+        """Return whether a sequence number follows the last one."""
+        ahead, behind = ((sequence - self.last) % NUMBERS, (self.last - sequence) % NUMBERS)
+        if not sequence or not self.taken or sequence == self.awaited:
+            return True
+        if 0 < ahead < LEAP:
+            self.lost += ahead - 1
+            return True
+        if behind >= LATE:
+            self.awaited = (sequence + 1) % NUMBERS
+        return False
 
     def _fitting(self, frame: bytes) -> Array | None:
         if len(frame) != HEAD.size + 8 * self.count:

@@ -9,11 +9,35 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.errors import InputError, Problem
+
 EDGES = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
 """Upper ends of the classes of lateness, s; the last class has none."""
 
+SLOWEST, FASTEST = 1e-6, 1e6  # simulated seconds in a second of the watch
+
 FARTHEST = 0.25  # s behind; what is further behind is given up
 WINDOW = 1.0  # s of the watch over which the real-time factor is taken
+
+
+def checked_speed(factor: float) -> float:
+    """Return the simulated seconds in a second of the watch, 0 or within the bounds.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    value = float(factor)
+    if value != 0.0 and not SLOWEST <= value <= FASTEST:
+        raise InputError(
+            Problem(
+                "live",
+                f"speed is {factor!r}, must be from {SLOWEST:g} to {FASTEST:g} simulated seconds a "
+                "second, or 0 for as fast as it can",
+            )
+        )
+    return value
 
 
 class Pace:
@@ -28,7 +52,7 @@ class Pace:
     step : float
         Step, s simulated.
     speed : float
-        Simulated seconds in a second of the watch; 0 is as fast as it can.
+        Simulated seconds in a second of the watch, 1e-6 to 1e6; 0 is as fast as it can.
     clock, sleep : callable
         Monotonic time in s, and a function that waits that long.
 
@@ -65,7 +89,7 @@ class Pace:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.step, self.speed = step, speed
+        self.step, self.speed = step, checked_speed(speed)
         self._clock, self._sleep = clock, sleep
         self.native = clock is time.monotonic and sleep is time.sleep
         self._edges, self._late = np.array(EDGES), np.zeros(len(EDGES) + 1, np.int64)
@@ -85,6 +109,11 @@ class Pace:
         self._began = 0.0
         self._seen: list[tuple[float, int]] = []
         self._steps = 0
+
+    @property
+    def left(self) -> float:
+        """Time of the clock until the next step is due, s; 0 if it is."""
+        return 0.0 if self._due is None or not self.speed else max(0.0, self._due - self._clock())
 
     def wait(self) -> None:
         """Wait until the next step is due."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 import sys
 import threading
@@ -11,15 +12,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.live.pace import Pace
+from jousto.simulation.live.pace import Pace, checked_speed
 from jousto.simulation.live.recorder import Recorder
 from jousto.simulation.live.urgency import hurry
+
+log = logging.getLogger(__name__)
 
 PICTURES = 60.0  # a second
 SWITCH = 2e-4  # s that another thread of Python may keep a step waiting
@@ -179,11 +180,9 @@ class Runner:
         Raises
         ------
         InputError
-            If it is negative or not finite.
+            If it is neither 0 nor from 1e-6 to 1e6.
         """
-        value = float(factor)
-        if not (np.isfinite(value) and value >= 0.0):
-            raise InputError(Problem("live", f"speed is {factor!r}, must be positive, or 0"))
+        value = checked_speed(factor)
         self._ask(lambda: self.pace.start(value))
 
     def record(self, path: str | Path | None) -> None:
@@ -251,7 +250,11 @@ class Runner:
                 self._woken.wait(IDLE)
                 self._woken.clear()
                 continue
-            if self.pace.native and self.pace.speed and self.link is None:
+            left = self.pace.left if self.pace.native else 0.0
+            if left > ALONE:  # orders do not wait for a step that is due much later
+                self._woken.wait(min(left - ALONE, IDLE))
+                self._woken.clear()
+            elif self.pace.native and self.pace.speed and self.link is None:
                 self._advance(self._together(), self.pace)
             else:
                 self._waited()
@@ -296,7 +299,9 @@ class Runner:
         machine = self.machine
         try:
             rows = machine.step(count, pace)
-        except JoustoError as error:
+        except Exception as error:  # whatever it is, the thread goes on and can be asked to reset
+            if not isinstance(error, JoustoError):
+                log.exception("a live machine failed")
             self._stop(f"{error}; reset goes back to the start", f"failed: {error}")
             return False
         if self._recorder is not None:
