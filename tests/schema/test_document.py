@@ -114,6 +114,26 @@ def test_aliases_that_repeat_without_end(monkeypatch):
     assert re.fullmatch(r"m.yaml:[456]: too many entries, aliases repeat too often", message)
 
 
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ('sensors: [{type: "\\ud800", name: a}]', "model:1: sensors.0.type"),
+        ('sensors:\n  - "\\udc00"', "model:2: sensors.0"),
+        ('bodies:\n  "a\\ud800": 1', "model:2: bodies"),
+        ('{"name": "a\\ud800b"}', "model:1: name"),
+    ],
+)
+def test_half_of_a_character_is_refused_with_its_line(text, place):
+    """UTF-8 has none; every message, results file and page that shows it would fail."""
+    with pytest.raises(InputError, match=f"{place}: contains .u(d8|dc)00, half of a character"):
+        parse_document(text)
+
+
+def test_a_pair_of_escapes_is_a_character():
+    """As RFC 8259, section 7, writes characters beyond the first plane."""
+    assert parse_document('{"name": "\\ud83d\\ude00"}').data == {"name": "\U0001f600"}
+
+
 @pytest.mark.parametrize("text", ["a: " + 1000 * "[", 1500 * "{a: " + "1" + 1500 * "}"])
 def test_nested_too_deeply(text):
     assert problems(text) == ["m.yaml: is nested too deeply"]

@@ -128,17 +128,13 @@ def written(path: Path) -> Iterator[Path]:
     """
     check_file(path)
     final = Path(os.path.realpath(path))
-    beside = final.with_name(f".{uuid.uuid4().hex}{final.suffix}")
     made = False
     try:
-        if final.exists() and not os.access(final, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        beside = beside_of(final)
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         made = True
         yield beside
-        if final.exists():
-            shutil.copymode(final, beside)
-        os.replace(beside, final)
+        take_place(beside, final)
         made = False
     except OSError as error:
         raise unwritable(path, error) from error
@@ -146,6 +142,26 @@ def written(path: Path) -> Iterator[Path]:
         if made:
             with contextlib.suppress(OSError):
                 beside.unlink()
+
+
+def beside_of(final: Path) -> Path:
+    """Return the name of a file that may take the place of another one.
+
+    Raises
+    ------
+    OSError
+        If there is one that may not be written.
+    """
+    if final.exists() and not os.access(final, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    return final.with_name(f".{uuid.uuid4().hex}{final.suffix}")
+
+
+def take_place(beside: Path, final: Path) -> None:
+    """Put a file in the place of another one, with its permissions."""
+    if final.exists():
+        shutil.copymode(final, beside)
+    os.replace(beside, final)
 
 
 def write_table(path: str | Path, head: Iterable[Any], rows: Iterable[Iterable[Any]]) -> Path:

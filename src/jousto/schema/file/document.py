@@ -214,7 +214,7 @@ class _Reader:
             if key_node.id != "scalar":
                 self.note(key_node, loc, "a key must be a plain word")
                 continue
-            key = str(key_node.value)
+            key = self.text(key_node, loc, str(key_node.value))
             if key_node.tag.endswith(":merge"):
                 parts = value_node.value if value_node.id == "sequence" else [value_node]
                 merged += [d for part in parts if isinstance(d := self.value(part, loc), dict)]
@@ -230,7 +230,7 @@ class _Reader:
         return data
 
     def scalar(self, node: Any, loc: Loc) -> Any:
-        text, kind = bare(str(node.value)), str(node.tag).rpartition(":")[2]
+        text, kind = self.text(node, loc, bare(str(node.value))), str(node.tag).rpartition(":")[2]
         if node.style in ("'", '"', "|", ">"):
             # ruamel.yaml marks with a bell where it folded a line
             return text.replace("\a", "") if node.style == ">" else text
@@ -246,6 +246,20 @@ class _Reader:
             self.note(node, loc, f"unknown tag {node.tag}")
         return text
 
+    def text(self, node: Any, loc: Loc, found: str) -> str:
+        """Return text whose pairs of escapes, two of ``uXXXX`` in JSON, are the characters."""
+        if not SURROGATE.search(found):
+            return found
+        code = "utf-16-le"
+        text = found.encode(code, "surrogatepass").decode(code, "replace")
+        half = SURROGATE.search(found.encode(code, "surrogatepass").decode(code, "surrogatepass"))
+        if half:
+            message = (
+                f"contains \\u{ord(half[0]):04x}, half of a character: leave it out or pair it"
+            )
+            self.note(node, loc, message)
+        return text
+
     def note(self, node: Any, loc: Loc, message: str, line: int | None = None) -> None:
         path = ".".join(str(key) for key in loc)
         place = f"{self.name}:{line or node.start_mark.line + 1}" + (f": {path}" if path else "")
@@ -253,6 +267,7 @@ class _Reader:
 
 
 EXPRESSION = re.compile(r"\$\{([^{}\n]*)\}")
+SURROGATE = re.compile("[\ud800-\udfff]")  # halves of characters, which UTF-8 does not have
 SHIELD = 0xE000  # the private area of Unicode
 SHIELDED = re.compile("[\ue020-\ue07e]")
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.complexstep import real_parts
+from jousto.base.errors import InputError, Problem
 from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
@@ -190,6 +191,8 @@ class MemoryRecords:
 
     def save(self, path: Path) -> None:
         """Write everything into a results file."""
+        if not self.length:
+            raise InputError(Problem(str(path), "no instant is there to be saved"))
         writer = ResultsWriter(path, self.model, self.length, self.about_run, self.text)
         try:
             writer.append(self.rows)
@@ -270,6 +273,7 @@ class Keeper:
         text: str = "",
     ) -> None:
         last = columns(model)[-1]
+        self._about = model, attributes, text
         self._folder: Path | None = None
         self._writer: ResultsWriter | MemoryWriter
         if path is None and 8 * rows * (last.first + last.count) <= IN_MEMORY:
@@ -303,10 +307,17 @@ class Keeper:
         """Note how the run ended and return its results."""
         if isinstance(self._writer, MemoryWriter):
             return Solution(self._writer.close(complete, facts))
+        if not self._writer.placed:  # nothing was computed: what stood there before stays
+            self.discard()
+            model, attributes, text = self._about
+            return Solution(MemoryWriter(model, 0, attributes, text).close(False, facts))
         self._writer.close(complete, facts)
         return Solution(self._writer.path, temporary=self._folder is not None)
 
     def discard(self) -> None:
-        """Remove a temporary file that nobody has got."""
+        """Remove a temporary file that nobody has got, and one that has no rows."""
+        writer = getattr(self, "_writer", None)
+        if isinstance(writer, ResultsWriter) and not writer.placed:
+            writer.discard()
         if self._folder:
             shutil.rmtree(self._folder, ignore_errors=True)

@@ -531,6 +531,15 @@ def load(path: str | Path) -> Solution:
     Raises
     ------
     InputError
-        If there is no such file, it is damaged, or it is not a results file.
+        If there is no such file, it is damaged, it is not a results file, or no instant is in it.
     """
-    return Solution(path)
+    run = Solution(path)
+    if not run.nt:
+        raise InputError(
+            Problem(
+                run.where,
+                "no instant is stored in it: its run has just begun, or was killed before its "
+                "first instant; wait, or run the model again",
+            )
+        )
+    return run

@@ -21,7 +21,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.base.files import create, unwritable
+from jousto.base.files import beside_of, check_file, create, take_place, unwritable
 from jousto.base.seal import Seal
 from jousto.base.version import __version__
 from jousto.model.model import Model
@@ -54,13 +54,16 @@ class ResultsWriter:
     The file is laid out at its full length before the run (a sparse file takes no space for what
     is not written yet); rows then go to their places with plain writes. So it is valid HDF5 at
     every moment, also when the run is killed, and a full disk is an exception. The dataset `rows`
-    counts what has been written; a run that ends early is cut to its length.
+    counts what has been written; a run that ends early is cut to its length. What was at its path
+    before stays there until the first rows are written; without rows it stays.
     """
 
     def __init__(
         self, path: Path, model: Model, rows: int, attributes: dict[str, Any], text: str
     ) -> None:
+        check_file(path)
         self.path = path
+        self._final = Path(os.path.realpath(path))
         self.written = 0
         self.happened = np.zeros((0, len(EVENT_COLUMNS)))
         self._rows = rows
@@ -77,8 +80,9 @@ class ResultsWriter:
                 )
             )
         try:
+            self._beside: Path | None = beside_of(self._final)
             with uninterrupted():
-                self._file = self._lay_out(path, image)
+                self._file = self._lay_out(self._beside, image)
         except OSError as error:
             raise unwritable(path, error) from error
 
@@ -150,6 +154,16 @@ class ResultsWriter:
         self._seal.add(blocks, len(rows), lambda at, data: _write(self._file, at, data))
         self.written += len(rows)
         self._count(self._file, self._places)
+        if self._beside is not None:
+            self._take_place(self._beside)
+
+    def _take_place(self, beside: Path) -> None:
+        """Replace what was at the path before; closed meanwhile, as Windows wants it."""
+        with uninterrupted():
+            self._file.close()
+            take_place(beside, self._final)
+            self._beside = None
+            self._file = open(self._final, "r+b", buffering=0)
 
     def note(self, happened: Array) -> None:
         """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
@@ -168,10 +182,15 @@ class ResultsWriter:
     def _count(self, file: BinaryIO, places: list[Place]) -> None:
         _write(file, places[0].offset, np.array(self.written, "<i8").tobytes())
 
+    @property
+    def placed(self) -> bool:
+        """Whether the file is at its path: some rows are written."""
+        return self._beside is None
+
     def discard(self) -> None:
-        """Remove the file."""
+        """Remove the file; what was at its path before the first rows stays."""
         self._file.close()
-        self.path.unlink(missing_ok=True)
+        (self._beside or self._final).unlink(missing_ok=True)
 
     def close(self, complete: bool, facts: Facts) -> None:
         """Note how the run ended, cut the file if it ended early, and close it."""
@@ -197,10 +216,10 @@ class ResultsWriter:
 
     def _cut(self, complete: bool, facts: Facts) -> bool:
         """Put a file of its own length in place; False if the disk has no room for it."""
-        short = self.path.with_name(self.path.name + ".cut")
+        short = self._final.with_name(self._final.name + ".cut")
         image, places = self._image(self.written, complete, facts)
         try:
-            with self._lay_out(short, image) as target, open(self.path, "rb") as source:
+            with self._lay_out(short, image) as target, open(self._final, "rb") as source:
                 for new, old in zip(places[1:], self._places[1:], strict=True):
                     source.seek(old.offset)
                     left, at = new.width * 8 * self.written, new.offset
@@ -214,7 +233,7 @@ class ResultsWriter:
                 seal = self._seal.moved(image.size, _columns(places), self.written)
                 self._sealed(target, seal, image, closed=True)
             self._file.close()
-            os.replace(short, self.path)
+            os.replace(short, self._final)
         except OSError:
             short.unlink(missing_ok=True)
             return False
