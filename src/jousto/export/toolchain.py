@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import shutil
 import subprocess
@@ -16,12 +15,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.export import objects
 from jousto.export.sources import INCLUDE
 
 FLAGS = ("-std=c99", "-O3", "-DNDEBUG", "-fno-math-errno", "-fno-trapping-math")
 """Those of the engine in Python; without instructions that fuse products, numbers are the same."""
 SECONDS = 600.0  # that a compiler may take
-OBJECTS: dict[bytes, bytes] = {}
+OBJECTS: dict[str, bytes] = {}
 """What was compiled in this process, by all it depends on: machines have the engine in common."""
 MOST = 500  # of them
 
@@ -183,21 +183,27 @@ def build(
         def compiled(name: str) -> str:
             made = f"{name}.o"
             line = [*command, *options, "-c", name, "-o", made]
-            key = hashlib.sha256("\0".join([*line, *included(sources, name)]).encode()).digest()
-            known = OBJECTS.get(key)
+            key = objects.key(line, included(sources, name), command)
+            known = OBJECTS.get(key) or objects.find(key)
             if known is None:
                 run(line, platform, place, made)
-                OBJECTS[key] = (place / made).read_bytes()
+                known = (place / made).read_bytes()
+                objects.keep(key, known)
+                new.append(key)
             else:
                 (place / made).write_bytes(known)
+            OBJECTS[key] = known
             return made
 
         if len(OBJECTS) > MOST:
             OBJECTS.clear()
+        new: list[str] = []
         with ThreadPoolExecutor(os.cpu_count()) as threads:
-            objects = list(threads.map(compiled, files))
+            parts = list(threads.map(compiled, files))
+        if new:
+            objects.prune()
         made = f"made{platform.suffix if shared else ''}"
-        run([*command, *objects, "-o", made, *link], platform, place, made)
+        run([*command, *parts, "-o", made, *link], platform, place, made)
         out.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(place / made, out)
         if not shared:
