@@ -462,6 +462,21 @@ def test_loads_faster_than_the_step_are_pointed_out(rod):
         jo.simulate(model, 0.002)
 
 
+@pytest.mark.parametrize("times", ["steps", "shifted", "after"])
+def test_a_table_with_points_at_the_steps_is_resolved(times, recwarn):
+    """Differences of rounded instants lie beside the step; what is never passed is no gap."""
+    at = {
+        "steps": np.arange(21) * 1e-3,
+        "shifted": 0.1 + np.arange(-101, 21) * 1e-3 - 0.1,
+        "after": np.array([0.0, 0.01, 0.02, 0.0201, 0.0202]),
+    }[times]
+    cart = jo.RigidBody("cart", 1.0, (1, 1, 1))
+    rail = jo.Prismatic("rail", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
+    push = jo.JointForce("push", rail.displacement, jo.Table(at, np.sin(at)))
+    jo.simulate(jo.compile(jo.Mechanism(cart, rail, push)), 0.02, solver=jo.RK4(1e-3))
+    assert not [str(x.message) for x in recwarn if "table points" in str(x.message)]
+
+
 def test_round_off_is_no_energy_error():
     """A free top exchanges no energy; its balance is round-off of what it has."""
     top = jo.RigidBody("top", 1.0, (0.1, 0.2, 0.25), angular_velocity=(1, 2, 1))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.model.model import Model
 from jousto.model.native.header import named
@@ -138,11 +139,23 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
                     f"{plan.step:.3g} s does not resolve it; take {0.05 / frequency:.2g} s or less"
                 )
         elif signal.kind == "table":
-            times = signal.data[: len(signal.data) // 2]
-            shortest = float(np.diff(times).min(initial=np.inf))
+            shortest = _shortest(signal.data[: len(signal.data) // 2], plan)
             if shortest < plan.step:
                 found.append(
                     f"load '{force.name}' has table points {shortest:.3g} s apart, the step of "
                     f"{plan.step:.3g} s may jump over them; take {shortest:.2g} s or less"
                 )
     return found
+
+
+def _shortest(times: Array, plan: Schedule) -> float:
+    """Return the shortest time between points of a table that a run passes, s.
+
+    Differences that are off the step by the rounding of the times are the step.
+    """
+    last = plan.start + plan.step * plan.steps
+    passed = (times[1:] > plan.start) & (times[:-1] < last)
+    between = np.diff(times)[passed]
+    rounding = 2.0 * np.finfo(float).eps * np.abs(times[1:][passed])
+    shorter = between < plan.step * (1.0 - 1e-9) - rounding
+    return float(between[shorter].min(initial=np.inf))
