@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import time as clock
+import weakref
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +17,14 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.results.events import Chronicle, Happening, happenings, joints_of, sources
+from jousto.simulation.results.memory import Keeper
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.results.writer import free_bytes
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 from jousto.simulation.state import State, put, take
+
+ROWS = 256  # of a results file that are computed in one call
+LONGEST = 10_000_000  # rows of a results file
 
 
 @explained
@@ -34,6 +43,11 @@ class Simulator:
         Method with a fixed step; None is ``ROS2(step=1e-3)``.
     state : State, optional
         Where to start; None is the initial state of the model.
+    path : path, optional
+        Results file (HDF5), overwritten when the first rows are written: everything that happens
+        from the first `step` on, up to `close`. None keeps nothing.
+    every : int
+        Steps between two rows of it.
 
     Attributes
     ----------
@@ -58,10 +72,18 @@ class Simulator:
     ...     sim.step()
     >>> round(float(sim.read("place")[0]), 2)
     0.36
+
+    ``Simulator(model, path="run.h5")`` keeps its results, which ``close()`` returns.
     """
 
     def __init__(
-        self, model: Model, solver: Solver | None = None, *, state: State | None = None
+        self,
+        model: Model,
+        solver: Solver | None = None,
+        *,
+        state: State | None = None,
+        path: str | Path | None = None,
+        every: int = 1,
     ) -> None:
         chosen: Any = ROS2() if solver is None else solver
         given: Any = model
@@ -76,6 +98,8 @@ class Simulator:
                 "Simulator",
                 f"{type(chosen).__name__} chooses its steps itself; take a method of fixed step",
             )
+        if not isinstance(every, int) or isinstance(every, bool) or every < 1:
+            problems.add("Simulator", f"every is {every!r}, must be a whole number from 1 on")
         problems.raise_if_any()
         without_fmus(model, "Simulator", "steps in simulate alone")
         self.model = model
@@ -85,7 +109,9 @@ class Simulator:
         if state is not None:
             put(self._engine, state, "Simulator")
         self._native = prepared(self._engine, chosen, chosen.step)
-        self._rows = np.zeros((1, self._engine.row_size))
+        self._record = None if path is None else _Record(Path(path), self._engine, chosen, every)
+        count = 1 if self._record is None else ROWS
+        self._rows = np.zeros((count, self._engine.row_size))
         self._chronicle = Chronicle(self._engine)
         self._known: NDArray[np.float64] | None = None
         self._sensors = {sensor.name: sensor for sensor in model.sensors}
@@ -124,21 +150,50 @@ class Simulator:
         self.stopped = ""
         self._known = None
         goal = engine.steps_done + count
+        record = self._record
+        every = 1 << 62 if record is None else record.every
+        if record is not None:
+            record.begin()
         while engine.steps_done < goal:
             left = goal - engine.steps_done
-            status, _ = engine.run(self._native, left, 1 << 62, self._rows)
+            if record is not None:
+                left = min(left, (ROWS - 1) * every)
+            status, written = engine.run(self._native, left, every, self._rows)
+            happened = self._chronicle.read()
+            if record is not None:
+                record.add(self._rows[:written], happened)
             names = sources(self.model)
             self.events += happenings(
-                self._chronicle.read(), names, len(self.model.events), joints_of(self.model)
+                happened, names, len(self.model.events), joints_of(self.model)
             )
             if status == "event":
                 self.stopped = self.model.events[engine.error_index].name
                 return
             if status != "ok":
                 problem = engine.problem(status)
+                self.close(f"failed: {problem}")
                 raise SimulationError(
                     f"the simulator stopped at {self.time:.6g} s: {problem}", time=self.time
                 )
+
+    def close(self, ended: str = "completed") -> Solution | None:
+        """End the results file and return its results; None without a `path`.
+
+        Parameters
+        ----------
+        ended : str
+            What the file says of its end.
+        """
+        if self._record is None:
+            return None
+        record, self._record = self._record, None
+        return record.close(ended)
+
+    def __enter__(self) -> Simulator:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close("completed" if error[0] is None else "failed: an error of the caller")
 
     def read(self, name: str) -> NDArray[np.float64]:
         """Return the value (k,) of a sensor now.
@@ -161,3 +216,59 @@ class Simulator:
         """Return all that is needed to continue from here, with `simulate` or another simulator."""
         self._engine.row()
         return take(self._engine)
+
+
+class _Record:
+    """The results file of a simulator.
+
+    Its length is not known before, so that it is laid out for the steps that have room on half of
+    the free disk, up to 1e7 rows (no space is taken by what is not written), and cut at the end.
+    """
+
+    def __init__(self, path: Path, engine: Engine, solver: Any, every: int) -> None:
+        self.path, self.every, self._engine, self._begun = path, every, engine, False
+        self._room = max(2, min(LONGEST, int(0.5 * free_bytes(path) / (8 * engine.row_size))))
+        about = {
+            "solver": repr(solver),
+            "chosen": "",
+            "step": float(solver.step),
+            "t_end": float(engine.time[0]) + self._room * every * float(solver.step),
+            "gravity": engine.model.gravity,
+            "evaluations_per_step": solver.evaluations,
+        }
+        self._keeper = Keeper(path, engine.model, self._room, about)
+        weakref.finalize(self, self._keeper.discard)  # a file without rows, if nobody closes it
+        self._written, self._started = 0, clock.perf_counter()
+
+    def begin(self) -> None:
+        """Write the state before the first step, with the inputs as they are now."""
+        if not self._begun:
+            self._begun = True
+            self.add(self._engine.row()[None], np.zeros((0, 4)))
+
+    def add(self, rows: NDArray[np.float64], happened: NDArray[np.float64]) -> None:
+        """Write rows (k, row_size) and events (k, 4).
+
+        Raises
+        ------
+        SimulationError
+            If they cannot be written.
+        """
+        time = float(self._engine.time[0])
+        if self._written + len(rows) > self._room:
+            message = (
+                f"{self.path} has no room for more than {self._room} rows; a larger every fits"
+            )
+            raise SimulationError(message, time=time)
+        try:
+            self._keeper.append(rows)
+            self._keeper.note(happened)
+        except OSError as error:
+            raise SimulationError(f"cannot write {self.path}: {error}", time=time) from error
+        self._written += len(rows)
+
+    def close(self, ended: str) -> Solution:
+        """Return the results."""
+        wall = clock.perf_counter() - self._started
+        facts = {"ended": ended, "wall_time": wall, "real_time_factor": float("nan")}
+        return self._keeper.close(ended.startswith("completed"), facts)
