@@ -16,7 +16,11 @@ if TYPE_CHECKING:
     from jousto.model.model import Model as CompiledModel
 
 PROGRAMS = (".c", ".zip", ".fmu", ".html")
-KNOWN = {"reduced part": (".vtu", ".fem", ".sid"), "results": (".csv",), "model": PROGRAMS}
+KNOWN = {
+    "reduced part": (".vtu", ".fem", ".sid"),
+    "results": (".csv", ".pvd", ".vtu"),
+    "model": PROGRAMS,
+}
 
 
 @command()
@@ -63,7 +67,8 @@ def export(
     """Write a reduced part, results or a machine for other programs; the ending selects which.
 
     Reduced parts: .vtu (ParaView, with modes and modal stress), .fem (MBDyn), .sid (standard
-    input data). Results: .csv (time and sensors). Models: .c (one file of C99 and its header), .zip
+    input data). Results: .csv (time and sensors), .pvd (ParaView, all bodies at all instants), .vtu
+    (at the last one). Models: .c (one file of C99 and its header), .zip
     (the same as a project), .fmu (functional mock-up unit), .html (a page in which the machine
     runs, with a slider for each input); they run with the method and from the start of the model
     file. With --twin, a program that reads the strains of the block monitor and tells stress
@@ -92,8 +97,9 @@ def export(
         raise InputError(Problem(str(output), "--fmi, --on and --derivatives are of files .fmu"))
     if suffix != ".html" and inputs:
         raise InputError(Problem(str(output), "--input is of files .html"))
-    if names and what != "results":
-        raise InputError(Problem(names[0], f"a {what} has no sensors to name"))
+    if names and (what != "results" or suffix != ".csv"):
+        shown = f"a {what}" if what != "results" else f"a file {suffix}"
+        raise InputError(Problem(names[0], f"{shown} has no sensors to name"))
     from jousto.output.write import write
 
     output_path(output, file, suffix)

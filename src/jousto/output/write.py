@@ -35,15 +35,15 @@ if TYPE_CHECKING:
 
 File = str | Path
 
-SID, CONTOUR, BEAM, PROGRAM, TWIN = (
+SID, CONTOUR, BODIES, PROGRAM, TWIN = (
     "files.sid.write_sid",
     "files.contour.write_contour",
-    "figures.beams.write_beam",
+    "files.bodies_series.write_run",
     "files.programs.write_program",
     "files.programs.write_twin",
 )
 WRITTEN = {
-    "Solution": {"csv": "files.table.write_csv", "vtu": BEAM, "pvd": BEAM},
+    "Solution": {"csv": "files.table.write_csv", "vtu": BODIES, "pvd": BODIES},
     "StressField": {"csv": "figures.stress.write_stress", "vtu": CONTOUR, "pvd": CONTOUR},
     "HotSpots": {"vtu": "figures.hotspots.write_hotspots"},
     "DamageField": {"vtu": "figures.damage.write_damage"},
@@ -74,7 +74,7 @@ OWN = {"csv": "to_csv", "h5": "save"}
 
 # fmt: off
 @overload
-def write(thing: Solution, path: File, *, beam: str, times: ArrayLike | None = ...) -> Path: ...
+def write(thing: Solution, path: File, *, beam: str | None = ..., times: ArrayLike | None = ..., scale: float = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: Solution, path: File, *names: Names, sensors: Names = ...) -> Path: ...
 @overload
@@ -115,7 +115,8 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
         optimum,          .html               a page without network or script
         comparison
         run               .csv                sensors; their names
-                          .vtu .pvd           the surface of a `beam` at `times`
+                          .vtu .pvd           all bodies at `times`, modal deformation times
+                                              `scale`; or the surface of one `beam`
         stress field      .csv                envelope of a `criterion`, at a `time`, `histories`
                           .vtu .pvd           over the body; the run, `criterion`, `times`, `scale`
         hot spots         .vtu                worst values and ranks; the run

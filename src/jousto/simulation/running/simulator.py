@@ -98,7 +98,8 @@ class Simulator:
                 "Simulator",
                 f"{type(chosen).__name__} chooses its steps itself; take a method of fixed step",
             )
-        if not isinstance(every, int) or isinstance(every, bool) or every < 1:
+        count: Any = every
+        if not isinstance(count, int) or isinstance(count, bool) or count < 1:
             problems.add("Simulator", f"every is {every!r}, must be a whole number from 1 on")
         problems.raise_if_any()
         without_fmus(model, "Simulator", "steps in simulate alone")
@@ -110,8 +111,8 @@ class Simulator:
             put(self._engine, state, "Simulator")
         self._native = prepared(self._engine, chosen, chosen.step)
         self._record = None if path is None else _Record(Path(path), self._engine, chosen, every)
-        count = 1 if self._record is None else ROWS
-        self._rows = np.zeros((count, self._engine.row_size))
+        rows = 1 if self._record is None else ROWS
+        self._rows = np.zeros((rows, self._engine.row_size))
         self._chronicle = Chronicle(self._engine)
         self._known: NDArray[np.float64] | None = None
         self._sensors = {sensor.name: sensor for sensor in model.sensors}
