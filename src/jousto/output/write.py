@@ -38,7 +38,7 @@ File = str | Path
 SID, CONTOUR, BODIES, PROGRAM, TWIN = (
     "files.sid.write_sid",
     "files.contour.write_contour",
-    "files.bodies_series.write_run",
+    "figures.bodies_series.write_run",
     "files.programs.write_program",
     "files.programs.write_twin",
 )

@@ -60,7 +60,7 @@ def write_run(
     bodies = [body for body in scene.bodies if body.kind != "ground" and len(body.positions)]
     sizes = [_size(body) for body in bodies]
     cells = _cells(bodies, np.cumsum([0, *sizes]))
-    number = np.repeat(np.arange(1, len(bodies) + 1), sizes)
+    number = np.repeat(np.arange(1.0, len(bodies) + 1.0), sizes)
     instants = run.time[-1:] if out.suffix == ".vtu" else run.time
     if times is not None:
         instants = np.atleast_1d(np.asarray(times, dtype=np.float64))
