@@ -9,11 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
+from jousto.base.files import unwritable
 from jousto.model.model import Model
 from jousto.simulation.live.hand import NAMES
 from jousto.simulation.live.machine import LiveMachine
@@ -64,11 +63,15 @@ class Recorder:
         self.path, self.failed = path, ""
         self._keeper = Keeper(path, machine.model, self._room, about, text)
         self._begin, self._started = machine.time, time.perf_counter()
-        self._time, self._given = machine.time, 0
+        self._time, self._given = machine.time, 1
+        try:
+            self._keeper.append(machine.row[None])  # at once, so that the file is there
+        except OSError as error:
+            self._keeper.discard()
+            raise unwritable(path, error) from error
         self._queue: queue.SimpleQueue[tuple[Array, Array] | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._write, name="jousto-recorder", daemon=True)
         self._thread.start()
-        self.add(machine.row[None], np.zeros((0, 4)))
 
     @property
     def full(self) -> bool:
