@@ -3,77 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.numbers import number
-from jousto.mechanism.bodies.body import Ground, RigidBody, ground
-from jousto.mechanism.bodies.marker import Marker
-from jousto.mechanism.forces.loads import Force, Gravity
+from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.forces.springs import JointForce
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
-from jousto.mechanism.joints.coupling import Coupling, Drive
-from jousto.mechanism.joints.hinges import Revolute
+from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.readings import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
-from jousto.robots.description import Frame, Link, Robot, RobotJoint
-from jousto.robots.parts import OF_ROBOT
+from jousto.robots.description import Frame, Link, Robot
+from jousto.robots.seat import Seat
 from jousto.robots.stops import RESTITUTION, joint_forces, limits_of, moving
+from jousto.robots.ties import couplings, lifts, make_joint, make_loops, rotor
 from jousto.robots.tree import Tree
 
 SINGLE = ("revolute", "prismatic", "screw")
 SHARE = 1e-6  # of what it carries, for a link without mass
-
-
-@dataclass(frozen=True, eq=False)
-class Seat:
-    """Where the root of a robot stands.
-
-    Parameters
-    ----------
-    marker : Marker
-        What carries it.
-    frame : Frame
-        Frame of the root in that of the marker.
-    """
-
-    marker: Marker
-    frame: Frame = field(default_factory=Frame)
-
-    @property
-    def world(self) -> Frame:
-        """Frame of the root in the world at the initial pose."""
-        return Frame(self.marker.r, self.marker.A) @ self.frame
-
-    @property
-    def rigid(self) -> bool:
-        """Whether joints may stand anywhere beside the marker."""
-        return isinstance(self.marker.body, RigidBody | Ground)
-
-    def at(self, frame: Frame) -> Marker:
-        """Return the marker of a frame that is given in that of the root."""
-        own = Frame(np.asarray(self.marker.position_local), np.asarray(self.marker.axes))
-        there = own @ self.frame @ frame
-        body: Any = self.marker.body
-        made: Marker = body.at(there.r, there.A)
-        return made
-
-    def motion(self, r: Array) -> tuple[Array, Array]:
-        """Return velocity and angular velocity of what moves with the carrier at r, world."""
-        body: Any = self.marker.body
-        zero = np.zeros(3)
-        w = np.asarray(getattr(body, "angular_velocity", zero))
-        return np.asarray(getattr(body, "velocity", zero)) + np.cross(w, r - body.position), w
 
 
 @dataclass(frozen=True, eq=False)
@@ -356,60 +313,11 @@ def make_joints(
     return joints
 
 
-def make_joint(joint: RobotJoint, a: Marker, b: Marker) -> Joint:
-    """Return the joint of a mechanism between two frames."""
-    kind: Any = OF_ROBOT[joint.kind]
-    own = {"pitch": joint.pitch} if joint.kind == "screw" else {}
-    # the bodies stand where the joints start, and these count from the frames
-    made: Joint = kind(joint.name, a, b, as_placed=False, **own)
-    return made
-
-
-def make_loops(robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat) -> dict[str, Joint]:
-    """Return the joints that close loops."""
-    made = {}
-    for joint in robot.loops:
-        ends = []
-        for name, frame in (
-            (joint.parent, joint.origin @ joint.frame),
-            (joint.child, joint.frame),
-        ):
-            body = bodies.get(name)
-            ends.append(seat.at(frame) if body is None else body.at(frame.r, frame.A))
-        made[joint.name] = make_joint(joint, *ends)
-    return made
-
-
-def lifts(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
-    """Return the forces that compensate weights."""
-    found = []
-    for link in robot.links:
-        for i, (mass, r) in enumerate(link.lifts):
-            if link.name in bodies and np.any(robot.gravity != 0.0):
-                name = f"{link.name} compensation {i + 1}" if i else f"{link.name} compensation"
-                found.append(Force(name, bodies[link.name].at(r), -mass * robot.gravity))
-    return found
-
-
 def free_name(name: str, taken: set[str]) -> str:
     """Return a name that is not taken."""
     while name in taken:
         name += "_"
     return name
-
-
-def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupling]:
-    """Return what holds the joints that follow others."""
-    found = []
-    for joint in robot.joints:
-        if joint.mimic is None:
-            continue
-        own, k = coordinates[joint.name], joint.mimic.multiplier
-        terms: tuple[Any, Any] = ([own], [1.0])
-        if k != 0.0:
-            terms = ([coordinates[joint.mimic.joint], own], [-k, 1.0])
-        found.append(Coupling(f"{joint.name} follows", *terms, joint.mimic.offset))
-    return found
 
 
 def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dict[str, float]:
@@ -435,17 +343,3 @@ def initial_poses(
         q[i] = begun.get(name.rpartition(".")[0], q[i])
     places = tree.forward_kinematics(q)
     return {link.name: seat.world @ places[link.name] for link in robot.links}
-
-
-def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate]) -> list[Any]:
-    """Return a wheel on the ground that turns with a joint as its rotor, 1 rad for 1 m."""
-    if joint.armature == 0.0:
-        return []
-    if joint.name not in coordinates:
-        warn(f"joint {joint.name!r}", f"the armature of a {joint.kind} joint is left out")
-        return []
-    s, J = coordinates[joint.name], joint.armature
-    body = RigidBody(f"{joint.name} rotor".replace(".", "_"), J, (J, J, J))
-    made = Revolute(f"{joint.name} bearing", ground["origin"], body["origin"])
-    own = made.coordinates[0]
-    return [body, made, Coupling(f"{joint.name} gearing", [s, own], [-1.0, 1.0], -s.initial)]

@@ -54,6 +54,30 @@ def robot(
     return replace(made, odd=reading.finish())
 
 
+def split_loops(
+    joints: Sequence[RobotJoint], kinds: Sequence[str]
+) -> tuple[list[RobotJoint], list[RobotJoint]]:
+    """Return the joints of a tree, and those of some kinds that close loops."""
+    root: dict[str, str] = {}
+
+    def end(name: str) -> str:
+        while name in root:
+            root[name] = root.get(root[name], root[name])
+            name = root[name]
+        return name
+
+    tree, loops = [], []
+    for joint in joints:
+        a, b = end(joint.parent), end(joint.child)
+        if a == b and joint.kind in kinds and joint.parent != joint.child:
+            loops.append(joint)
+            continue
+        if a != b:
+            root[b] = a
+        tree.append(joint)
+    return tree, loops
+
+
 def with_loops(made: Robot, loops: Sequence[RobotJoint]) -> Robot:
     """Return a robot with joints that close loops between its links, which may be merged."""
     places = {name: (link.name, at) for link in made.links for name, at in link.frames.items()}

@@ -13,7 +13,8 @@ from jousto.robots import checks
 from jousto.robots.description import Actuator, Frame, Link, Robot
 from jousto.robots.markup import Reading, parse_file
 from jousto.robots.meshes import Folders
-from jousto.robots.mjcf_bodies import Bodies, Collected
+from jousto.robots.mjcf_bodies import Bodies
+from jousto.robots.mjcf_collected import Collected
 from jousto.robots.mjcf_ties import Motor, closed, read_actuators, read_ties
 from jousto.robots.mjcf_words import CONTACT
 from jousto.robots.tree import Tree

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,11 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, suggest
-from jousto.base.rotations import exp_rotation
-from jousto.robots.description import Actuator, Frame, Link, RobotJoint
+from jousto.robots.description import Frame, Link, RobotJoint
 from jousto.robots.geoms import Geom, Geoms
 from jousto.robots.markup import DEEPEST, Element, Reading, parse_file
 from jousto.robots.meshes import Folders
+from jousto.robots.mjcf_collected import Collected, Site, turned_back
 from jousto.robots.mjcf_expand import everything, find_named, include_files, renamed, replicate
 from jousto.robots.mjcf_settings import Places
 from jousto.robots.mjcf_words import MJCF
@@ -26,46 +26,6 @@ TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "flo
 LOSSES = {"stiffness": "spring", "damping": "damper", "frictionloss": "frictionloss"}
 MOST_ATTACHED = 10_000
 OWN = {"stiffness": "stiffness", "damping": "damping", "frictionloss": "friction"}
-
-
-@dataclass
-class Site:
-    """A named frame: its link and where it is there."""
-
-    link: str
-    frame: Frame
-
-
-@dataclass
-class Collected:
-    """What is found in a model and those that are attached to it.
-
-    Attributes
-    ----------
-    links, joints, loops, actuators
-        As of `Robot`.
-    sites : dict of str to Site
-        By their names.
-    springs : dict of str to (float, float)
-        ``springdamper`` of joints: time constant, s, and damping ratio.
-    lifted : dict of str to float
-        ``gravcomp`` of bodies.
-    names : set of str
-        Those that are taken.
-    touching : list of (Element, str, int, int)
-        Geoms that can touch, their bodies, ``contype`` and ``conaffinity``.
-    """
-
-    links: list[Link] = field(default_factory=list)
-    joints: list[RobotJoint] = field(default_factory=list)
-    loops: list[RobotJoint] = field(default_factory=list)
-    actuators: list[Actuator] = field(default_factory=list)
-    sites: dict[str, Site] = field(default_factory=dict)
-    springs: dict[str, tuple[float, float]] = field(default_factory=dict)
-    lifted: dict[str, float] = field(default_factory=dict)
-    names: set[str] = field(default_factory=set)
-    touching: list[tuple[Element, str, int, int]] = field(default_factory=list)
-    count: dict[str, int] = field(default_factory=dict)
 
 
 class Bodies:
@@ -440,15 +400,3 @@ class Bodies:
                 self.body(child, link.name, place, kind)
             elif child.tag == "attach":
                 self.attach(child, link, place, kind)
-
-
-def turned_back(joint: RobotJoint) -> Frame:
-    """Return the frame of a body where the coordinate of its joint is 0, in that of the file."""
-    size = float(np.linalg.norm(joint.axis))
-    if joint.initial == 0.0 or size == 0.0:
-        return Frame()
-    axis = joint.axis / size
-    if joint.kind == "prismatic":
-        return Frame(-joint.initial * axis)
-    A = exp_rotation(-joint.initial * axis)
-    return Frame(joint.anchor - A @ joint.anchor, A)

@@ -13,7 +13,8 @@ from jousto.base.errors import Problem
 from jousto.robots.checks import joint_name, link_name
 from jousto.robots.description import Actuator, Frame, Mimic, Robot, RobotJoint
 from jousto.robots.markup import Element
-from jousto.robots.mjcf_bodies import Bodies, turned_back
+from jousto.robots.mjcf_bodies import Bodies
+from jousto.robots.mjcf_collected import turned_back
 from jousto.robots.mjcf_settings import ACTUATORS, override
 from jousto.robots.mjcf_words import NO_FORCE, UNTIED
 from jousto.robots.tree import Tree

@@ -18,9 +18,10 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.bodies.posed import ZERO3, Orientation
 from jousto.mechanism.joints.base import Joint
 from jousto.robots.actuators import with_actuators
-from jousto.robots.build import Seat, built, by_joint, check_joints
+from jousto.robots.build import built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.files import read_robot
+from jousto.robots.seat import Seat
 from jousto.robots.stops import RESTITUTION
 
 

@@ -149,7 +149,7 @@ class _Reader:
                 gearboxes.append(element)
             else:
                 joints += self.joint(element, links)
-        joints = self.without_loops(joints)
+        joints, self.loops = checks.split_loops(joints, CLOSING)
         for element in gearboxes:
             self.gearbox(element, joints)
         at = self.pose(self.model, Frame())
@@ -163,26 +163,6 @@ class _Reader:
             origin = at @ self.place(link.name, None)
             joints.append(RobotJoint(name, kind, "world", link.name, origin, where=link.where))
         return links, joints
-
-    def without_loops(self, joints: list[RobotJoint]) -> list[RobotJoint]:
-        """Return the joints of the tree; keep those that close loops."""
-        root: dict[str, str] = {}
-
-        def end(name: str) -> str:
-            while name in root:
-                name = root[name]
-            return name
-
-        tree = []
-        for joint in joints:
-            a, b = end(joint.parent), end(joint.child)
-            if a == b and joint.kind in CLOSING and joint.parent != joint.child:
-                self.loops.append(joint)
-                continue
-            if a != b:
-                root[b] = a
-            tree.append(joint)
-        return tree
 
     def gearbox(self, element: Element, joints: list[RobotJoint]) -> None:
         """Let the joint of the parent follow that of the child: ``q1 = -ratio q2``.
