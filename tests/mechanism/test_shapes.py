@@ -114,3 +114,23 @@ def test_mistakes_are_named(tmp_path: Path) -> None:
         jo.RigidBody.sphere("ball", -1, mass=1.0)
     with pytest.raises(jo.InputError, match="must be positive"):
         jo.RigidBody.box("flat", (1, 1, 0), mass=1.0)
+
+
+def test_pieces_that_are_inside_out_are_hollows_or_refused() -> None:
+    """A box with a hollow weighs less; of two boxes side by side none may be inside out."""
+    outer = jo.RigidBody.box("outer", (1.0, 0.5, 0.4), density=1000.0, at=(3, 0, 0))
+    inner = jo.RigidBody.box("inner", (0.5, 0.2, 0.2), density=1000.0, at=(3.1, 0.1, 0))
+    hollow = np.concatenate([outer.outline, inner.outline[:, ::-1]])
+    mass = 1000 * (1.0 * 0.5 * 0.4 - 0.5 * 0.2 * 0.2)
+    center = (3 * 200 - 3.1 * 20) / 180, -0.1 * 20 / 180, 0.0
+    body = jo.RigidBody.from_mesh("box", hollow, density=1000.0)
+    assert body.mass == pytest.approx(mass, rel=1e-12)
+    np.testing.assert_allclose(body.center, center, atol=1e-12)
+    # all of it inside out is the same body
+    turned = jo.RigidBody.from_mesh("box", hollow[:, ::-1], density=1000.0)
+    assert turned.mass == pytest.approx(mass, rel=1e-12)
+    aside = np.concatenate([outer.outline, (inner.outline + [2, 0, 0])[:, ::-1]])
+    with pytest.raises(jo.InputError, match="1 of 2 pieces of the surface are turned inside out"):
+        jo.RigidBody.from_mesh("pair", aside, density=1000.0)
+    alike = np.concatenate([outer.outline, inner.outline + [2, 0, 0]])
+    assert jo.RigidBody.from_mesh("pair", alike, density=1000.0).mass == pytest.approx(220.0)
