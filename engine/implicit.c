@@ -13,6 +13,7 @@
 
 #define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
 #define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
+#define JO_DIGITS 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
 
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
@@ -54,6 +55,18 @@ static double reference(const jo_model *m, const jo_data *d, double h)
         }
     }
     return sum;
+}
+
+/* square of the increment of a body's acceleration that moves it by the rounding of positions, in the metric of the masses.
+ * Internal forces K q are rounded by K dq, which changes the solution of (M + q^ K) x = K dq by dq / q^ at most, q^ = weights.q,
+ * however stiff K is: a mechanism at rest without load, whose forces are 0, has no other scale. Below it an iteration with the
+ * exact matrix has nothing left to gain: positions do not move any more */
+static double resolution(const jo_model *m, const jo_data *d, const jo_weights *c, int body)
+{
+    const jo_body *b = &m->body[body];
+    const jo_real *R = d->q + b->iq, *J = d->body[body].J;
+    const double digits = JO_DIGITS / c->q, square = m->size * m->size + JO_RE(jo_dot3(R, R));
+    return digits * digits * (JO_RE(b->mass[0]) * square + JO_RE(J[0] + J[1] + J[2]));
 }
 
 /* the first step, or one after the state was changed: consistent accelerations, and the algorithmic one, which
@@ -191,11 +204,13 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         jo_newton_solve(m, d);
         d->counts.iterations++;
         double size = 0.0, most = -1.0;
+        int rounding = renewed;   /* all increments are those of rounding */
         for (int i = 0; i < m->nbody; i++) {
             const jo_real *x = solution_of(m, d, i);
             const double part = size_of(m, d, i, x);
             const int iv = m->body[i].iv;
             size += part;
+            if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
             for (int j = 0; j < 6 + m->body[i].n; j++) {
                 d->rate[iv + j] += x[j];
@@ -211,13 +226,14 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         double pull = 0.0;
         for (int i = 0; i < m->nbeam; i++) pull += jo_beam_pull(m, d, i);
         if (pull < elastic) elastic = pull;
-        const double small = s->tolerance * sqrt(reference(m, d, s->step) + elastic), gain = before > 0.0 ? size / before : 1.0;
+        const double work = sqrt(reference(m, d, s->step) + elastic), small = s->tolerance * work;
+        const double gain = before > 0.0 ? size / before : 1.0;
         if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
             if (k + 1 == s->iterations) return JO_OK;
             continue;
         }
-        if (after >= 0 || size <= small || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
-            || (k > 1 && renewed && gain > 0.5 && size * s->tolerance <= JO_ROUND_OFF * small)) {
+        if (after >= 0 || size <= small || rounding || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
+            || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF * work)) {
             if (++after == JO_AFTER) return JO_OK;
         }
         if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
