@@ -39,7 +39,7 @@ static jo_real *part_of(const jo_model *m, jo_data *d, int item)
 static void solve(const jo_model *m, jo_data *d)
 {
     jo_newton_solve(m, d);
-    if (!d->regular) return;
+    if (!d->softened) return;
     for (int i = 0; i < m->nv; i++) d->sum[i] = 0.0;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
@@ -54,7 +54,7 @@ static void solve(const jo_model *m, jo_data *d)
         for (int i = 0; i < m->njoint; i++) {
             jo_real *x = part_of(m, d, m->nbody + i), *sum = d->joint[i].sum;
             for (int r = 0; r < m->joint[i].nrow; r++) {
-                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].scale[r] * x[r];
+                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].soft[r] * x[r];
                 sum[r] += x[r];
                 x[r] = k < JO_REFINE ? left : sum[r];
             }
@@ -154,7 +154,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
         if (m->njoint && !d->regular) status = jo_joint_factor(m, d, stage->set);
         if (status != JO_OK) return status;
         assemble(m, d, stage);
-        status = jo_newton_factor(m, d);
+        status = jo_newton_factor(m, d, d->regular);
         d->counts.factorisations--;   /* counted as an evaluation */
         if (status != JO_OK) return status;
         if (stage->set) {   /* the first stage of ROS2 */

@@ -5,13 +5,14 @@
  *   q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1)),  v1 = v0 + h ((1 - gamma) a0 + gamma a1)
  *   M v1' + Cq^T lam1 = Q at q1, v1, t1, and Cq v1 + Ct = 0 (index 2, projection) or C(q1) = 0 (index 3).
  * The multipliers of index 2 keep the velocities on the constraints; the positions, which miss them by O(h^3) a
- * step, are closed after it in the metric of Newton's matrix, which stiff springs do not feel.
+ * step, are closed after it in the metric of Newton's matrix, which stiff springs do not feel, at this state.
  * Newton's unknowns are changes of a1 and lam1; scaled so, no term of the matrix grows as the step shrinks
  * (Bottasso, Bauchau and Cardona 2007).
  */
 #include "internal.h"
 
 #define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
+#define JO_AGED 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
 #define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
 #define JO_DIGITS 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
 
@@ -144,17 +145,16 @@ static void move(const jo_model *m, jo_data *d, const jo_solver *s)
 
 static int factors(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    d->regular = m->redundant > 0;
     int status = jo_newton_assemble(m, d, stage);
     if (status != JO_OK) return status;
-    status = jo_newton_factor(m, d);
+    status = jo_newton_factor(m, d, m->redundant > 0);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
         d->counts.singular++;
-        d->regular = 1;
         status = jo_newton_assemble(m, d, stage);
-        if (status == JO_OK) status = jo_newton_factor(m, d);
+        if (status == JO_OK) status = jo_newton_factor(m, d, 1);
     }
     d->factored = status == JO_OK;
+    d->aged = 0.0;
     return status;
 }
 
@@ -175,7 +175,7 @@ static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, 
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
             else {
                 x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
-                if (first && d->regular) x[r] += w->scale[r] * lam;   /* least norm anew at every step */
+                if (first && d->softened) x[r] += w->soft[r] * lam;   /* least norm anew at every step */
             }
         }
     }
@@ -242,8 +242,40 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     return JO_NO_CONVERGENCE;
 }
 
-/* close positions, then velocities, with the last factors */
-static void close_joints(const jo_model *m, jo_data *d)
+/* d->x = -[0; residual of the rows], of positions or velocities; returns the largest */
+static double gaps(const jo_model *m, jo_data *d, int velocity)
+{
+    double gap = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        jo_real *x = solution_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = solution_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
+            gap = jo_larger(gap, fabs(JO_RE(x[r])));
+        }
+    }
+    return gap;
+}
+
+/* q or v moves by the solution in d->x */
+static void correct(const jo_model *m, jo_data *d, int velocity)
+{
+    jo_newton_solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = solution_of(m, d, i);
+        jo_real *y = (velocity ? d->v : d->rate) + m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) y[j] = (velocity ? y[j] : 0.0) + x[j];
+    }
+    if (!velocity) jo_displace(m, d->q, d->q, d->rate);
+}
+
+/* Close positions, then velocities, with factors of this state or of one nearby: corrections along the constraints of an older
+ * state also move the machine on, by the angle between both, which adds up over the steps. Where rows repeat one another there
+ * are directions in which little holds, and no angle is small enough */
+static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_CORRECTIONS = 10 };
     const double small[2] = {1e-12 * m->size, 1e-10 * m->size};
@@ -252,30 +284,18 @@ static void close_joints(const jo_model *m, jo_data *d)
         double before = 0.0;
         for (int k = 0; k < JO_CORRECTIONS; k++) {
             if (k || velocity) jo_residuals(m, d, largest);
-            double gap = 0.0;
-            for (int i = 0; i < m->nbody; i++) {
-                jo_real *x = solution_of(m, d, i);
-                for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
-            }
-            for (int i = 0; i < m->njoint; i++) {
-                jo_real *x = solution_of(m, d, m->nbody + i);
-                for (int r = 0; r < m->joint[i].nrow; r++) {
-                    x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
-                    if (fabs(JO_RE(x[r])) > gap) gap = fabs(JO_RE(x[r]));
-                }
-            }
+            const double gap = gaps(m, d, velocity);
             if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
-            before = gap;
-            jo_newton_solve(m, d);
-            for (int i = 0; i < m->nbody; i++) {
-                const jo_real *x = solution_of(m, d, i);
-                jo_real *y = velocity ? d->v : d->rate;
-                const int iv = m->body[i].iv;
-                for (int j = 0; j < 6 + m->body[i].n; j++) y[iv + j] = (velocity ? y[iv + j] : 0.0) + x[j];
+            if (d->aged > (d->softened ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
+                const int status = factors(m, d, stage);
+                if (status != JO_OK) return status;
+                gaps(m, d, velocity);
             }
-            if (!velocity) jo_displace(m, d->q, d->q, d->rate);
+            before = gap;
+            correct(m, d, velocity);
         }
     }
+    return JO_OK;
 }
 
 /* the work of the step by the trapezoidal rule, with the forces and multipliers at its end */
@@ -296,6 +316,17 @@ static int finish_work(const jo_model *m, jo_data *d, double h)
     jo_add_work(&d->work, 0.5 * h, &d->power0);
     d->power0 = d->power;
     return JO_OK;
+}
+
+/* rad/s, of the bodies */
+static double fastest_turn(const jo_model *m, const jo_data *d)
+{
+    double square = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *w = d->v + m->body[i].iv + 3;
+        square = jo_larger(square, JO_RE(jo_dot3(w, w)));
+    }
+    return sqrt(square);
 }
 
 /* the algorithmic acceleration stays */
@@ -328,6 +359,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
+    d->aged += h * fastest_turn(m, d);
     predict(m, d, s);
     const long long passed = d->counts.singular;
     int status = newton(m, d, s, &stage);
@@ -346,6 +378,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         }
         for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
         status = finish_work(m, d, h);
+        if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
     }
     if (status != JO_OK) {   /* back to the last good state */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
@@ -354,7 +387,6 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         *d->started = d->factored = 0;
         return status;
     }
-    if (s->projection && m->njoint) close_joints(m, d);
     for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
     for (int i = 0; i < m->nv; i++) d->end_v[i] = d->v[i];
     *d->end_time = d->time[0];

@@ -114,6 +114,7 @@ typedef struct {
     jo_real right[6], sum[6];   /* refinement of redundant rows */
     int present;            /* of a joint that an event releases: whether it still holds */
     jo_real scale[6];       /* diagonal of S before elimination */
+    jo_real soft[6];        /* subtracted from the diagonal of Newton's matrix where rows repeat one another */
 } jo_joint_work;
 
 /* A friction that slides, with `count` forces from `first` on in the iteration. */
@@ -305,6 +306,8 @@ struct jo_data {
     double gh;              /* g h of set 1 */
     jo_weights weights;     /* with which an implicit step factored N */
     int factored;           /* N holds factors */
+    int softened;           /* those of the matrix with jo_joint_work.soft */
+    double aged;            /* rad, by which a body has turned since then, at most */
     jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that coupled.c starts from */
     jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping of beams that ROS2 keeps */
     jo_real *lag, *sum;     /* (nv) what beams lag behind in an implicit stage; scratch */
@@ -389,7 +392,7 @@ void jo_body_modal(const jo_body *b, jo_body_work *w, int set);
 typedef struct { jo_real *at; int stride; } jo_block;
 static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
-int jo_newton_factor(const jo_model *m, jo_data *d);
+int jo_newton_factor(const jo_model *m, jo_data *d, int redundant);
 void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* marker.c */

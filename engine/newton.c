@@ -269,8 +269,8 @@ static void regularise(const jo_model *m, jo_data *d)
         if (jo_absent(d, &m->joint[i])) continue;
         const jo_block D = jo_newton_find(m, d, m->nbody + i, m->nbody + i);
         for (int r = 0; r < m->joint[i].nrow; r++) {
-            d->joint[i].scale[r] = JO_REGULAR * row_size(m, d, i, r);
-            D.at[r * (D.stride + 1)] -= d->joint[i].scale[r];
+            d->joint[i].soft[r] = JO_REGULAR * row_size(m, d, i, r);
+            D.at[r * (D.stride + 1)] -= d->joint[i].soft[r];
         }
     }
 }
@@ -282,11 +282,12 @@ static int node_joint(const jo_model *m, int node)
     return -1;
 }
 
-/* the factors of d->N in place, d->regular says whether rows repeat one another */
-int jo_newton_factor(const jo_model *m, jo_data *d)
+/* the factors of d->N in place; `redundant`: rows repeat one another */
+int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
-    if (d->regular) regularise(m, d);
+    d->softened = redundant;
+    if (redundant) regularise(m, d);
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
@@ -300,7 +301,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d)
             d->error_index = node->body < 0 ? 0 : node->body;
             return JO_NOT_FINITE;
         }
-        const double vanished = d->regular ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0);
+        const double vanished = redundant ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0);
         const int six = node->size == JO_SIX;
         int *pivot = d->pivot + node->at;
         const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, vanished)

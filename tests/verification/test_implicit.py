@@ -282,7 +282,7 @@ def test_derivatives_of_a_run_by_complex_steps():
             complex_scalars=isinstance(change, complex),
             override={("model", 0, "gravity"): model.gravity + change * up},
         )
-        # kept factors close the joints in the metric of an older matrix, by some 1e-6 elsewhere
+        # kept factors close the joints with those of an older state, a little elsewhere
         method = jo.GeneralizedAlpha(step=2e-3, tolerance=tolerance, tangent="exact")
         solver = native(engine, method)
         engine.run(solver, 25, 25, np.zeros((2, engine.row_size), engine.dtype))
@@ -370,7 +370,8 @@ def test_the_exact_tangent_factorises_in_every_iteration():
 
 
 def test_the_modified_tangent_keeps_its_factors():
-    assert counted("modified")[1] < 20
+    # the bodies turn by 0.3 to 0.4 rad, joints are closed with factors of at most 0.01 rad ago
+    assert counted("modified")[1] < 40
 
 
 def test_results_do_not_depend_on_how_the_run_is_cut():
