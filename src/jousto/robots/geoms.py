@@ -151,6 +151,8 @@ class Geoms:
             self.reading.add(element, "names no mesh")
             return None
         if kind in ("plane", "hfield"):
+            if kind == "hfield" and weighed and not self.weightless(element):
+                self.reading.effect(element, "a height field", "has no mass here; give <inertial>")
             return None
         if kind not in SIZES and kind != "mesh":
             self.reading.leave_out(element, f"geom of type {kind}")

@@ -77,7 +77,7 @@ def read_mjcf(
     ties = [tie for one in models for tie in read_ties(one)]
     motors = [motor for one in models for motor in read_actuators(one)]
     weigh(found, bodies.settings.total)
-    note_contact(reading, found)
+    note_contact(reading, models, found)
     name = root.given.get("model", path.stem)
 
     def complete(made: Robot) -> Robot:
@@ -107,8 +107,12 @@ def weigh(found: Collected, total: float) -> None:
         found.links[i] = replace(link, mass=m, inertia=share * link.inertia, lifts=lifts)
 
 
-def note_contact(reading: Reading, found: Collected) -> None:
+def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
     """Note once that geoms of different bodies that can touch do not."""
+    for one in models:
+        for pair in (pair for section in one.root.all("contact") for pair in section.all("pair")):
+            if not {"contact", "constraint"} & one.settings.off:
+                reading.effect(pair, "<pair>", CONTACT)
     above = {joint.child: joint for joint in found.joints}
 
     def home(name: str) -> str:

@@ -18,7 +18,7 @@ from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.markup import Element, Reading, parse_file
 from jousto.robots.meshes import Folders, solid_of
 from jousto.robots.sdf_nested import flattened
-from jousto.robots.sdf_words import SDF
+from jousto.robots.sdf_words import CONTACT, SDF
 from jousto.robots.urdf import roll_pitch_yaw
 from jousto.robots.words import check_words
 
@@ -133,6 +133,9 @@ class _Reader:
         self.loops: list[RobotJoint] = []
         self.named: dict[str, Element] = {}
         self.placed: dict[str, Frame] = {"__model__": Frame()}
+        touching = [one for one in model.all("link") if one.first("collision") is not None]
+        if len(touching) > 1:
+            reading.effect(touching[0], "<collision>", CONTACT)
         for element in model.children:
             if element.tag in ("link", "joint", "frame"):
                 self.named.setdefault(element.given.get("name", ""), element)
