@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, JoustoWarning, Problem, count
+from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.files import check_input
 from jousto.cli.group import command
 from jousto.cli.options import Core, Model, Output, Result, Trust, amount, compile_model, end_time
@@ -259,12 +259,17 @@ def describe_result(path: Path) -> None:
 def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
     from jousto.model.doctor import doctor
+    from jousto.model.rank.reach import unheld_loads
     from jousto.schema.read import read_model
 
     file = read_model(model, trust=trust)
     describe_model(file)
-    compiled = compile_model(file.mechanism, core)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*of the static work of", JoustoWarning)  # told below
+        compiled = compile_model(file.mechanism, core)
     facts(doctor(compiled).lines())
+    for where, sentence in unheld_loads(file.mechanism):
+        warn(where, sentence)
     settings = file.simulation
     if settings is not None:
         from jousto.simulation.solvers.choice import choose

@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import skew
 from jousto.base.described import described
-from jousto.base.errors import InputError, JoustoWarning, Problem, count
+from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.motions import moving, neighbour, without_drives
+from jousto.model.rank.reach import unheld_loads
 from jousto.model.rank.redundancy import (
     RANK,
     Redundancy,
@@ -129,7 +130,8 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     Parameters
     ----------
     mechanism : Mechanism or Model
-        What to examine, at its initial pose.
+        What to examine, at its initial pose. Of a mechanism also which loads on its bodies their
+        modes represent badly, for which the full models of the parts are solved.
 
     Returns
     -------
@@ -151,12 +153,18 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
             model = compile(mechanism) if isinstance(mechanism, Mechanism) else mechanism
         except InputError as error:
             return Diagnosis(mechanism.name, problems=error.problems)
+        # more than compile does of its own accord: it solves the full models of parts
+        unheld = unheld_loads(mechanism) if isinstance(mechanism, Mechanism) else []
+        for where, sentence in unheld:
+            warn(where, sentence)
     found = repeated_rows(model) if model.redundant else None
     said = tuple(
-        str(w.message)
-        for w in caught
-        if issubclass(w.category, JoustoWarning)
-        and not (found is not None and found.sentence in str(w.message))
+        dict.fromkeys(
+            str(w.message)
+            for w in caught
+            if issubclass(w.category, JoustoWarning)
+            and not (found is not None and found.sentence in str(w.message))
+        )
     )
     mobility = model.nv - model.permanent + (found.count if found else 0)
     diagnosis = Diagnosis(

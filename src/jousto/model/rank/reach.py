@@ -1,4 +1,4 @@
-"""Warns of loads on flexible bodies that their modes cannot represent."""
+"""Loads on flexible bodies that their modes cannot represent, and how wrong stress is by it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from jousto.reduction.reach import Reach
     from jousto.reduction.reduced import ReducedPart
 
-LEFT = 0.05  # share of the static work that modes may leave out
+STRESS, EXAMINED = 0.1, 0.02  # error of stress that is told by compile, by doctor and check
+LARGE = 5000  # degrees of freedom of a full model above which compile leaves that to doctor
 SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
 REMEDY = (
     "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
@@ -37,14 +38,33 @@ MOST_ASKED = 1000
 
 
 def warn_loads(mechanism: Mechanism) -> None:
-    """Warn of loads whose static work the modes of a body leave out.
+    """Warn of loads that the modes of a body of a small part represent badly; for `compile`."""
+    for where, sentence in unheld_loads(mechanism, STRESS, LARGE):
+        warn(where, sentence)
+
+
+def unheld_loads(
+    mechanism: Mechanism, least_error: float = EXAMINED, largest: float = np.inf
+) -> list[tuple[str, str]]:
+    """Return what modes leave out of loads on their bodies: where, and a sentence with a remedy.
 
     Asked of what acts between the interfaces: load patterns, forces and torques at nodes that are
-    no interface, and the weight of bodies with interfaces where it makes them sag. Parts from
-    files and very large ones do not know their full model.
+    no interface, and the weight of bodies with interfaces where it makes them sag. The modes find
+    the best displacements that they can, so that the error of their stress in the energy norm is
+    ``|s - s_r| / |s| = sqrt(1 - W_r / W)`` with the static work of the full model and theirs.
+    Parts from files do not know their full model, which is solved here.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    least_error : float
+        Error of stress from which a load is told.
+    largest : float
+        Most degrees of freedom of a part that is asked.
     """
+    found: list[tuple[str, str]] = []
     if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
-        return
+        return found
     from jousto.reduction.modes.rigid import length_scale
     from jousto.reduction.reach import Reach
 
@@ -56,6 +76,8 @@ def warn_loads(mechanism: Mechanism) -> None:
     ) -> None:
         reduced = body.reduced
         if reduced.source is None or (id(reduced), place) in told:
+            return
+        if reduced.source.K.shape[0] > largest:
             return
         told.add((id(reduced), place))
         # loads of one shape do work with the square of their size
@@ -71,28 +93,34 @@ def warn_loads(mechanism: Mechanism) -> None:
             if len(asked) >= MOST_ASKED:
                 asked.clear()
             asked[load] = None if work is None else (float(work[0].sum()), float(work[1].sum()))
-        if (found := asked[load]) is None:
+        if (work_found := asked[load]) is None:
             return
-        whole, held = found[0] * size**2, found[1] * size**2
-        if whole - held > max(LEFT * whole, least):
-            warn(
-                where,
-                f"the {reduced.n} modes of body '{body.name}' leave out "
-                f"{100.0 * (whole - held) / whole:.0f} % of the static work of {place}: it bends "
-                f"too little, and its stress is as wrong; {REMEDY}",
+        whole, held = work_found[0] * size**2, work_found[1] * size**2
+        if whole - held > max(least_error**2 * whole, least):
+            share = (whole - held) / whole
+            sentence = (
+                f"the {reduced.n} modes of body '{body.name}' leave out {_percent(share)} % of the "
+                f"static work of {place}: it bends too little, and its stress is wrong by "
+                f"{_percent(share**0.5)} % (energy norm); {REMEDY}"
             )
+            found.append((where, sentence))
 
     for force in mechanism.forces:
         for body, place, pattern in _loads(force):
             look(body, f"{type(force).__name__} '{force.name}'", place, pattern)
     if not mechanism.gravity.any():
-        return
+        return found
     for moving in mechanism.bodies:
         if isinstance(moving, FlexibleBody) and moving.reduced.interfaces:
             g = rotation_matrix(moving.orientation).T @ mechanism.gravity
             weight = moving.reduced.invariants.mass * float(np.linalg.norm(g))
             least = SAG * length_scale(moving.reduced.nodes) * weight
             look(moving, f"body '{moving.name}'", "its weight", g, least)
+    return found
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g}" if share < 0.1 else f"{100.0 * share:.0f}"
 
 
 def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
