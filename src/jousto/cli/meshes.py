@@ -144,7 +144,7 @@ def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
     for finding in findings:
         error = finding.severity == "error"
         word = "error" if error else "warning"
-        say(f"{word}: {finding.message}", style="red" if error else "yellow")
+        say(f"{word}: {finding.message}", error=True, style="red" if error else "yellow")
     if not findings:
         say(f"{found.name}: nothing wrong found", style="green")
     return findings

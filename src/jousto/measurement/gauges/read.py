@@ -12,8 +12,10 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest, warn
 from jousto.base.files import check_input
+from jousto.measurement.gauges.clock import counted
+from jousto.measurement.gauges.lvm import read_lvm
 from jousto.measurement.gauges.order import ordered
-from jousto.measurement.gauges.record import GAP, Record, record_of, too_large
+from jousto.measurement.gauges.record import GAP, Raw, Record, record_of, too_large
 from jousto.measurement.gauges.table import read_table
 from jousto.measurement.gauges.units import STRAIN, parse_unit
 
@@ -21,10 +23,11 @@ TIMES = ("time", "t", "zeit", "aika", "timestamp", "time stamp", "datetime", "da
          "tiempo", "tid", "x")  # fmt: skip
 """Heads of the column of time, in lower case."""
 
+FREQUENCIES = ("frequency", "freq", "f", "frequenz", "taajuus", "frequence", "fréquence")
+"""Heads of the column of a spectrum, in lower case."""
+
 FLAT = 5
 """Samples in a row at the end of its range from which a channel is saturated."""
-
-Raw = tuple[Array, dict[str, Array], dict[str, str | None], str | None, tuple[str, ...]]
 
 
 @explained
@@ -40,9 +43,10 @@ def read_record(
 
     Text files (.csv, .txt, .asc ...): any of the usual delimiters, decimal point or comma, heads
     with units such as ``g1 [um/m]`` or a line of units; a time of day or date counts in seconds
-    from the first. Universal files (.uff, .unv): functions over time of data set 58. HDF5:
-    results of jousto (its sensors are the channels), or data sets of equal length with an
-    attribute ``unit``.
+    from the first, and so do numbers that are milliseconds since 1970 or days of a spreadsheet.
+    LabVIEW (.lvm): names and units of its heads. Universal files (.uff, .unv): functions over time
+    of data set 58. HDF5: results of jousto (its sensors are the channels), or data sets of equal
+    length with an attribute ``unit``.
 
     Parameters
     ----------
@@ -52,7 +56,7 @@ def read_record(
     rate : float, optional
         Samples per second of a file without time.
     units : mapping of str to str, optional
-        Units of channels that the file does not name, or names wrongly.
+        Units of channels, and of the column of time, that the file does not name, or wrongly.
     repair : bool
         Sort instants that run backwards, drop those that come twice and count on over midnight,
         instead of refusing them. A clock that restarts is refused all the same: such a file holds
@@ -86,8 +90,10 @@ def read_record(
         raw = _hdf5(file, time, rate)
     elif file.suffix.lower() in (".uff", ".unv", ".uf"):
         raw = _universal(file)
+    elif file.suffix.lower() == ".lvm":
+        raw = read_lvm(file)
     else:
-        raw = _text(file, time, rate)
+        raw = _text(file, time, rate, dict(units or {}))
     return _record(where, raw, dict(units or {}), repair)
 
 
@@ -95,7 +101,7 @@ def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record
     t, channels, labels, time_unit, notes = raw
     problems = Problems()
     for name in given:
-        if name not in channels:
+        if name not in channels and (name.lower() not in TIMES or time_unit != given[name]):
             problems.add(where, f"units: no channel '{name}'{suggest(name, channels)}")
     found = None if time_unit is None else parse_unit(time_unit)
     if time_unit is not None and (found is None or found[0] != "s"):
@@ -195,7 +201,7 @@ def saturated(x: Array, level: float) -> int:
 # -- text -------------------------------------------------------------------------------------
 
 
-def _text(path: Path, time: str | None, rate: float | None) -> Raw:
+def _text(path: Path, time: str | None, rate: float | None, given: dict[str, str]) -> Raw:
     table = read_table(path)
     names = list(table.names)
     where = str(path)
@@ -205,13 +211,12 @@ def _text(path: Path, time: str | None, rate: float | None) -> Raw:
         columns = dict(zip(names, table.values.T, strict=True))
         return t, columns, dict(zip(names, table.labels, strict=True)), None, table.notes
     k = _time_column(where, names, table.labels, table.values, time)
-    t = table.values[:, k].copy()
-    if np.isfinite(t).any() and float(np.nanmax(np.abs(t))) > 1e8:  # a date
-        t -= t[np.flatnonzero(np.isfinite(t))[0]]
+    label = given.get(names[k], table.labels[k])
+    t, about = counted(names[k], table.values[:, k].copy(), label)
     others = [i for i in range(len(names)) if i != k]
     columns = {names[i]: table.values[:, i].copy() for i in others}
     labels = {names[i]: table.labels[i] for i in others}
-    return t, columns, labels, table.labels[k], table.notes
+    return t, columns, labels, label, (*table.notes, *about)
 
 
 def _check_rate(where: str, rate: float) -> None:
@@ -240,7 +245,18 @@ def _time_column(
             return i
     first = values[:, 0]
     if np.mean(np.diff(first[np.isfinite(first)]) > 0.0) > 0.9:
-        return 0
+        said = None if labels[0] is None else parse_unit(labels[0])
+        spectrum = names[0].lower() in FREQUENCIES or (said is not None and said[0] == "Hz")
+        if said is None and not spectrum:
+            return 0
+        what = "a frequency: this is a spectrum" if spectrum else f"in {labels[0]}"
+        raise InputError(
+            Problem(
+                where,
+                f"no column of time: the first, '{names[0]}', is {what}; name the column of time, "
+                "time=..., or give rate= in samples per second",
+            )
+        )
     raise InputError(
         Problem(
             where,
@@ -274,6 +290,10 @@ def _universal(path: Path) -> Raw:
                 f"{', '.join(kinds) or 'none'}",
             )
         )
+    problems = Problems()
+    for i, function in enumerate(functions):
+        _cut_to_length(problems, where, i, function)
+    problems.raise_if_any()
     t = np.asarray(functions[0]["x"], dtype=np.float64)
     columns: dict[str, Array] = {}
     labels: dict[str, str | None] = {}
@@ -297,6 +317,17 @@ def _universal(path: Path) -> Raw:
         labels[name] = label if known else "m/m" if strain else None
     unit = str(functions[0].get("abscissa_axis_units_lab", "")).strip()
     return t, columns, labels, unit if unit and unit.upper() != "NONE" else None, tuple(notes)
+
+
+def _cut_to_length(problems: Problems, where: str, i: int, function: dict[str, Any]) -> None:
+    """Leave the points of a function that it announces; note a problem where there are fewer."""
+    number = int(function.get("num_pts", len(function["data"])))
+    held = min(len(function["data"]), len(function["x"]))
+    if held < number:
+        sentence = f"function {i + 1} announces {number} points but has {held}: it is cut off"
+        problems.add(where, sentence)
+    for name in ("data", "x"):
+        function[name] = function[name][:number]
 
 
 # -- HDF5 -------------------------------------------------------------------------------------
@@ -346,6 +377,8 @@ def _hdf5(path: Path, time: str | None, rate: float | None) -> Raw:
                 )
             )
         t, unit = found.pop(names[0]), labels.pop(names[0])
+        t, about = counted(names[0], t, unit)
+        notes += about
     columns = {}
     for name, x in found.items():
         if len(x) == len(t):

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 
+Raw = tuple[Array, dict[str, Array], dict[str, str | None], str | None, tuple[str, ...]]
+"""What a file says: instants, channels, their units, the unit of time, and remarks."""
+
 GAP = 1.5
 """A step of so many usual ones is a gap."""
 

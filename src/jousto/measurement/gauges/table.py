@@ -93,7 +93,7 @@ def read_table(path: Path) -> Table:
     names, labels = _heads(lines[: rows[0]], delimiter, width)
     values = np.array(numbers)
     _check_heads(path, lines, rows, delimiter, values)
-    notes = _left_out(lines, rows, width)
+    notes = _left_out(lines, rows, width, delimiter, decimal)
     # many loggers end every line with a delimiter
     if not names[-1] and np.all(np.isnan(values[:, -1])):
         names, labels, values = names[:-1], labels[:-1], values[:, :-1]
@@ -197,7 +197,7 @@ def _heads(
     rows = [_fields(line, delimiter) for line in plain if line]
     rows = [[*row, *[""] * (width - len(row))] for row in rows if width - 1 <= len(row) <= width]
     units: list[str | None] = [None] * width
-    if rows and _are_units(rows[-1]) and len(rows) > 1:
+    if len(rows) > 1 and _are_units(rows[-1], rows[-2]):
         units = [text.strip("[](){} ") or None for text in rows[-1]]
         rows = rows[:-1]
     if not rows:
@@ -239,15 +239,31 @@ def _check_heads(
     )
 
 
-def _are_units(row: list[str]) -> bool:
-    """Return whether every field is a unit or empty, and one at least is a unit."""
-    known = [parse_unit(field) is not None or field.startswith("[") for field in row if field]
-    return bool(known) and all(known)
+def _are_units(row: list[str], above: list[str]) -> bool:
+    """Return whether a line has units: all its fields are, or half of them and more than above.
+
+    So a unit that nobody knows is told as one, and does not make names of the others.
+    """
+
+    def known(fields: list[str]) -> list[bool]:
+        return [parse_unit(field) is not None or field.startswith("[") for field in fields if field]
+
+    here = known(row)
+    return any(here) and (all(here) or (2 * sum(here) >= len(here) and not any(known(above))))
 
 
-def _left_out(lines: list[str], rows: list[int], width: int) -> tuple[str, ...]:
+def _left_out(
+    lines: list[str], rows: list[int], width: int, delimiter: str | None, decimal: str
+) -> tuple[str, ...]:
+    """Return what is told of lines that are not read: all within the table, numbers elsewhere."""
     kept = set(rows)
-    bad = [i + 1 for i in range(rows[0], rows[-1] + 1) if i not in kept and lines[i].strip()]
+    bad = []
+    for i, line in enumerate(lines):
+        if i in kept or not line.strip():
+            continue
+        fields = _fields(line, delimiter)
+        if rows[0] < i < rows[-1] or (len(fields) > 1 and _numbers(fields, decimal) is not None):
+            bad.append(i + 1)
     if not bad:
         return ()
     named = ", ".join(str(i) for i in bad[:SHOWN]) + (", ..." if len(bad) > SHOWN else "")

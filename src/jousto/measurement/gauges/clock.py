@@ -1,0 +1,53 @@
+"""Instants of loggers that count from 1970 or in days: seconds from the first one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.arrays import Array
+
+# units of numbers that count from 1970 in the years 1973 to 2286
+EPOCHS = (
+    (1e17, 1e19, 1e-9, "nanoseconds since 1970"),
+    (1e14, 1e16, 1e-6, "microseconds since 1970"),
+    (1e11, 1e13, 1e-3, "milliseconds since 1970"),
+)
+# days of spreadsheets (from 1900) in the years 1954 to 2119, of MATLAB in 1916 to 2080
+DAYS = ((2e4, 8e4, "days of a spreadsheet"), (7e5, 7.6e5, "days of MATLAB"))
+DAY = 86400.0
+DATES = ("date", "datetime", "timestamp", "time stamp", "datum")
+FINE = 1e-3  # steps below this of numbers that large are days: 86 s
+
+
+def counted(name: str, t: Array, label: str | None) -> tuple[Array, tuple[str, ...]]:
+    """Return instants (nt,) counted in seconds from the first where they are dates.
+
+    Parameters
+    ----------
+    name : str
+        Head of the column.
+    t : (nt,) array
+        As in the file.
+    label : str or None
+        Unit that the file says: then numbers are taken as they are.
+
+    Returns
+    -------
+    (nt,) array, tuple of str
+        The instants, and what is to be told: what was taken for what, and what to do instead.
+    """
+    good = t[np.isfinite(t)]
+    if not len(good):
+        return t, ()
+    first, steps = float(good[0]), np.abs(np.diff(good))
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if label is None:
+        remedy = f"give units={{'{name}': 's'}} if it is seconds"
+        for low, high, factor, what in EPOCHS:
+            if low < first < high:
+                return factor * (t - first), (f"column '{name}' counts {what}; {remedy}",)
+        for low, high, what in DAYS:
+            if low < first < high and (name.lower() in DATES or usual < FINE):
+                told = f"column '{name}' counts {what}, in steps of {DAY * usual:.4g} s; {remedy}"
+                return DAY * (t - first), (told,)
+    return (t - first if float(np.abs(good).max()) > 1e8 else t), ()
