@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from jousto.base.errors import InputError
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.parameters.samples import read_samples
 from jousto.measurement.gauges.read import read_record
+from jousto.measurement.monitor.stream import Stream
 from jousto.mechanism.bodies.shapes import read_surface
 from jousto.mesh.cells import Cells
 from jousto.mesh.formats import CAD, MESHES
@@ -71,3 +73,45 @@ def test_pointers_may_be_overwritten(tmp_path: Path) -> None:
     nodes = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
     jo.write(jo.Mesh("m", nodes, Cells("tetra", [[0, 1, 2, 3]])), path)
     assert jo.read_mesh(path).volume == pytest.approx(1 / 6)
+
+
+TEXTS: list[tuple[str, Callable[[Path], Any]]] = [
+    ("record.csv", read_record),
+    ("model.yaml", read_model),
+    ("table.csv", jo.Table.from_csv),
+    ("samples.csv", lambda path: read_samples(path, [Parameter("a", 0.5, (0.0, 1.0))])),
+    ("matrices.pch", read_matrices),
+]
+
+
+@pytest.mark.parametrize(("name", "reader"), TEXTS, ids=[name for name, _ in TEXTS])
+def test_lines_without_end(name: str, reader: Callable[[Path], Any], tmp_path: Path) -> None:
+    path = tmp_path / name
+    with path.open("wb") as file:  # sparse: takes no place on the disk
+        file.truncate(1 << 40)
+    with pytest.raises(InputError, match=r"a line of more than 64 MB: this is no text"):
+        reader(path)
+
+
+def test_streams_without_end() -> None:
+    class Zeros(io.RawIOBase):
+        def read(self, size: int = -1) -> bytes:
+            return bytes(size)
+
+    for head in (b"", b"time [s],g1 [um/m]\n0,1\n"):
+        source = Zeros()
+        first = [head] if head else []
+        source.read1 = lambda size, first=first: first.pop() if first else bytes(size)  # type: ignore[attr-defined]
+        with pytest.raises(InputError, match=r"zeros: a line of more than 64 MB"):
+            for _ in Stream(source, "zeros").blocks():  # type: ignore[arg-type]
+                pass
+
+
+@pytest.mark.parametrize(
+    "face", ["f 1 2 100000000000000000000", "f 1 2 9", "f 1 2 -9", "f 1 2 1e20", "f 1 2"]
+)
+def test_corners_that_are_not_there(face: str, tmp_path: Path) -> None:
+    path = tmp_path / "shape.obj"
+    path.write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n")
+    with pytest.raises(InputError, match=r"shape.obj'? "):
+        read_surface("body 's'", path, "mm")

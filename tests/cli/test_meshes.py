@@ -122,3 +122,12 @@ def test_files_of_other_kinds_are_named(tmp_path: Path, file: Path) -> None:
     assert (code, "jousto mesh s.step --size '8 mm'" in text) == (2, True)
     (tmp_path / "x.xyz").write_text("what\n")
     assert ".step .stp .brep" in call("mesh", tmp_path / "x.xyz")[1]
+
+
+def test_what_is_wrong_goes_to_the_stream_of_errors(tmp_path: Path) -> None:
+    path = tmp_path / "flat.inp"
+    path.write_text("*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4\n1,1,3,2,4\n")
+    result = CliRunner().invoke(app, ["mesh", str(path)])
+    assert result.exit_code == 2
+    assert "error: the Jacobian of 1 element" in result.stderr
+    assert "error" not in result.stdout and "4, 12 degrees of freedom" in result.stdout

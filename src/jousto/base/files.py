@@ -29,6 +29,11 @@ KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+ENDLESS = 1 << 26
+"""Bytes of a line; more is no text that anybody wrote."""
+
+ENDLESS_LINE = f"a line of more than {ENDLESS >> 20} MB: this is no text"
+
 POINTER = b"version https://git-lfs.github.com/spec/"
 """How the text begins that Git keeps in the place of a large file."""
 
@@ -112,6 +117,23 @@ def check_input(path: Path, remedy: str = "") -> None:
                     "is a pointer of Git LFS, not the file itself: fetch it with git lfs pull",
                 )
             )
+
+
+def check_text(path: Path, remedy: str = "") -> None:
+    """Refuse what `check_input` does, and files that begin with a line without end.
+
+    Raises
+    ------
+    InputError
+        Naming what it is.
+    """
+    check_input(path, remedy)
+    read = 0
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        while (piece := file.read(1 << 20)) and b"\n" not in piece and b"\r" not in piece:
+            read += len(piece)
+            if read > ENDLESS:
+                raise InputError(Problem(str(path), ENDLESS_LINE))
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
+from jousto.base.files import check_text
 from jousto.measurement.gauges.units import parse_unit, split_label
 
 MISSING = {"", "nan", "na", "n/a", "-", "--", "---", "***", "null", "none", "ovl", "overflow",
@@ -66,6 +67,7 @@ def read_table(path: Path) -> Table:
     InputError
         An empty file, or one without a table of numbers.
     """
+    check_text(path)
     text = _decoded(path)
     lines = text.splitlines()
     if not any(line.strip() for line in lines):

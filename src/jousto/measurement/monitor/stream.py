@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count
+from jousto.base.files import ENDLESS, ENDLESS_LINE
 from jousto.measurement.gauges.units import UNITS as UNITS_OF_LOGGERS
 
 PIECE = 1 << 16  # bytes that are asked for at once
@@ -188,6 +189,7 @@ class Stream:
     header: Header | None = None
     _rest: bytearray = field(default_factory=bytearray, repr=False)
     _too_long: bool = False
+    _thrown: int = 0  # bytes of a line that is too long
     _held: deque[_Row] = field(default_factory=deque, repr=False)
     _ended: bool = False
     _read: int = 0  # bytes before the next line
@@ -273,10 +275,14 @@ class Stream:
             lines.append((self._took(end + 1 - at), text))
             at = end + 1
         del self._rest[:at]
-        if len(self._rest) > LONGEST:
+        self._thrown = 0 if lines else self._thrown
+        if len(self._rest) > LONGEST or self._too_long:
             self._read += len(self._rest)
+            self._thrown += len(self._rest)
             self._rest.clear()
             self._too_long = True
+        if self._thrown > ENDLESS:
+            raise InputError(Problem(self.name, ENDLESS_LINE))
         return lines
 
     def _took(self, length: int) -> int:

@@ -15,7 +15,6 @@ from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_input
 
 COLLADA = ".dae"
-LFS = b"version https://git-lfs"
 
 
 def file_triangles(where: str, path: Path, factor: float) -> Array:
@@ -38,11 +37,6 @@ def file_triangles(where: str, path: Path, factor: float) -> Array:
     check_input(path)
     if not path.is_file():
         raise MissingFileError(Problem(where, f"no such file '{path}'"))
-    with path.open("rb") as file:
-        head = file.read(64)
-    if head.startswith(LFS):
-        message = f"'{path.name}' is a pointer of Git LFS, not the file; fetch it with git lfs pull"
-        raise InputError(Problem(where, message))
     try:
         if path.suffix.lower() == COLLADA:
             return _collada(where, path)

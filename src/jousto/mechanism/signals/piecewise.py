@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Choice, Field, field
-from jousto.base.files import check_input
+from jousto.base.files import check_text
 from jousto.base.numbers import Number
 from jousto.mechanism.signals.base import USE, Jet, Law, Signal
 
@@ -295,7 +295,7 @@ def read_columns(
     path: Path, columns: tuple[str | int, ...], delimiter: str | None
 ) -> list[list[float]]:
     """Return columns of numbers of a text file; see `Table.from_csv`."""
-    check_input(path)
+    check_text(path)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:

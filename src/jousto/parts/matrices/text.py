@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import InputError, MissingFileError, Problem
-from jousto.base.files import check_input
+from jousto.base.files import check_text
 
 
 def refuse(path: Path, message: str) -> InputError:
@@ -26,7 +26,7 @@ def read_text(path: Path) -> str:
     InputError
         If there is no such file, it is empty, or it is no text.
     """
-    check_input(path)
+    check_text(path)
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
     data = path.read_bytes()

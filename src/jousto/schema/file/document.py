@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from jousto.base.described import described
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
-from jousto.base.files import check_input
+from jousto.base.files import check_text
 from jousto.mesh.formats import is_cad, is_mesh
 from jousto.schema.file.composer import compose
 
@@ -88,7 +88,7 @@ def read_document(path: str | Path) -> Document:
         twice, content that is not a mapping, is nested too deeply or has too many entries.
     """
     path = Path(path)
-    check_input(path)
+    check_text(path)
     if path.is_file() and (is_cad(path) or is_mesh(path)):
         raise InputError(Problem(path.name, _geometry(path)))
     try:

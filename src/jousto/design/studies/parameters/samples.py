@@ -15,7 +15,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems, suggest
 from jousto.base.expressions import ExpressionError, read_quantity
-from jousto.base.files import check_input
+from jousto.base.files import check_text
 from jousto.design.studies.parameters.parameter import Parameter
 
 Parameters = Sequence[Parameter]
@@ -203,7 +203,7 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
         Everything that is wrong with it, with lines.
     """
     name, parameters = str(path), _several(parameters)
-    check_input(Path(path))
+    check_text(Path(path))
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
