@@ -145,6 +145,11 @@ def test_labview_files_that_are_refused(tmp_path: Path) -> None:
         (text[: text.index("Channels")], "header is cut off"),
         (text.replace("Frequency", "Time").replace("1\t2\t3", "1\t2\tx"), "must be 3 numbers"),
         (text.replace("Frequency", "Time").replace("1\t2\t3\n", ""), "no line of numbers"),
+        (
+            LVM.format(point=".", columns="No", over="Time").replace("Delta_X", "Delta")
+            + "X_Value\ta\tb\n\t2\t3\n",
+            "Delta_X is '', must be a number",
+        ),
     ):
         with pytest.raises(InputError, match=sentence):
             read_record(write(tmp_path, content, "record.lvm"))

@@ -57,7 +57,7 @@ def read_lvm(path: Path) -> Raw:
     places = [each * i + (x != "no") for i in range(count)]
     names = _unique([columns[k].strip() if k < len(columns) else "" for k in places])
     labels = [*head.get("Y_Unit_Label", []), *[""] * count][:count]
-    t = values[:, 0] if x != "no" else _instants(head, len(values))
+    t = values[:, 0] if x != "no" else _instants(where, head, len(values))
     notes = list(left)
     if len(ends) > 2:
         told = f"{len(ends) - 2} more segments follow from line {ends[2] + 1}: left out"
@@ -79,12 +79,17 @@ def _header(lines: list[str], separator: str) -> dict[str, list[str]]:
     return {row[0]: [word.strip() for word in row[1:]] for row in rows if len(row) > 1}
 
 
-def _instants(head: dict[str, list[str]], number: int) -> Array:
-    start, step = (
-        float((head.get(key, [""])[0] or default).replace(",", "."))
-        for key, default in (("X0", "0"), ("Delta_X", "1"))
-    )
-    return start + step * np.arange(number)
+def _instants(where: str, head: dict[str, list[str]], number: int) -> Array:
+    found = []
+    for key, default in (("X0", "0"), ("Delta_X", "")):
+        said = (head.get(key) or [default])[0] or default
+        try:
+            found.append(float(said.replace(",", ".")))
+        except ValueError:
+            message = f"{key} is {said!r}, must be a number, since there is no column of X"
+            raise InputError(Problem(where, message)) from None
+    instants = found[0] + found[1] * np.arange(number, dtype=np.float64)
+    return np.asarray(instants)
 
 
 def _numbers(
