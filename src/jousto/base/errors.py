@@ -43,7 +43,15 @@ class JoustoError(Exception):
 
 
 class JoustoWarning(UserWarning):
-    """A result is possible but probably not what was meant."""
+    """A result is possible but probably not what was meant.
+
+    Attributes
+    ----------
+    where : str
+        Name of the object or place in a file, with which the text begins; empty for none.
+    """
+
+    where: str = ""
 
 
 @dataclass(frozen=True)
@@ -239,7 +247,9 @@ def warn(where: str, message: str) -> None:
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "jousto":
         frame = frame.f_back
         level += 1
-    warnings.warn(JoustoWarning(f"{where}: {message}" if where else message), stacklevel=level)
+    warning = JoustoWarning(f"{where}: {message}" if where else message)
+    warning.where = where
+    warnings.warn(warning, stacklevel=level)
 
 
 LARGE_STRAIN = 0.01

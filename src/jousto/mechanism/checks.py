@@ -106,14 +106,15 @@ def check_names(problems: Problems, mechanism: Members) -> None:
         "sensors": mechanism.sensors,
     }
     for group, items in groups.items():
-        first: dict[str, Any] = {}
+        named: dict[str, list[Any]] = {}
+        for item in items:
+            named.setdefault(item.name, []).append(item)
         reported: set[str] = set()
         for item in items:
-            other = first.setdefault(item.name, item)
-            if other is not item and item.name not in reported:
+            if item is not named[item.name][0] and item.name not in reported:
                 reported.add(item.name)
-                count = len({id(x) for x in items if x.name == item.name})
-                kinds = {kind_of(x) for x in items if x.name == item.name}
+                count = len({id(x) for x in named[item.name]})
+                kinds = {kind_of(x) for x in named[item.name]}
                 plural = "joints" if kinds == {"joint"} else group
                 problems.add(where(item), f"{count} {plural} have this name, names must differ")
 
@@ -161,10 +162,10 @@ def check_members(problems: Problems, mechanism: Members) -> None:
         if isinstance(event.watch, Coordinate):
             missing(event, event.watch.name, event.watch.a.body)
             missing(event, event.watch.name, event.watch.b.body)
-    members = (
-        ((Joint, Coupler), (*mechanism.joints, *mechanism.couplings)),
-        ((ForceElement, Friction), (*mechanism.forces, *mechanism.frictions)),
-        (Sensor, mechanism.sensors),
+    members: tuple[tuple[Any, Known], ...] = (
+        ((Joint, Coupler), Known(*mechanism.joints, *mechanism.couplings)),
+        ((ForceElement, Friction), Known(*mechanism.forces, *mechanism.frictions)),
+        (Sensor, Known(*mechanism.sensors)),
     )
     for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in markers_of(item):
@@ -178,15 +179,31 @@ def check_members(problems: Problems, mechanism: Members) -> None:
                     check_member(problems, item, used, known)
 
 
-def check_member(problems: Problems, item: Any, used: Any, known: tuple[Any, ...]) -> None:
+class Known:
+    """Items of a mechanism, found by their identity and by their name.
+
+    Attributes
+    ----------
+    names : dict of str to None
+        Their names, in their order.
+    """
+
+    def __init__(self, *items: Any) -> None:
+        self._ids = {id(item) for item in items}
+        self.names = dict.fromkeys(item.name for item in items)
+
+    def __contains__(self, item: Any) -> bool:
+        return id(item) in self._ids
+
+
+def check_member(problems: Problems, item: Any, used: Any, known: Known) -> None:
     """Note that what an item refers to is not in the mechanism."""
-    if any(used is one for one in known):
+    if used in known:
         return
-    names = [one.name for one in known]
-    if used.name in names:
+    if used.name in known.names:
         text = f"is another {kind_of(used)} of that name than the one in the mechanism"
     else:
-        text = f"is not in the mechanism{suggest(used.name, names)}"
+        text = f"is not in the mechanism{suggest(used.name, known.names)}"
     problems.add(where(item), f"{kind_of(used)} {used.name!r} {text}")
 
 
@@ -220,25 +237,21 @@ def check_releases(problems: Problems, mechanism: Members) -> None:
 
 def check_events(problems: Problems, mechanism: Members) -> None:
     """Note events that watch what is not measured, and signals of events that are not there."""
-    sensors = [sensor.name for sensor in mechanism.sensors]
+    sensors = Known(*mechanism.sensors)
     for event in mechanism.events:
-        if isinstance(event.watch, Sensor) and not any(
-            event.watch is sensor for sensor in mechanism.sensors
-        ):
-            if event.watch.name in sensors:
+        if isinstance(event.watch, Sensor) and event.watch not in sensors:
+            if event.watch.name in sensors.names:
                 text = "is another sensor of that name than the one in the mechanism"
             else:
                 text = "is not in the mechanism; add it"
             problems.add(where(event), f"watches sensor {event.watch.name!r}, which {text}")
     check_releases(problems, mechanism)
-    events = [event.name for event in mechanism.events]
+    events = Known(*mechanism.events)
     items = (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
     for item in items:
         for signal in signals_of(item):
-            if isinstance(signal, Switched) and not any(
-                signal.event is event for event in mechanism.events
-            ):
-                if signal.event.name in events:
+            if isinstance(signal, Switched) and signal.event not in events:
+                if signal.event.name in events.names:
                     text = "is another event of that name than the one in the mechanism"
                 else:
                     text = "is not in the mechanism; add it"
@@ -257,10 +270,11 @@ def check_fmus(problems: Problems, mechanism: Members) -> None:
         if isinstance(signal, Input) and not isinstance(item, FmuSensor)
     }
     setters: dict[str, str] = {}
+    sensors = Known(*mechanism.sensors)
     for fmu in mechanism.fmus:
         for value in fmu.inputs.values():
             if isinstance(value, tuple):
-                check_member(problems, fmu, value[0], mechanism.sensors)
+                check_member(problems, fmu, value[0], sensors)
         for name in fmu.driven:
             if name not in used:
                 problems.add(
@@ -331,33 +345,38 @@ def check_starts(problems: Problems, mechanism: Members) -> None:
             )
 
 
+def drives_of(mechanism: Members) -> list[Drive]:
+    """Return the drives among the couplings."""
+    return [item for item in mechanism.couplings if isinstance(item, Drive)]
+
+
 def check_drives(problems: Problems, mechanism: Members) -> None:
     """Note drives on one coordinate."""
-    drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
-    for i, drive in enumerate(drives):
-        for other in drives[:i]:
-            if drive.coordinate.same_as(other.coordinate):
-                problems.add(
-                    where(drive),
-                    f"drives {drive.coordinate.name}, which drive {other.name!r} drives already; "
-                    "leave one out",
-                )
+    first: dict[Any, Drive] = {}
+    for drive in drives_of(mechanism):
+        other = first.setdefault(drive.coordinate.key, drive)
+        if other is not drive:
+            problems.add(
+                where(drive),
+                f"drives {drive.coordinate.name}, which drive {other.name!r} drives already; "
+                "leave one out",
+            )
 
 
 def check_initials(problems: Problems, mechanism: Members) -> None:
     """Note starts that are given twice or by a drive, and those of exact beams."""
-    drives = [item for item in mechanism.couplings if isinstance(item, Drive)]
-    for i, initial in enumerate(mechanism.initials):
+    drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
+    first: dict[Any, Initial] = {}
+    for initial in mechanism.initials:
         s = initial.coordinate
-        if any(s.same_as(other.coordinate) for other in mechanism.initials[:i]):
+        if first.setdefault(s.key, initial) is not initial:
             problems.add(where(initial), "given twice, leave one out")
-        for drive in drives:
-            if s.same_as(drive.coordinate):
-                problems.add(
-                    where(initial),
-                    f"drive {drive.name!r} gives value and rate of {s.name}; leave this out, or "
-                    "the drive",
-                )
+        if (drive := drives.get(s.key)) is not None:
+            problems.add(
+                where(initial),
+                f"drive {drive.name!r} gives value and rate of {s.name}; leave this out, or "
+                "the drive",
+            )
         if mechanism.beams:
             problems.add(
                 where(initial),
@@ -369,9 +388,10 @@ def check_initials(problems: Problems, mechanism: Members) -> None:
 def check_distances(problems: Problems, mechanism: Members) -> None:
     """Note distances between points that coincide: they have no direction."""
     users = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.initials)
+    size = mechanism.size
     for item in users:
         for s in coordinates_of(item):
-            if isinstance(s, Distance) and s.initial <= 1e-12 * mechanism.size:
+            if isinstance(s, Distance) and s.initial <= 1e-12 * size:
                 problems.add(
                     where(item),
                     f"{s.name}: {s.a.label} and {s.b.label} are at one point, so that their "
@@ -381,25 +401,23 @@ def check_distances(problems: Problems, mechanism: Members) -> None:
 
 def check_frictions(problems: Problems, mechanism: Members) -> None:
     """Note joints with two frictions and joints that cannot stick since they are driven."""
-    for i, friction in enumerate(mechanism.frictions):
-        for other in mechanism.frictions[:i]:
-            if friction.joint is other.joint:
-                problems.add(
-                    where(friction),
-                    f"joint {friction.joint.name!r} has the friction {other.name!r} already; "
-                    "leave one out",
-                )
-        if not friction.law.sticks:
-            continue
-        for drive in mechanism.couplings:
-            if isinstance(drive, Drive) and any(
-                drive.coordinate.same_as(s) for s in friction.coordinates
-            ):
-                problems.add(
-                    where(friction),
-                    f"drive {drive.name!r} moves joint {friction.joint.name!r}, which therefore "
-                    "cannot stick; use law=Regularised()",
-                )
+    first: dict[int, Friction] = {}
+    drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
+    for friction in mechanism.frictions:
+        other = first.setdefault(id(friction.joint), friction)
+        if other is not friction:
+            problems.add(
+                where(friction),
+                f"joint {friction.joint.name!r} has the friction {other.name!r} already; "
+                "leave one out",
+            )
+        moved = [drives.get(s.key) for s in friction.coordinates] if friction.law.sticks else []
+        for drive in dict.fromkeys(filter(None, moved)):
+            problems.add(
+                where(friction),
+                f"drive {drive.name!r} moves joint {friction.joint.name!r}, which therefore "
+                "cannot stick; use law=Regularised()",
+            )
 
 
 def warn_jumps(mechanism: Members) -> None:

@@ -15,6 +15,7 @@ from jousto.model.ordering import eliminate
 
 PAD = 4  # rows of a block are padded to a multiple of this
 CARRIED = 6  # constraint rows that a body can carry
+STRUCTURE = ("bodies", "joints", "forces", "beams", "markers", "coordinates")
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,17 @@ def padded(count: int) -> int:
 
 
 def newton_pattern(model: Model) -> NewtonPattern:
-    """Return the pattern of Newton's matrix of a model, found once."""
+    """Return the pattern of Newton's matrix of a model, found once for all with its structure."""
     if model not in _KNOWN:
-        _KNOWN[model] = _pattern(model)
+        alike = (other for other in _KNOWN if _same_structure(model, other))
+        same = next(alike, None)
+        _KNOWN[model] = _pattern(model) if same is None else _KNOWN[same]
     return _KNOWN[model]
+
+
+def _same_structure(model: Model, other: Model) -> bool:
+    """Return whether a model shares all lists of another that its pattern depends on."""
+    return all(getattr(model, name) is getattr(other, name) for name in STRUCTURE)
 
 
 def newton_entries(model: Model) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:

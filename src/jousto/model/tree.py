@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 
@@ -168,14 +170,17 @@ class _Tree:
 
     def _note_locks(self) -> None:
         """Say which links a friction may hold."""
+        users: dict[int, list[int]] = {}  # links by their coordinates
+        for i, link in enumerate(self.made):
+            for coordinate in link.coordinates:
+                users.setdefault(coordinate, []).append(i)
         for friction in self.model.frictions:
             if not friction.sticks:
                 continue
             lock = self.model.joints[friction.lock].lock
-            places = {friction.coordinate, friction.other}
-            for i, link in enumerate(self.made):
-                if places.intersection(link.coordinates):
-                    self.made[i] = replace(link, lock=lock)
+            for place in {friction.coordinate, friction.other}:
+                for i in users.get(place, ()):
+                    self.made[i] = replace(self.made[i], lock=lock)
 
     def _mass(self, body: int) -> float:
         return float(np.real(self.model.bodies[body].mass[0]))
@@ -279,8 +284,7 @@ class _Tree:
         for coordinate in link.coordinates:
             if coordinate in self.drives and link.drive < 0:
                 drive = self.drives.pop(coordinate)
-                line = sum(len(other.lines) for other in self.model.joints[:drive])
-                link = replace(link, drive=drive, driven=line)
+                link = replace(link, drive=drive, driven=self.first_line[drive])
         self.made.append(link)
 
     def _own(self, link: LinkModel, joint: JointModel, kind: str) -> tuple[int, ...]:
@@ -288,7 +292,8 @@ class _Tree:
         a, b = joint.sides[:2]
         pairs = {"hinge": ("angle", a, b), "slide": ("along", a, b)}
         found = []
-        for i, c in enumerate(self.model.coordinates):
+        for i in self.between.get(self._pair(a, b), ()):
+            c = self.model.coordinates[i]
             if kind == "universal":
                 mine = not link.reversed and c.kind == "angle" and self._crossed(link, joint, i)
             else:
@@ -298,6 +303,23 @@ class _Tree:
             if mine:
                 found.append(i)
         return tuple(found)
+
+    @cached_property
+    def first_line(self) -> list[int]:
+        """Lines of the joints before each one."""
+        return [0, *accumulate(len(joint.lines) for joint in self.model.joints)]
+
+    @cached_property
+    def between(self) -> dict[tuple[int, int], list[int]]:
+        """Coordinates by the two bodies that they are between."""
+        found: dict[tuple[int, int], list[int]] = {}
+        for i, c in enumerate(self.model.coordinates):
+            found.setdefault(self._pair(c.a, c.b), []).append(i)
+        return found
+
+    def _pair(self, a: int, b: int) -> tuple[int, int]:
+        one, other = self.model.markers[a].body, self.model.markers[b].body
+        return (one, other) if one <= other else (other, one)
 
     def _crossed(self, link: LinkModel, joint: JointModel, place: int) -> bool:
         """Whether an angle is that of the first or the second hinge of a universal joint."""

@@ -45,15 +45,15 @@ def find_body(run: Solution, name: str) -> BodyShape:
     InputError
         If there is none; the nearest name is suggested.
     """
-    bodies = {body.name: body for body in run.bodies}
     beams = {beam.name: beam for beam in run.beams}
     if name in beams:
         return _line(beams[name])
-    if name not in bodies:
-        bodies = {k: v for k, v in bodies.items() if k.rpartition(".node")[0] not in beams}
-        bodies |= dict.fromkeys(beams)  # type: ignore[arg-type]
-        raise InputError(Problem(run.where, f"no body '{name}'{suggest(name, bodies)}"))
-    return bodies[name]
+    found = run.body(name)
+    if found is None:
+        names = [body.name for body in run.bodies]
+        known = [*(x for x in names if x.rpartition(".node")[0] not in beams), *beams]
+        raise InputError(Problem(run.where, f"no body '{name}'{suggest(name, known)}"))
+    return found
 
 
 def _line(beam: BeamShape) -> BodyShape:

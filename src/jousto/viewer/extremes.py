@@ -30,10 +30,13 @@ BLOCK = 4 << 20  # displacements at a time
 APART = 0.04  # distance of worst places by the size of the largest body
 
 
-def worst(scene: Scene, measure: str, count: int) -> list[dict[str, Any]]:
+def worst(
+    scene: Scene, measure: str, count: int, fields: list[StressField] | None = None
+) -> list[dict[str, Any]]:
     """Return the worst places by a measure, the worst first.
 
     Each is `body`, `vertex`, `position` (world, at that time), `value`, `time` and `label`.
+    `fields` are those of `stress_fields`, where several measures are asked for.
 
     Raises
     ------
@@ -45,10 +48,11 @@ def worst(scene: Scene, measure: str, count: int) -> list[dict[str, Any]]:
     if measure == "displacement":
         return _moved(scene, count)
     run = _run_of(scene, measure)
-    spots = _spots(scene, run, measure, count, None)
+    spots = _spots(scene, measure, count, None, fields)
+    places = {body.name: k for k, body in reversed([*enumerate(scene.bodies)])}
     found = []
     for spot in spots:
-        k = next(k for k, body in enumerate(scene.bodies) if body.name == spot.body)
+        k = places[spot.body]
         vertex = _vertex(scene.bodies[k], spot.node, spot.position)
         instant = int(np.argmin(np.abs(run.time - spot.time)))
         label = f"{spot.body} {spot.site}"
@@ -79,11 +83,10 @@ def extent(scene: Scene, measure: str) -> tuple[float, float]:
         return 0.0, found[0]["value"] if found else 0.0
     if scene.run is None:
         return _still(scene, measure)
-    run = scene.run
-    high = _spots(scene, run, measure, 1, "largest")[0].value
+    high = _spots(scene, measure, 1, "largest")[0].value
     if measure == "von-mises":
         return 0.0, float(high)
-    return float(_spots(scene, run, measure, 1, "smallest")[0].value), float(high)
+    return float(_spots(scene, measure, 1, "smallest")[0].value), float(high)
 
 
 # -- stress ---------------------------------------------------------------------------------
@@ -95,9 +98,22 @@ def _run_of(scene: Scene, measure: str) -> Solution:
     return scene.run
 
 
-def _spots(scene: Scene, run: Solution, measure: str, count: int, extreme: str | None) -> HotSpots:
+def stress_fields(scene: Scene) -> list[StressField]:
+    """Return the stress of all bodies of a scene that have one, none without a run."""
+    if scene.run is None:
+        return []
     shown = {body.name for body in scene.bodies}
-    fields = [_field(run, name) for name in run.stressed if name in shown]
+    return [_field(scene.run, name) for name in scene.run.stressed if name in shown]
+
+
+def _spots(
+    scene: Scene,
+    measure: str,
+    count: int,
+    extreme: str | None,
+    fields: list[StressField] | None = None,
+) -> HotSpots:
+    fields = stress_fields(scene) if fields is None else fields
     if not fields:
         raise InputError(Problem("worst", "no body of this run has stress data"))
     size = max(float(np.linalg.norm(np.ptp(field.positions, axis=0))) for field in fields)

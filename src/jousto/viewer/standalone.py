@@ -13,12 +13,15 @@ from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.base.files import written
 from jousto.viewer.bundle import standalone_page
 from jousto.viewer.container import pack
-from jousto.viewer.extremes import worst
+from jousto.viewer.extremes import stress_fields, worst
 from jousto.viewer.frames import Frames, thinned
 from jousto.viewer.packing import scene_header
 
 if TYPE_CHECKING:
-    from jousto.scene.scene import Scene
+    from jousto.base.arrays import Array
+    from jousto.scene.scene import Motion, Scene
+
+Places = dict[str, list[dict[str, Any]]]  # worst places by measure
 
 FRAMES = 400  # instants in a page
 WORST = 10  # places for each measure
@@ -77,19 +80,34 @@ def page(scenes: Sequence[Scene], *, frames: int = FRAMES, titles: Sequence[str]
 
 def contents(scene: Scene, frames: int) -> dict[str, Any]:
     """Return what the page needs of a scene: its instants, sensors and worst places."""
-    width = len(scene.still)
-    time, rows, chosen = np.zeros(0), np.zeros((0, width)), None
+    places = _worst(scene)
+    time, rows, chosen = np.zeros(0), np.zeros((0, len(scene.still))), None
     if scene.motion is not None:
         chosen = Frames.of(0, len(scene.motion.times), most=max(2, frames))
-        every = chosen.rows_of_all()
-        time, rows = scene.motion.times[every], scene.motion.rows(every)
+        time, rows = _instants(scene.motion, chosen, places)
+    header = scene_header(scene, chosen, half=False)
+    if chosen is not None:
+        header["frames"] = time
     return {
-        "scene": scene_header(scene, chosen, half=False),
-        "time": np.asarray(time, dtype=np.float64),
+        "scene": header,
+        "time": time,
         "rows": np.asarray(rows, dtype=np.float32),
         "sensors": _sensors(scene),
-        "worst": _worst(scene),
+        "worst": places,
     }
+
+
+def _instants(motion: Motion, chosen: Frames, places: Places) -> tuple[Array, Array]:
+    """Return times (m,) and rows (m, width): the chosen instants and those of the worst places."""
+    time = np.asarray(motion.times, dtype=np.float64)
+    every = np.arange(len(time))[chosen.rows_of_all()]
+    worst_times = [x["time"] for found in places.values() for x in found if x["time"] is not None]
+    further = np.setdiff1d(np.searchsorted(time, worst_times), every)
+    pieces = [motion.rows(slice(i, i + 1)) for i in further.tolist()]
+    rows = np.concatenate([motion.rows(chosen.rows_of_all()), *pieces])
+    kept = np.concatenate([every, further])
+    order = np.argsort(kept)
+    return time[kept[order]], rows[order]
 
 
 def _sensors(scene: Scene) -> dict[str, Any]:
@@ -105,11 +123,12 @@ def _sensors(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _worst(scene: Scene) -> dict[str, Any]:
+def _worst(scene: Scene) -> Places:
     found = {}
+    fields = stress_fields(scene)
     for measure in scene.measures:
         try:
-            found[measure] = worst(scene, measure, WORST)
+            found[measure] = worst(scene, measure, WORST, fields)
         except JoustoError:
             continue  # of models and parts there are none
     return found

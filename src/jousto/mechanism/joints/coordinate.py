@@ -10,9 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
-from jousto.base.complexstep import arctan2, norm, scalar
+from jousto.base.complexstep import arctan2, floats, norm, scalar
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import AnyField, Choice, Field, OptionalText, field
@@ -91,12 +89,13 @@ class Coordinate(Declared, section="coordinates"):
 
     def same_as(self, other: Coordinate) -> bool:
         """Return whether another coordinate is the same function of the same frames."""
-        return (
-            type(self) is type(other)
-            and getattr(self, "axis", None) == getattr(other, "axis", None)
-            and same_frame(self.a, other.a, self.turns_a)
-            and same_frame(self.b, other.b, self.turns_b)
-        )
+        return self.key == other.key
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What two coordinates share that are the same function of the same frames."""
+        frames = frame_key(self.a, self.turns_a), frame_key(self.b, self.turns_b)
+        return (type(self), getattr(self, "axis", None), *frames)
 
 
 class Angle(Coordinate, tag="angle"):
@@ -180,14 +179,11 @@ class Line:
         return sum(f * s.initial for f, s in zip(self.factors, self.coordinates, strict=True))
 
 
-def same_frame(one: Marker, other: Marker, axes: bool) -> bool:
-    """Return whether two markers are the same point, and the same frame if `axes`."""
-    return (
-        one.body is other.body
-        and one.site == other.site
-        and np.array_equal(one.position_local, other.position_local)
-        and (not axes or np.array_equal(one.axes, other.axes))
-    )
+def frame_key(marker: Marker, axes: bool) -> tuple[Any, ...]:
+    """Return what two markers share that are the same point, and the same frame if `axes`."""
+    arrays = (marker.position_local, marker.axes) if axes else (marker.position_local,)
+    numbers = ((floats(x) + 0.0).tobytes() for x in arrays)  # -0 is 0
+    return (id(marker.body), marker.site, *numbers)
 
 
 class CoordinateField(Field[Coordinate, Coordinate]):

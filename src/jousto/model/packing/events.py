@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 from jousto.mechanism.event import Event
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
@@ -17,16 +20,17 @@ def watched_coordinates(mechanism: Mechanism) -> tuple[CoordinateSensor, ...]:
 
     Should a sensor have that name already, the name of the event comes before it.
     """
-    sensors: list[Sensor] = list(mechanism.sensors)
+    measured = set(_places(mechanism.sensors))
+    names = {sensor.name for sensor in mechanism.sensors}
     added = []
     for event in mechanism.events:
-        if isinstance(event.watch, Coordinate) and _place(event, sensors) is None:
-            names = {sensor.name for sensor in sensors}
+        if isinstance(event.watch, Coordinate) and _watched(event) not in measured:
             name = event.watch.name
             sensor = CoordinateSensor(
                 f"{event.name}.{name}" if name in names else name, event.watch
             )
-            sensors.append(sensor)
+            measured.add(_watched(event))
+            names.add(sensor.name)
             added.append(sensor)
     return tuple(added)
 
@@ -35,25 +39,24 @@ def event_models(
     mechanism: Mechanism, gauges: tuple[Sensor, ...], models: tuple[SensorModel, ...]
 ) -> list[EventModel]:
     """Return the events of a mechanism; `models` are those of the sensors `gauges`."""
-    events = []
+    events, places = [], _places(gauges)
     for event in mechanism.events:
-        place = _place(event, gauges)
-        assert place is not None
-        output = models[place].offset + event.component
+        output = models[places[_watched(event)]].offset + event.component
         direction = DIRECTIONS[event.direction]
         events.append(EventModel(event.name, output, event.threshold, direction, event.stop))
     return events
 
 
-def _place(event: Event, sensors: list[Sensor] | tuple[Sensor, ...]) -> int | None:
-    """Return which sensor measures what the event watches."""
+def _watched(event: Event) -> Any:
+    """Return what an event watches as a key of `_places`."""
+    return event.watch.key if isinstance(event.watch, Coordinate) else id(event.watch)
+
+
+def _places(sensors: Sequence[Sensor]) -> dict[Any, int]:
+    """Return the place of every sensor, by its identity and by the coordinate it measures."""
+    places: dict[Any, int] = {}
     for i, sensor in enumerate(sensors):
-        if sensor is event.watch:
-            return i
-        if (
-            isinstance(event.watch, Coordinate)
-            and isinstance(sensor, CoordinateSensor)
-            and sensor.coordinate.same_as(event.watch)
-        ):
-            return i
-    return None
+        places.setdefault(id(sensor), i)
+        if isinstance(sensor, CoordinateSensor):
+            places.setdefault(sensor.coordinate.key, i)
+    return places

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
@@ -46,10 +47,7 @@ def moving(model: Model, q: Array) -> set[str]:
 def _projected(model: Model, engine: Engine) -> Array:
     """Return the largest magnitudes (nv,) of projected random motions in units of unit mass."""
     random = np.random.default_rng(0)
-    factors = []
-    for i, body in enumerate(model.bodies):
-        L = np.linalg.cholesky(engine.mass_matrix(i))  # velocities resolved in the body frame
-        factors.append((L, rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])))
+    masses = _MassFactors(model, engine)
 
     def project(v: Array) -> Array:
         engine.v[:] = v
@@ -60,18 +58,46 @@ def _projected(model: Model, engine: Engine) -> Array:
     rest = project(np.zeros(model.nv))  # what drives move
     largest = np.zeros(model.nv)
     for _ in range(SAMPLES):
-        x = random.standard_normal(model.nv)
-        for body, (L, A) in zip(model.bodies, factors, strict=True):
-            part = slice(body.iv, body.iv + 6 + body.n)
-            x[part] = np.linalg.solve(L.T, x[part])
-            x[body.iv : body.iv + 3] = A @ x[body.iv : body.iv + 3]
-        free = project(x) - rest
-        for body, (L, A) in zip(model.bodies, factors, strict=True):
-            part = slice(body.iv, body.iv + 6 + body.n)
-            free[body.iv : body.iv + 3] = free[body.iv : body.iv + 3] @ A
-            free[part] = L.T @ free[part]
+        x = masses.to_velocities(random.standard_normal(model.nv))
+        free = masses.to_unit_mass(project(x) - rest)
         largest = np.maximum(largest, np.abs(free))
     return largest
+
+
+class _MassFactors:
+    """Cholesky factors ``M = L L^T`` of all bodies, those of equal size in one array.
+
+    Velocities are [R' (world), w (local), p'] of every body; M is resolved in the body frame.
+    """
+
+    def __init__(self, model: Model, engine: Engine) -> None:
+        sizes: dict[int, list[int]] = {}
+        for i, body in enumerate(model.bodies):
+            sizes.setdefault(6 + body.n, []).append(i)
+        self._groups: list[tuple[NDArray[np.intp], Array, Array]] = []
+        for size, places in sizes.items():
+            M = np.stack([engine.mass_matrix(i) for i in places])
+            A = [rotation_matrix(engine.q[model.bodies[i].iq + 3 :][:4]) for i in places]
+            columns = np.array([model.bodies[i].iv for i in places])[:, None] + np.arange(size)
+            self._groups.append((columns, np.linalg.cholesky(M), np.stack(A)))
+
+    def to_velocities(self, x: Array) -> Array:
+        """Return the velocities (nv,) of coordinates of unit mass, ``L^-T x``."""
+        v = np.zeros_like(x)
+        for columns, L, A in self._groups:
+            part = np.linalg.solve(np.swapaxes(L, 1, 2), x[columns][..., None])
+            part[:, :3] = A @ part[:, :3]
+            v[columns] = part[..., 0]
+        return v
+
+    def to_unit_mass(self, v: Array) -> Array:
+        """Return the coordinates of unit mass (nv,) of velocities, ``L^T v``."""
+        x = np.zeros_like(v)
+        for columns, L, A in self._groups:
+            part = v[columns][..., None]
+            part[:, :3] = np.swapaxes(A, 1, 2) @ part[:, :3]
+            x[columns] = (np.swapaxes(L, 1, 2) @ part)[..., 0]
+        return x
 
 
 def without_drives(model: Model) -> Model:

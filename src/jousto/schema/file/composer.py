@@ -8,6 +8,7 @@ rules of ruamel.yaml for 1.2. Unusual text and all text with an error is left to
 from __future__ import annotations
 
 import functools
+import gc
 import re
 from itertools import accumulate
 from typing import Any
@@ -75,12 +76,24 @@ def _libyaml() -> Any:
         def __init__(self, text: str) -> None:
             CParser.__init__(self, text)
             Words.__init__(self)
+            self.tags: dict[Any, Any] = {}
+
+        def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
+            """Return the tag of a node; the words of a model repeat."""
+            word = (kind, value, implicit)
+            if word not in self.tags:
+                self.tags[word] = super().resolve(kind, value, implicit)
+            return self.tags[word]
 
     def read(text: str) -> Any:
         loader = Loader(text)
+        collects = gc.isenabled()
+        gc.disable()  # the tree grows only; looking for garbage in it takes as long as reading
         try:
             return loader.get_single_node()
         finally:
+            if collects:
+                gc.enable()
             loader.dispose()
 
     return read

@@ -184,7 +184,7 @@ class ModelBuilder(Builder):
         known |= {
             key: Joined(named[key], named["robots"], key) for key in ("bodies", "joints", "sensors")
         }
-        self.sensors += [name for name in known["sensors"] if name not in self.sensors]
+        self.sensors = list(dict.fromkeys([*self.sensors, *known["sensors"]]))
         items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
         if not known["bodies"] and (self.found or self.broken):
             return None
@@ -222,12 +222,11 @@ class ModelBuilder(Builder):
         # what is broken would only cause wrong warnings
         if not (self.found or self.broken):
             for item in caught:
-                text = str(item.message)
-                if one := next((loc for p, loc in inner.items() if text.startswith(f"{p}: ")), ()):
-                    self.warn(one, item, set())
-                    continue
-                place = next((p for p in places if text.startswith(f"{p}: ")), "")
-                self.warn(places.get(place, ()), item, {place.lower()})
+                place = getattr(item.message, "where", "")
+                if place in inner:
+                    self.warn(inner[place], item, set())
+                else:
+                    self.warn(places.get(place, ()), item, {place.lower()})
         return made
 
 

@@ -139,21 +139,31 @@ class MemoryRecords:
 
     def bodies(self) -> tuple[BodyShape, ...]:
         """Return the bodies with what is needed to draw them."""
-        return tuple(
-            BodyShape(
-                body.name,
-                shape.kind,
-                body.iq,
-                body.iv,
-                body.n,
-                np.array(shape.nodes),
-                np.array(shape.elements),
-                np.array(shape.modes),
-                float(body.mass[0]),
-                shape.frame,
-            )
-            for body, shape in zip(self.model.bodies, self.model.shapes, strict=True)
+        return tuple(map(self._body, range(len(self.model.bodies))))
+
+    def body(self, name: str) -> BodyShape | None:
+        """Return one of the bodies, None if there is none of that name."""
+        place = self._place_of.get(name)
+        return None if place is None else self._body(place)
+
+    def _body(self, place: int) -> BodyShape:
+        body, shape = self.model.bodies[place], self.model.shapes[place]
+        return BodyShape(
+            body.name,
+            shape.kind,
+            body.iq,
+            body.iv,
+            body.n,
+            np.array(shape.nodes),
+            np.array(shape.elements),
+            np.array(shape.modes),
+            float(body.mass[0]),
+            shape.frame,
         )
+
+    @cached_property
+    def _place_of(self) -> dict[str, int]:
+        return {body.name: i for i, body in enumerate(self.model.bodies)}
 
     def places(self) -> dict[str, tuple[int, int, int]]:
         """Return where each body has its state in q and v, and its number of modes."""
@@ -186,8 +196,7 @@ class MemoryRecords:
 
     def stress_modes(self, body: str) -> StressModes | None:
         """Return the stress of each mode of a body that there is."""
-        names = [known.name for known in self.model.bodies]
-        return self.model.shapes[names.index(body)].stress
+        return self.model.shapes[self._place_of[body]].stress
 
     def save(self, path: Path) -> None:
         """Write everything into a results file."""

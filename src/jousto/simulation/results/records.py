@@ -95,6 +95,9 @@ class Records(Protocol):
     def bodies(self) -> tuple[BodyShape, ...]:
         """Return the bodies with what is needed to draw them."""
 
+    def body(self, name: str) -> BodyShape | None:
+        """Return one of the bodies, None if there is none of that name."""
+
     def places(self) -> dict[str, tuple[int, int, int]]:
         """Return where each body has its state in q and v, and its number of modes."""
 

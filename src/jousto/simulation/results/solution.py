@@ -398,6 +398,10 @@ class Solution(Mapping[str, Array]):
         """Bodies with what is needed to draw them."""
         return self._records.bodies()
 
+    def body(self, name: str) -> BodyShape | None:
+        """Return one of `bodies` without reading the others, None if there is none of that name."""
+        return self._records.body(name)
+
     @property
     def symbols(self) -> tuple[SymbolShape, ...]:
         """Where joints, forces, sensors and named points are, for pictures."""

@@ -48,6 +48,7 @@ class FileRecords:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._places: dict[str, tuple[int, int, int]] | None = None
+        self._beams: tuple[BeamShape, ...] | None = None
         self._seal = examine(path)
         with open_results(path) as file:
             self.attributes: dict[str, Any] = {
@@ -130,21 +131,14 @@ class FileRecords:
     def bodies(self) -> tuple[BodyShape, ...]:
         """Return the bodies with what is needed to draw them."""
         with self._open() as file:
-            return tuple(
-                BodyShape(
-                    name=name,
-                    kind=str(group.attrs["kind"]),
-                    q_offset=int(group.attrs["q_offset"]),
-                    v_offset=int(group.attrs["v_offset"]),
-                    n=int(group.attrs["modes"]),
-                    nodes=np.asarray(group["nodes"]),
-                    elements=np.asarray(group["elements"]),
-                    modes=np.asarray(group["mode_shapes"]),
-                    mass=float(group.attrs["mass"]) if "mass" in group.attrs else None,
-                    frame=read_frame(group),
-                )
-                for name, group in file["bodies"].items()
-            )
+            return tuple(_read_body(name, group) for name, group in file["bodies"].items())
+
+    def body(self, name: str) -> BodyShape | None:
+        """Return one of the bodies, None if there is none of that name."""
+        if name not in self.places():
+            return None
+        with self._open() as file:
+            return _read_body(name, file["bodies"][name])
 
     def places(self) -> dict[str, tuple[int, int, int]]:
         """Return where each body has its state in q and v, and its number of modes."""
@@ -162,10 +156,11 @@ class FileRecords:
 
     def beams(self) -> tuple[BeamShape, ...]:
         """Return the beams."""
-        with self._open() as file:
-            if BEAMS not in file:
-                return ()
-            return tuple(read_beam(name, group) for name, group in file[BEAMS].items())
+        if self._beams is None:
+            with self._open() as file:
+                groups = file[BEAMS].items() if BEAMS in file else ()
+                self._beams = tuple(read_beam(name, group) for name, group in groups)
+        return self._beams
 
     def symbols(self) -> tuple[SymbolShape, ...]:
         """Return where joints, forces, sensors and named points are."""
@@ -202,6 +197,21 @@ class FileRecords:
             pass  # it is still this run
         with written(path) as beside:
             shutil.copyfile(self.path, beside)
+
+
+def _read_body(name: str, group: Any) -> BodyShape:
+    return BodyShape(
+        name=name,
+        kind=str(group.attrs["kind"]),
+        q_offset=int(group.attrs["q_offset"]),
+        v_offset=int(group.attrs["v_offset"]),
+        n=int(group.attrs["modes"]),
+        nodes=np.asarray(group["nodes"]),
+        elements=np.asarray(group["elements"]),
+        modes=np.asarray(group["mode_shapes"]),
+        mass=float(group.attrs["mass"]) if "mass" in group.attrs else None,
+        frame=read_frame(group),
+    )
 
 
 def _plain(value: Any) -> Any:
