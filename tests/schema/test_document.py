@@ -87,8 +87,34 @@ def test_json_with_tabs_is_read_with_lines():
                 "indent with blanks, not with tabs"
             ],
         ),
-        ("a: 1\nb: [1, 2\nc: 3\n", ["m.yaml:3: YAML syntax: expected ',' or ']', but got ':'"]),
-        ("a: 'x\n", ["m.yaml:2: YAML syntax: found unexpected end of stream"]),
+        (
+            "a: 1\nb: [1, 2\nc: 3\n",
+            [
+                "m.yaml:3: YAML syntax: expected ',' or ']', but got ':'; "
+                "the '[' opened in line 2 is not closed"
+            ],
+        ),
+        (
+            "# [ {\nname: it's [one]\nbodies: ['[', \"{\", {name: x, at: [0, 0]}\njoints: 3\n",
+            [
+                "m.yaml:4: YAML syntax: expected ',' or ']', but got '<scalar>'; "
+                "the '[' opened in line 3 is not closed"
+            ],
+        ),
+        (
+            '{"a": [1, 2],\n "b": {"c": 3\n',
+            [
+                "m.yaml:3: YAML syntax: expected ',' or '}', but got '<stream end>'; "
+                "the '{' opened in line 2 is not closed"
+            ],
+        ),
+        (
+            "a: 'x\n",
+            [
+                "m.yaml:2: YAML syntax: found unexpected end of stream; "
+                "the quote opened in line 1 is not closed"
+            ],
+        ),
         ("a: *b\n", ["m.yaml:1: YAML syntax: found undefined alias 'b'"]),
         ("a: !secret 1\n", ["m.yaml:1: a: unknown tag !secret"]),
         ("a: &a [*a]\n", ["m.yaml:1: a.0: refers to itself"]),

@@ -220,7 +220,10 @@ def test_what_the_mesh_does_not_have_is_said_at_once(folder: Path) -> None:
     text += "sets: {far: {box: {low: [5, 5, 5], high: [6, 6, 6]}}, left: right}\nstress: surfac\n"
     found = problems(folder, text)
     assert [item.partition(":")[0] for item in found] == ["4", "6", "7", "9", "9", "10"]
-    assert found[0] == "4: material: the library has no 'S3555'; did you mean 'S355'?"
+    assert found[0] == (
+        "4: material: the library has no 'S3555'; did you mean 'S355'?; jo.materials.names() lists "
+        "all of them"
+    )
     assert found[1] == "6: interfaces.0.nodes: the mesh has no set 'lefft'; did you mean 'left'?"
     assert found[2].startswith("7: interfaces.1.nodes.hole: no hole of 60 mm; the mesh has 1 hole")
     assert "holds no node of the mesh, which spans (0, 0, 0) to (400, 100, 20) mm" in found[3]

@@ -81,9 +81,9 @@ def test_a_machine_that_falls_over_needs_no_other_method():
 @pytest.mark.parametrize(
     "make,method,why",
     [
-        (pendulum, jo.ROS2, "nothing in it asks"),
+        (pendulum, jo.ROS2, "the default"),
         (strip, jo.GeneralizedAlpha, "exact beams"),
-        (lambda: rubbing(0.5), jo.ROS2, "nothing in it asks"),
+        (lambda: rubbing(0.5), jo.ROS2, "the default"),
         (lambda: hung(2e7), jo.ROS2, "fast for a step"),
         (lambda: hung(1e9), jo.GeneralizedAlpha, "too fast for ROS2"),
         (lambda: rubbing(1e-3), jo.ROS2, "friction or dampers are steep"),
@@ -125,7 +125,7 @@ def test_print_says_which_method_and_why(tmp_path):
         assert "3 instants" in repr(found) and "GeneralizedAlpha(step=0.001, ...)" in repr(found)
         text = str(found)
         assert text.startswith(repr(found))
-        assert f"solver {run.attributes['solver']}, since {run.attributes['chosen']}" in text
+        assert f"solver {run.attributes['solver']}, {run.attributes['chosen']}" in text
         assert run.energy.verdict in text
     own = str(jo.simulate(model, 0.002, solver=jo.GeneralizedAlpha(1e-3)))
     assert "solver GeneralizedAlpha(step=0.001" in own and "since" not in own

@@ -279,7 +279,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
         solver = settings.solver
         if solver is None:
             solver, reason = choose(compiled, settings.t_end, settings.output_step)
-            facts([("solver", f"{solver}, since {reason}")])
+            facts([("solver", f"{solver}, {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
         if compiled.fmus:
             from jousto.simulation.foreign.requirements import check_coupling

@@ -119,7 +119,11 @@ def material(name: str) -> Material:
     keys |= {_key(alias): known for alias, known in _ALIASES.items()}
     if _key(str(name)) not in keys:
         raise InputError(
-            Problem("material", f"the library has no '{name}'{suggest(name, (*_TABLE, *_ALIASES))}")
+            Problem(
+                "material",
+                f"the library has no '{name}'{suggest(name, (*_TABLE, *_ALIASES))}; "
+                "jo.materials.names() lists all of them",
+            )
         )
     found = keys[_key(str(name))]
     E, nu, rho, source = _TABLE[found]

@@ -97,9 +97,14 @@ class Diagnosis:
         out: list[tuple[str, str]] = []
         if self.mobility is not None:
             text = f"{count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
-            text += count(self.mobility, "free motion")
-            if self.rigid_mobility is not None and self.rigid_mobility != self.mobility:
-                text += f", {self.rigid_mobility} if the bodies were rigid"
+            elastic = self.mobility - (
+                self.mobility if self.rigid_mobility is None else self.rigid_mobility
+            )
+            if elastic:
+                text += f"{count(self.mobility - elastic, 'motion')} as a mechanism"
+                text += f", plus {count(elastic, 'elastic mode')}"
+            else:
+                text += count(self.mobility, "free motion")
             out.append(("mobility", text))
         if self.driven:
             out.append(("moves as driven", ", ".join(self.driven)))

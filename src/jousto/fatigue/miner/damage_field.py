@@ -191,7 +191,7 @@ class DamageField(Tabular):
         mean = "as it is" if self.mean is None else str(self.mean)
         required = f", required {told(self.required)}"
         if self.once:
-            required = ", safety of one pass of it (give the life required for that of a life)"
+            required = " once, which the safety is for; give the life required for that of a life"
         return [
             ("body", f"{self.body}, {len(self)} places, {self.pruned} below the endurance limit"),
             ("stress", f"{self.criterion}, mean stress: {mean}"),

@@ -41,10 +41,10 @@ def certificate_lines(found: Found) -> list[str]:
         total = float(c.places) * c.instants
         worked = c.knots + c.full
         few = f"; {worked:.3g} of {total:.3g} values worked out" if worked < total else ""
+        bounded = f", {c.pruned} ({share:.1f} %) by an upper bound over the run" if c.pruned else ""
         lines.append(
-            f"'{name}': {c.places} places x {c.instants} stored instants; {c.pruned} places "
-            f"({share:.1f} %) pruned by the bound over the run, {c.visited} looked at window by "
-            f"window, {c.complete} to the end{few}"
+            f"'{name}': all {c.places} places were checked at all {c.instants} stored instants"
+            f"{bounded}{few}"
         )
         if c.pruned and np.isfinite(c.best_pruned):
             lines.append(f"  the largest bound of a pruned place is {_bound(found, c.best_pruned)}")

@@ -137,7 +137,10 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark is not None else 1
-        raise InputError(Problem(f"{name}:{line}", syntax_hint(error, text, line))) from None
+        column = mark.column if mark is not None else 0
+        raise InputError(
+            Problem(f"{name}:{line}", syntax_hint(error, text, line, column))
+        ) from None
     except YAMLError as error:
         raise InputError(Problem(name, f"cannot be read: {error}")) from None
     except RecursionError:
@@ -158,7 +161,7 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
     return Document(name, text, data, reader.lines, folder or Path())
 
 
-def syntax_hint(error: Any, text: str, line: int) -> str:
+def syntax_hint(error: Any, text: str, line: int, column: int) -> str:
     """Return a YAML syntax error as one sentence."""
     message = str(error.problem or error.context or "cannot be read")
     if message.startswith("but found"):
@@ -166,13 +169,49 @@ def syntax_hint(error: Any, text: str, line: int) -> str:
     lines = text.splitlines()
     content = lines[line - 1] if 0 < line <= len(lines) else ""
     hint = ""
-    if "\\t" in message or "\t" in content[: len(content) - len(content.lstrip())]:
+    opening = unclosed(lines[: line - 1] + [content[:column]])
+    if opening is not None:
+        hint = f"; the {opening[0]} opened in line {opening[1]} is not closed"
+    elif "\\t" in message or "\t" in content[: len(content) - len(content.lstrip())]:
         hint = "; indent with blanks, not with tabs"
     elif "mapping values are not allowed" in message:
         hint = "; check the indentation and put text with a colon in quotes"
     elif "could not find expected ':'" in message or "expected <block end>" in message:
         hint = "; check the indentation and the brackets"
     return f"YAML syntax: {message}{hint}"
+
+
+# comments, texts in quotes and brackets; quotes within a word are none
+SIGNS = re.compile(
+    r"""(?:^|(?<=\s))\#.*|(?<![^\s\[{,:])'(?:[^']|'')*(?:'|\Z)|(?<![^\s\[{,:])"(?:\\.|[^"\\])*(?:"|\Z)"""
+    r"""|[\[\]{}]""",
+    re.M,
+)
+PAIRS = {"]": "[", "}": "{"}
+
+
+def unclosed(lines: Sequence[str]) -> tuple[str, int] | None:
+    """Return the innermost bracket or quote that is open at the end of lines, and its line.
+
+    Examples
+    --------
+    >>> unclosed(["bodies: # [", "  - {name: 'a}', at: [0, 0, 0]", "  "])
+    ("'{'", 2)
+    """
+    text = "\n".join(lines)
+    opened: list[tuple[str, int]] = []
+    for found in SIGNS.finditer(text):
+        sign, line = found[0], text.count("\n", 0, found.start()) + 1
+        if sign in ("[", "{"):
+            # in plain text of a block a bracket is a letter
+            if opened or text[: found.start()].rstrip(" ")[-1:] in ("", "\n", ":", "-"):
+                opened.append((f"'{sign}'", line))
+        elif sign in PAIRS:
+            if opened and opened[-1][0] == f"'{PAIRS[sign]}'":
+                opened.pop()
+        elif sign[0] in "'\"" and (len(sign) == 1 or sign[-1] != sign[0]):
+            opened.append(("quote", line))
+    return opened[-1] if opened else None
 
 
 class _Reader:

@@ -129,7 +129,7 @@ class Solution(Mapping[str, Array]):
         ended = str(self.attributes.get("ended", "still running or killed"))
         lines = [repr(self)]
         if self._solver:
-            lines.append(f"solver {self._solver}" + (f", since {reason}" if reason else ""))
+            lines.append(f"solver {self._solver}" + (f", {reason}" if reason else ""))
         with suppress(InputError):  # a file that is gone
             lines.append(f"{ended}; {self.energy.verdict}")
         return "\n".join(lines)

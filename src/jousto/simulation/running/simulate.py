@@ -149,7 +149,7 @@ def simulate(
     start, reason = 0.0 if state is None else state.time, ""
     if solver is None:
         solver, reason = choose(model, t_end, output_step, start)
-        log.info("%s: %r, since %s", model.name, solver, reason)
+        log.info("%s: %r, %s", model.name, solver, reason)
     plan = schedule(model, t_end, solver, output_step, start)
     check_trust(model)
     check_coupling(model, solver, plan, state, inputs)
@@ -473,7 +473,7 @@ def describe(solution: Solution) -> dict[str, Any]:
         "instants": solution.nt,
         "end of the run (s)": float(solution.time[-1]) if solution.nt else 0.0,
         "ended": solution.attributes.get("ended", "still running or killed"),
-        "solver": solution.attributes["solver"] + (f", since {chosen}" if chosen else ""),
+        "solver": solution.attributes["solver"] + (f", {chosen}" if chosen else ""),
         "steps": int(solution.work.steps[-1]) if solution.nt else 0,
         "wall time (s)": solution.attributes.get("wall_time", float("nan")),
         "real-time factor": solution.attributes.get("real_time_factor", float("nan")),

@@ -42,22 +42,24 @@ def choose(
 
     plain, implicit = ROS2(), GeneralizedAlpha()
     if model.beams:
-        return implicit, "it has exact beams"
+        return implicit, "since it has exact beams"
     chosen = plain
     while excess(model, chosen, step(chosen)) * (t_end - start) > ALLOWED:
         if chosen.step < 2.0 * SHORT:
-            return implicit, "it has springs or bushings that are too fast for ROS2"
+            return implicit, "since it has springs or bushings that are too fast for ROS2"
         chosen = ROS2(step=0.5 * chosen.step)
     if chosen is not plain:
-        reason = "it has springs or bushings that are fast for a step of 1 ms"
+        reason = "since it has springs or bushings that are fast for a step of 1 ms"
         return _for_friction(model, _for_stops(model, chosen), step), reason
     chosen = _for_stops(model, plain)
     if chosen is not plain:
-        return _for_friction(model, chosen, step), "blows on its stops are short for a step of 1 ms"
+        return _for_friction(
+            model, chosen, step
+        ), "since blows on its stops are short for a step of 1 ms"
     chosen = _for_friction(model, plain, step)
     if chosen is not plain:
-        return chosen, "its friction or dampers are steep for a step of 1 ms"
-    return plain, "nothing in it asks for another one"
+        return chosen, "since its friction or dampers are steep for a step of 1 ms"
+    return plain, "the default"
 
 
 def _for_stops(model: Model, chosen: ROS2) -> ROS2:
