@@ -136,8 +136,10 @@ def marker_rotation(patch: Patch) -> None:
     """Markers at flexible nodes turn the other way."""
     made = builder.MarkerModel
 
-    def wrong(body: int, turns: bool, u0: Any, A0: Any, Phi: Any, Psi: Any, chi: Any) -> Any:
-        return made(body, turns, u0, A0, Phi, None if Psi is None else -Psi, chi)
+    def wrong(
+        body: int, turns: bool, u0: Any, A0: Any, Phi: Any, Psi: Any, chi: Any, **more: Any
+    ) -> Any:
+        return made(body, turns, u0, A0, Phi, None if Psi is None else -Psi, chi, **more)
 
     patch.setattr(builder, "MarkerModel", wrong)
 

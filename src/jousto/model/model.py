@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
+from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.sensors.rule import MeterRule
 from jousto.model.beam_record import BeamShape
@@ -102,7 +103,8 @@ class MarkerModel:
     """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
 
     `turns` means that its orientation matters in every evaluation, not only for sensors; `chi`
-    (6, n, n) is its second-order translation and rotation, with stiffening.
+    (6, n, n) is its second-order translation and rotation, with stiffening. `site` is the marker
+    that was declared, which knows the part; None for one that a program adds.
     """
 
     body: int
@@ -112,6 +114,7 @@ class MarkerModel:
     Phi: Array | None
     Psi: Array | None
     chi: Array | None = None
+    site: Marker | None = None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from jousto.base.rotations import exp_rotation, parse_orientation, rotation_matr
 
 if TYPE_CHECKING:
     from jousto.reduction.points import Followed as Followed
+    from jousto.reduction.reduced import ReducedPart
 
 
 class Placed(Protocol):
@@ -127,9 +128,14 @@ class Marker:
         reduced = getattr(self.body, "reduced", None)
         if reduced is None or self.site is None or reduced.stiffening is None:
             return None
+        return self.second_order(reduced)
+
+    def second_order(self, reduced: ReducedPart) -> Array:
+        """Return its second-order displacement (6, n, n) by the stiffening of a part."""
         if self.followed is not None:
             return floats(self.followed.second_order(reduced))
         field = reduced.stiffening
+        assert field is not None and self.node is not None
         return np.concatenate([field.translations[self.node], field.rotations[self.node]])
 
     @property

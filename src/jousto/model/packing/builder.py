@@ -77,7 +77,8 @@ class Builder:
             if turns:
                 self.markers[place] = replace(self.markers[place], turns=True, Psi=Psi)
             return place
-        self.markers.append(MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None, chi))
+        made = MarkerModel(body, turns, u0, A0, Phi, Psi if turns else None, chi, site=marker)
+        self.markers.append(made)
         if shared:
             self._places[key] = len(self.markers) - 1
         return len(self.markers) - 1

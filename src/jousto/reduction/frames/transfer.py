@@ -66,7 +66,7 @@ def same_motion(
     rate = problems.array(where, "v", v, (6 + old.n,))
     problems.raise_if_any()
     assert state is not None and rate is not None
-    t, theta, T = _between(old, new, where)
+    t, theta, T = relative_motion(old, new, where)
     A, p, dp = rotation_matrix(state[3:7]), state[7:], rate[6:]
     turn, spin = theta @ p, theta @ dp
     B = exp_rotation(turn)
@@ -77,7 +77,7 @@ def same_motion(
     return moved, np.concatenate([dR, w, T @ dp])
 
 
-def _between(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Array, Array, Array]:
+def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Array, Array, Array]:
     """Return t, theta (3, n) and T (n', n) of the old modes in the new ones."""
     same = old.nodes.shape == new.nodes.shape and np.allclose(old.nodes, new.nodes)
     if not same:

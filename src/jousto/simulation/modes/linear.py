@@ -16,6 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
 
 Eigenvalues = NDArray[np.complex128]
@@ -336,6 +337,8 @@ def modes(
     follow the bodies K is not symmetric and modes may come as pairs that flutter: one decays, the
     other grows (damping below 0). Damped:
     eigenvalues of the linearised motion at the velocities of the state, gyroscopic terms included.
+    What loads along a modal body and its spin add to its stiffness or take from it counts, whether
+    its part was reduced with ``stiffening=True`` or not.
 
     Parameters
     ----------
@@ -356,6 +359,12 @@ def modes(
     ------
     InputError
         If a body or joint is singular at the state.
+
+    Warns
+    -----
+    JoustoWarning
+        The state turns and `damped` is False, or loads change the stiffness of a body whose part
+        comes from matrices or from a file without stiffening.
     """
     from jousto.simulation.modes.large import MANY, USUAL, large_modes
 
@@ -363,20 +372,21 @@ def modes(
         problems = Problems()
         problems.number("modes", "count", count, "", "1 or more", lambda x: x >= 1)
         problems.raise_if_any()
+    loaded = where_noticed(model, state, f"modes of {model.name!r}")
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
     if model.nv + model.nrow > MANY:
-        found, x = large_modes(model, state, damped, count or USUAL)
+        found, x = large_modes(loaded, state, damped, count or USUAL)
         if not damped:
             _warn_turning(model, state, found)
         return _modes(model, state, found, x)
     if damped:
-        t = tangent(model, state)
+        t = tangent(loaded, state)
         N, f = t.N, t.N.shape[1]
         values, vectors = np.linalg.eig(np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]))
         keep = values.imag >= 0.0
         eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
     else:
-        rest = at_rest(model, state)
+        rest = at_rest(loaded, state)
         N, (squares, free) = rest.N, stiffness_modes(rest)
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)

@@ -23,6 +23,7 @@ class Spin:
 
     def __init__(self, model: Model, index: int) -> None:
         body = model.bodies[index]
+        self.index = index
         start = 1 + model.nq + body.iv + 3
         self._name = body.name
         self._columns = slice(start, start + 3)
@@ -38,10 +39,14 @@ class Spin:
         w = rows[:, self._columns]
         return float(np.einsum("ti,ti->t", w @ self._shape, w).max(initial=0.0))
 
+    def share(self, squared: float) -> float:
+        """Return the spin over the lowest natural frequency of the body."""
+        return float(np.sqrt(squared)) / self._lowest
+
     def sentence(self, squared: float) -> str:
         """Return what is wrong with such a spin and what to do, empty if nothing is."""
         speed = float(np.sqrt(squared))
-        share = speed / self._lowest
+        share = self.share(squared)
         if share < LIMIT:
             return ""
         return (

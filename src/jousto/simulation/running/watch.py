@@ -1,4 +1,4 @@
-"""RunWatch: what a run missed in its energy balance, its joints and its spins."""
+"""RunWatch: what a run misses in its energy balance and joints, and how bodies spin and bend."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.rank.redundancy import disagreement
 from jousto.simulation.results.diagnostics import FAIR, STEADY
+from jousto.simulation.running.bent import bends
 from jousto.simulation.running.spin import spins
 
 SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
@@ -39,6 +40,8 @@ class RunWatch:
         self._open: NDArray[np.float64] | None = None  # the row with the largest gap
         self._spins = spins(model)
         self._turning = [0.0] * len(self._spins)
+        self._bends = bends(model)
+        self._bent = [0.0] * len(self._bends)
 
     def see(self, rows: NDArray[np.float64]) -> None:
         """Look at rows of the engine."""
@@ -53,6 +56,8 @@ class RunWatch:
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         for k, spin in enumerate(self._spins):
             self._turning[k] = max(self._turning[k], spin.squared(rows))
+        for k, bend in enumerate(self._bends):
+            self._bent[k] = max(self._bent[k], bend.furthest(rows))
         gaps = rows[:, self._gaps]
         if gaps.max() > self._gap:
             self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
@@ -88,6 +93,9 @@ class RunWatch:
         where = f"simulate {self._model.name!r}"
         for spin, squared in zip(self._spins, self._turning, strict=True):
             if sentence := spin.sentence(squared):
+                warn(where, sentence)
+        for bend, turn in zip(self._bends, self._bent, strict=True):
+            if sentence := bend.sentence(turn):
                 warn(where, sentence)
         low, high = self._extremes()
         exchanged = sum(high[name] - low[name] for name in places("jo_energies"))

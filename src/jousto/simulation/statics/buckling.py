@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Any
 
 import numpy as np
 import scipy.linalg as sl
+import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 from numpy.typing import ArrayLike, NDArray
 
@@ -18,6 +21,7 @@ from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, displaced
 from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import DENSE
+from jousto.simulation.second_order import with_second_order
 from jousto.simulation.state import State
 from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.beam_strains import beam_strains
@@ -30,7 +34,10 @@ from jousto.simulation.statics.walk import Walk
 # unequal elements split equal loads by their own errors (rings: up to 3e-3), and by round-off
 NEARLY = 1e-2
 REACH = 1.5  # the path goes on to so many times the highest load of the linear theory
-FAR = 1e9  # of the lowest load: infinite
+FAINT = 1e-15  # of the largest 1/load: round-off, an infinite load
+WIDE = 1e4  # ratio of neighbouring loads: the lower ones are of motions that hardly anything holds
+LOW = 1e-2  # of a value beyond such loads: they end there
+HELD = 1e-14  # of the largest stiffness: what round-off leaves of that against rigid motions
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +102,9 @@ def buckling(
     a ring, are split so by the errors of the elements, and with a stiffness that small beside its
     fellows' nothing is safe. Other pairs are `left_out`, with a warning.
 
+    Modal bodies always stiffen and soften here, whether their parts were reduced with
+    ``stiffening=True`` or not.
+
     Parameters
     ----------
     model : Model
@@ -119,7 +129,8 @@ def buckling(
     Raises
     ------
     InputError
-        If the parameter does not exist or the values make no sense.
+        If the parameter does not exist, the values make no sense, or a modal body cannot stiffen:
+        its part comes from matrices or from a file without stiffening.
     PathFailed
         If there is no equilibrium to begin with.
     """
@@ -132,6 +143,7 @@ def buckling(
     if to is not None:
         problems.number(where, "to", to, "")
     problems.raise_if_any()
+    model = with_second_order(model, where)
     given = to is not None
     if method == "linear" or to is None:
         balance = Balance(model, parameter, state, axis=axis, point=point, where=where)
@@ -168,21 +180,17 @@ def buckling(
 
 def _linear(balance: Balance, start: float, count: int) -> Buckling:
     at = Walk(balance, start, start + 1.0).begin()
-    lu = factor(balance, at)
-    step = -lu.solve(balance.push(at.q, at.lam, at.value))
-    slope = _rate(balance, at, step)
-    n, nv = balance.size, balance.model.nv
-    if n <= DENSE:
-        values, vectors = sl.eig(-lu.solve(slope.toarray()))
-    else:
-        inverse = spl.LinearOperator((n, n), matvec=lambda x: -lu.solve(slope @ x), dtype=float)
-        seed = np.random.default_rng(7).standard_normal(n)
-        wanted = min(4 * count + 8, n - 2)
-        values, vectors = spl.eigs(inverse, k=wanted, which="LM", v0=inverse @ seed)
-    loads, shapes, left_out = _sorted(values, vectors[:nv], count)
-    if len(left_out):
-        A = balance.matrix(at.q, at.lam, at.value)
-        left_out = left_out[[_known(A, slope, s) for s in left_out]]
+    step = -factor(balance, at).solve(balance.push(at.q, at.lam, at.value))
+    pencil = _Pencil(_held(balance, at), _rate(balance, at, step))
+    nv = balance.model.nv
+    found, vectors = pencil.near(0.0, count)
+    gap = _gap(found)
+    if gap:
+        further, beyond = pencil.near(gap, count)
+        soft, firm = np.abs(found) < LOW * gap, np.abs(further) >= LOW * gap
+        found = np.concatenate([found[soft], further[firm]])
+        vectors = np.hstack([vectors[:, soft], beyond[:, firm]])
+    loads, shapes, left_out = _sorted(found, vectors[:nv], count, pencil.knows)
     drawn = pictures(balance.model, at.q, local(balance.model, at.q, shapes))
     if len(left_out):
         pairs = ", ".join(f"{start + x.real:.4g} +- {x.imag:.3g}i" for x in left_out[:3])
@@ -203,18 +211,97 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
     )
 
 
-def _sorted(values: Any, vectors: Any, count: int) -> tuple[Array, Array, NDArray[np.complex128]]:
-    """Return real loads, their shapes, and the complex loads left out, of eigenvalues 1/load.
+def _held(balance: Balance, at: Point) -> Any:
+    """Return the tangent matrix with the stiffness of its own round-off against every motion.
+
+    The sum of its rows over all nodes, which is the stiffness of rigid motions, is no better known
+    than ``eps max|K|``: softer springs let forces that are round-off move everything. With the
+    metric D of `Balance.metric`, ``K + HELD max|K| / sum(D) D`` moves by a little less than the
+    bodies deform.
+    """
+    nv = balance.model.nv
+    A = balance.matrix(at.q, at.lam, at.value)
+    metric = balance.metric(at.q, at.lam, at.value)
+    added = np.zeros(A.shape[0])
+    added[:nv] = HELD * float(abs(A[:nv, :nv]).max()) / metric.sum() * metric
+    return (A + sp.diags(added)).tocsc()
+
+
+class _Pencil:
+    """``(A + s A') x = 0``: the tangent matrix and its rate.
+
+    Parameters
+    ----------
+    A, slope : sparse matrices (n, n)
+    """
+
+    def __init__(self, A: Any, slope: Any) -> None:
+        self.A, self.slope = A, slope
+
+    def near(self, about: float, count: int) -> tuple[Any, Any]:
+        """Return loads s (k,) next to a value and x (n, k), of small ones all; inf for none."""
+        n = self.A.shape[0]
+        lu = spl.splu((self.A + about * self.slope).tocsc())
+        if n <= DENSE:
+            values, vectors = sl.eig(-lu.solve(self.slope.toarray()))
+        else:
+            inverse = spl.LinearOperator(
+                (n, n), matvec=lambda x: -lu.solve(self.slope @ x), dtype=float
+            )
+            seed = np.random.default_rng(7).standard_normal(n)
+            wanted = min(4 * count + 8, n - 2)
+            values, vectors = spl.eigs(inverse, k=wanted, which="LM", v0=inverse @ seed)
+        finite = np.abs(values) > FAINT * np.abs(values).max(initial=0.0)
+        return np.where(finite, about + 1.0 / np.where(finite, values, 1.0), np.inf), vectors
+
+    def knows(self, s: complex) -> bool:
+        """Return whether s is a load, and round-off leaves it to `NEARLY`.
+
+        By inverse iteration next to s the load there is ``-y A x / y A' x``, and its condition
+        ``|y| (|A| + |s A'|) |x| / |s y A' x|`` is one that units leave (Higham and Higham, SIAM J.
+        Matrix Anal. Appl. 20 (1998) 493-512). Where the determinant does not depend on s, solvers
+        return infinite loads as huge ones; where only round-off holds a motion, its own as tiny
+        ones, and those of other motions beside them wrong.
+        """
+        A, slope = self.A, self.slope
+        near: Any = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
+        back = slope.conj().T.tocsc()
+        x = y = np.random.default_rng(7).standard_normal(A.shape[0]).astype(complex)
+        for _ in range(2):
+            x, y = near.solve(slope @ x), near.solve(back @ y, "H")
+            x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+        rate = y.conj() @ (slope @ x)
+        size = abs(y) @ ((abs(A) + abs(s) * abs(slope)) @ abs(x))
+        missed = abs(y.conj() @ (A @ x) + s * rate)
+        return bool(np.finfo(float).eps * size + missed < NEARLY * abs(s * rate))
+
+
+def _gap(loads: Any) -> float:
+    """Return a value beyond loads that are next to nothing beside the others; 0 without such.
+
+    Motions that soft springs hold have loads so small that next to 0 all others are lost.
+    """
+    ascending = np.sort(np.abs(loads[np.isfinite(loads) & (loads != 0.0)]))
+    if len(ascending) < 2:
+        return 0.0
+    ratios = ascending[1:] / ascending[:-1]
+    wide = np.flatnonzero(ratios > WIDE)
+    return 0.7 * float(ascending[wide[0] + 1]) if len(wide) else 0.0
+
+
+def _sorted(
+    loads: Any, vectors: Any, count: int, known: Callable[[complex], bool]
+) -> tuple[Array, Array, NDArray[np.complex128]]:
+    """Return real loads, their shapes, and the complex loads left out, of all that were found.
 
     A nearly real pair is two loads; its shapes are an orthonormal basis of the plane of the
     eigenvectors' real and imaginary parts.
     """
-    finite = np.abs(values) > np.abs(values).max(initial=0.0) / FAR
-    loads = np.where(finite, 1.0 / np.where(finite, values, 1.0), np.inf)
-    ahead = finite & (loads.real > 0.0)
+    ahead = np.isfinite(loads) & (loads.real > 0.0)
     nearly = ahead & (np.abs(loads.imag) <= NEARLY * np.abs(loads))
-    chosen = np.flatnonzero(nearly)
-    chosen = chosen[np.lexsort((loads[chosen].imag, loads[chosen].real))][:count]
+    places = np.flatnonzero(nearly)
+    order = places[np.lexsort((loads[places].imag, loads[places].real))]
+    chosen = list(islice((i for i in order if known(loads[i])), count))
     shapes = np.zeros((len(vectors), len(chosen)))
     for k, i in enumerate(chosen):
         x = vectors[:, i]
@@ -224,21 +311,8 @@ def _sorted(values: Any, vectors: Any, count: int) -> tuple[Array, Array, NDArra
     others = others[np.argsort(np.abs(others))][:count]
     if len(chosen) == count:
         others = others[np.abs(others) < loads[chosen[-1]].real]
+    others = others[[known(s) for s in others]] if len(others) else others
     return loads[chosen].real, shapes, others
-
-
-def _known(A: Any, slope: Any, s: complex) -> bool:
-    """Return whether round-off leaves ``(A + s A') x = 0`` its s to NEARLY.
-
-    By the condition ``|y| (|A| + |s A'|) |x| / |s y A' x|`` of s, which units leave (Higham and
-    Higham, SIAM J. Matrix Anal. Appl. 20 (1998) 493-512). Where the determinant does not depend
-    on s, solvers return infinite loads as huge ones.
-    """
-    near: Any = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
-    seed = np.random.default_rng(7).standard_normal(A.shape[0]).astype(complex)
-    x, y = near.solve(near.solve(seed)), near.solve(near.solve(seed, "H"), "H")
-    size = abs(y) @ ((abs(A) + abs(s) * abs(slope)) @ abs(x))
-    return bool(np.finfo(float).eps * size < NEARLY * abs(s * (y.conj() @ (slope @ x))))
 
 
 def _rate(balance: Balance, at: Point, step: Array) -> Any:

@@ -13,6 +13,7 @@ from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.running.bent import warn_far
 from jousto.simulation.state import State
+from jousto.simulation.statics.left_out import check_second_order
 from jousto.simulation.statics.settle import settle
 
 ITERATIONS = 100
@@ -49,16 +50,20 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
     ------
     SimulationError
         If there is none, or it is not found; the message distinguishes both and names the body.
+        If a linear body would buckle there: the loads beyond a critical one are no rest.
     InputError
         If a body or joint is singular at some position on the way.
 
     Warns
     -----
     JoustoWarning
-        A body with modes bends by more than they, which are linear, can follow.
+        A body with modes bends by more than they, which are linear, can follow, or a part without
+        ``stiffening=True`` bends otherwise by per cents where loads stiffen or soften it.
     """
     found = _rest(model, state, tolerance)
-    warn_far(model, found.q, f"equilibrium of {model.name!r}")
+    where = f"equilibrium of {model.name!r}"
+    far = warn_far(model, found.q, where)
+    check_second_order(model, found, where, told=far)
     return found
 
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.errors import Problems
 from jousto.model.model import Model
+from jousto.simulation.second_order import with_second_order
 from jousto.simulation.state import State
 from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.load_paths import ArcLength, LoadPath
@@ -38,7 +39,9 @@ def load_path(
     tangent, at given loads (``method="load"``) or at given distances along the path
     (``method="arc"``), which passes limit points where the load turns back (snap-through) and
     points where displacements turn back (snap-back). Steps are halved where Newton fails. Points
-    where a mode of the tangent stiffness turns unstable are found by bisection.
+    where a mode of the tangent stiffness turns unstable are found by bisection. Modal bodies
+    always stiffen and soften here, whether their parts were reduced with ``stiffening=True`` or
+    not; a run that begins at a state of the path needs parts that were.
 
     Parameters
     ----------
@@ -72,7 +75,8 @@ def load_path(
     Raises
     ------
     InputError
-        If the parameter does not exist or the values make no sense.
+        If the parameter does not exist, the values make no sense, or a modal body cannot stiffen:
+        its part comes from matrices or from a file without stiffening.
     PathFailed
         If no equilibrium is found; it has the path so far and names the body that moves.
     """
@@ -90,6 +94,7 @@ def load_path(
     elif branch and arc is None:
         problems.add(where, "branch needs method='arc': a branch cannot be entered at a given load")
     problems.raise_if_any()
+    model = with_second_order(model, where)
     balance = Balance(model, parameter, state, axis=axis, point=point, speed=speed)
     first = balance.value if start is None else float(start)
     if first == to:

@@ -11,7 +11,8 @@ from jousto.base.arguments import explained
 from jousto.base.errors import Problems, SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
-from jousto.simulation.state import State
+from jousto.simulation.second_order import where_noticed
+from jousto.simulation.state import State, take
 from jousto.simulation.statics.balance import SPEED, Balance
 from jousto.simulation.statics.continuation import NoConvergenceError, Point, at_load
 from jousto.simulation.statics.walk import Walk
@@ -38,7 +39,8 @@ def steady_rotation(
     accelerations ``W x (W x (R - o))`` of that motion, by Newton's method with the exact tangent
     (centrifugal, geometric and gyroscopic terms). Where nothing drives the rotation the azimuth is
     kept. `modes` with ``damped=True`` about the state gives the frequencies in the turning frame,
-    so that `campbell` draws them over the speed.
+    so that `campbell` draws them over the speed. Modal bodies stiffen, whether their parts were
+    reduced with ``stiffening=True`` or not; a run that begins there needs parts that were.
 
     Parameters
     ----------
@@ -68,7 +70,15 @@ def steady_rotation(
     problems.number(where, "speed", speed, "rad/s")
     problems.number(where, "steps", steps, "", "1 or more", lambda x: x >= 1)
     problems.raise_if_any()
-    balance = Balance(model, SPEED, state, axis=axis, point=point, speed=float(speed), where=where)
+
+    def balanced(of: Model) -> Balance:
+        return Balance(of, SPEED, state, axis=axis, point=point, speed=float(speed), where=where)
+
+    balance = balanced(model)
+    turning = take(balance.at(balance.engine.q, balance.engine.lam, float(speed)))
+    stiffening = where_noticed(model, turning, where)
+    if stiffening is not model:
+        model, balance = stiffening, balanced(stiffening)
     walk = Walk(balance, 0.0, float(speed) or 1.0, int(steps))
     nrow = model.nrow + balance.gauge
     lam = np.concatenate([balance.engine.lam, np.zeros(int(balance.gauge))])[:nrow]

@@ -13,6 +13,7 @@ from jousto.base.errors import NotAnalytic
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.simulation.modes.linear import modes
+from jousto.simulation.second_order import as_in, where_noticed
 from jousto.simulation.state import State
 from jousto.simulation.statics.equilibrium import equilibrium
 
@@ -62,7 +63,10 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
     q = np.asarray(model.q0 if state is None else state.q)
     with plainly():
         zero = np.zeros(model.nv)
-        found = modes(plain, State(q.real.copy(), zero, np.zeros(model.nrow)))
+        about = State(q.real.copy(), zero, np.zeros(model.nrow))
+        found = modes(plain, about)
+        loaded = where_noticed(plain, about, "modes")
+    model = as_in(model, loaded)
     if number > len(found.frequencies):
         raise NotAnalytic(f"there are {len(found.frequencies)} modes only")
     squares = -(found.eigenvalues**2)

@@ -1,0 +1,68 @@
+"""stiffened: a reduced part with the second-order displacements that it was reduced without."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from jousto.base.errors import InputError, Problem
+from jousto.reduction.fields.stiffening import stiffening
+from jousto.reduction.frames.clamp import by_mean_axes
+from jousto.reduction.frames.transfer import relative_motion
+from jousto.reduction.frames.turned import Turn, turned_stiffening
+from jousto.reduction.reduced import ReducedPart
+
+_MADE: WeakKeyDictionary[ReducedPart, ReducedPart] = WeakKeyDictionary()
+
+
+def stiffened(reduced: ReducedPart) -> ReducedPart:
+    """Return the same modes with their second-order displacements, computed once for a part.
+
+    They are those of ``reduce(..., stiffening=True)``: of the modes in mean axes, seen from the
+    frame of the part.
+
+    Raises
+    ------
+    InputError
+        If the part does not know its finite element model, that model does not know its stress,
+        or the displacements need too much memory.
+    """
+    if reduced.stiffening is not None:
+        return reduced
+    if reduced not in _MADE:
+        _MADE[reduced] = _made(reduced)
+    return _MADE[reduced]
+
+
+def _made(reduced: ReducedPart) -> ReducedPart:
+    where = f"reduced part '{reduced.name}'"
+    part = reduced.source
+    if part is None:
+        message = (
+            "does not contain the mesh that it was reduced from (parts from files and those of "
+            "more than 30,000 degrees of freedom): reduce it with stiffening=True"
+        )
+        raise InputError(Problem(where, message))
+    if part.second_order is None:
+        message = (
+            "comes from matrices, which do not contain the stress that stiffens or softens it: "
+            "make the part of beams or solids, or cut it into several bodies fixed together"
+        )
+        raise InputError(Problem(where, message))
+    mean = by_mean_axes(reduced)
+    blocks = [mean.modes[: len(part.nodes)]]
+    if part.dofs_per_node == 6:
+        assert mean.rotations is not None
+        blocks.append(mean.rotations[: len(part.nodes)])
+    X = np.concatenate(blocks, axis=1).reshape(-1, mean.n)
+    framed = mean is not reduced
+    mean = replace(mean, stiffening=stiffening(part, X))
+    if not framed:
+        return mean
+    # reduced = mean V + t + theta x u0, so that the frame moves by -t V^-1 in the mean axes' modes
+    t, theta, V = relative_motion(reduced, mean, where)
+    back = np.linalg.inv(V)
+    field = turned_stiffening(mean, Turn(-t @ back, -theta @ back, V))
+    return replace(reduced, stiffening=field)
