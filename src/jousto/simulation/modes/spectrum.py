@@ -94,7 +94,9 @@ def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) ->
     """
     n, m = K.shape[0], C.shape[0]
     if dense if dense is not None else n + m <= DENSE:
-        N = null_basis(C, n)
+        # unknowns of unit mass: m, rad and modal coordinates are of no common size
+        unit = 1.0 / np.sqrt(M.diagonal())
+        N = unit[:, None] * null_basis(C @ sp.diags(unit), n)
         if not N.shape[1]:
             return Spectrum(np.zeros(0), np.zeros((n, 0)))
         k = N.T @ (K @ N)

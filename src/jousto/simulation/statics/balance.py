@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arrays import Array, skew
 from jousto.base.errors import Problems, suggest
@@ -19,6 +19,7 @@ from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
 
+LIGHT = 1e-12  # of the largest mass, inertia or modal mass: the least that counts
 FIXED = 1e-9  # of the size: a rotation that the joints allow
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
 
@@ -251,7 +252,11 @@ class Balance:
         arm = self.model.size / len(self.model.bodies)
         for b in self.model.bodies:
             out[b.iv + 3 : b.iv + 6] += out[b.iv : b.iv + 3].max() * arm**2
-        return np.asarray(np.maximum(out, 1e-12 * out.max()))
+        # masses, inertias and modal masses are of no common size: each kind has its own floor
+        kinds = _kinds(self.model)
+        most = np.zeros(3)
+        np.maximum.at(most, kinds, out)
+        return np.asarray(np.maximum(out, LIGHT * most[kinds]))
 
     def _matrix(self, engine: Engine) -> Any:
         """``[K, Cq^T; Cq, 0]`` without the border; K with the rates of a steady rotation."""
@@ -346,6 +351,11 @@ def turned(e: Any) -> Any:
         return rotation_matrix(e / np.linalg.norm(e))
     s, v = e[0], skew_any(e[1:])
     return np.eye(3) + 2.0 * s * v + 2.0 * v @ v
+
+
+def _kinds(model: Model) -> NDArray[np.intp]:
+    """Return 0, 1, 2 of the increments (nv,): travels, turns, modal coordinates."""
+    return np.concatenate([np.repeat([0, 1, 2], [3, 3, b.n]) for b in model.bodies])
 
 
 def _weights(model: Model) -> Array:
