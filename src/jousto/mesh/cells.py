@@ -54,22 +54,31 @@ class Cells:
         The elements' numbers in their file; counted from 1 by the mesh if not given.
     material : str
         Name of the material in the file, empty if it names none.
+    formulation : {"full", "reduced", "incompatible", "bbar"}
+        How the stiffness of solids is integrated, as the types of elements in a file say: at enough
+        points to be exact, at fewer (``hexahedron hexahedron20 wedge wedge15``; the first with
+        hourglass control), with nine incompatible modes, or with the mean change of volume
+        (``hexahedron`` both). See :meth:`Mesh.formulated`.
 
     Raises
     ------
     InputError
-        If the kind is unknown or the arrays do not fit it.
+        If the kind is unknown, the arrays do not fit it, or it has no such formulation.
     """
 
     kind: str
     nodes: Ints
     ids: Ints = ()  # type: ignore[assignment]
     material: str = ""
+    formulation: str = "full"
 
     def __post_init__(self) -> None:
         problems, where = Problems(), f"cells '{self.kind}'"
         if self.kind not in KINDS:
             problems.add(where, f"unknown kind; known: {', '.join(KINDS)}")
+        elif self.formulation not in solids.FORMULATIONS.get(self.kind, ("full",)):
+            known = ", ".join(solids.FORMULATIONS.get(self.kind, ("full",)))
+            problems.add(where, f"has no formulation '{self.formulation}'; it has {known}")
         problems.raise_if_any()
         nodes, ids = read_integers(self.nodes), read_integers(self.ids)
         if nodes is None or nodes.ndim != 2 or nodes.shape[1] != KINDS[self.kind]:

@@ -11,11 +11,11 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Ints
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.mesh.cells import Cells
 from jousto.mesh.grid import Grid
 from jousto.mesh.holes import Hole, find_holes
 from jousto.mesh.inspection import Finding, duplicates, inspect, merge_tolerance
 from jousto.mesh.picks import InBox, InCylinder, InSphere, Nearest, OnPlane, Pick, unit_vector
+from jousto.mesh.reference import FORMULATIONS
 from jousto.mesh.surface import face_normals
 
 
@@ -202,6 +202,30 @@ class Mesh(Grid):
         volume = None if self.cad_volume is None else self.cad_volume * factor**3
         return replace(self, nodes=self.nodes * factor, cad_volume=volume)
 
+    def formulated(self, formulation: str) -> Mesh:
+        """Return the mesh with another formulation of its elements, see :class:`Cells`.
+
+        Parameters
+        ----------
+        formulation : {"full", "reduced", "incompatible", "bbar"}
+            For all elements of the kinds that have it; the others stay as they are.
+
+        Raises
+        ------
+        InputError
+            If no element of the mesh has it.
+        """
+        having = {kind for kind, names in FORMULATIONS.items() if formulation in names}
+        if not any(c.kind in having for c in self.cells):
+            known = ", ".join(dict.fromkeys(x for names in FORMULATIONS.values() for x in names))
+            hint = f"only {', '.join(sorted(having))} have it" if having else f"known: {known}"
+            found = ", ".join(dict.fromkeys(c.kind for c in self.solids)) or "no solids"
+            where = f"mesh '{self.name}'"
+            message = f"no element has the formulation '{formulation}' ({hint}); it has {found}"
+            raise InputError(Problem(where, message))
+        cells = (replace(c, formulation=formulation) if c.kind in having else c for c in self.cells)
+        return replace(self, cells=tuple(cells))
+
     def solid(self) -> Mesh:
         """Return the mesh of the solid elements alone, without nodes that they do not use."""
         new = np.full(len(self.nodes) + 1, -1)  # the last one stands for the padding of faces
@@ -214,7 +238,7 @@ class Mesh(Grid):
         return Mesh(
             self.name,
             self.nodes[self.used],
-            tuple(Cells(c.kind, new[c.nodes], c.ids, c.material) for c in self.solids),
+            tuple(replace(c, nodes=new[c.nodes]) for c in self.solids),
             self.node_ids[self.used],
             sets,
             self.element_sets,
@@ -240,7 +264,7 @@ class Mesh(Grid):
         return Mesh(
             self.name,
             self.nodes[kept],
-            tuple(Cells(c.kind, new[c.nodes], c.ids, c.material) for c in self.cells),
+            tuple(replace(c, nodes=new[c.nodes]) for c in self.cells),
             self.node_ids[kept],
             {name: np.unique(new[old]) for name, old in self.node_sets.items()},
             self.element_sets,

@@ -17,6 +17,17 @@ from jousto.base.arrays import Array
 KINDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "wedge": 6, "wedge15": 15}
 """Kinds of solid elements with their number of nodes."""
 
+FORMULATIONS = {
+    "tetra": ("full",),
+    "tetra10": ("full",),
+    "hexahedron": ("full", "bbar", "incompatible", "reduced"),
+    "hexahedron20": ("full", "reduced"),
+    "wedge": ("full", "reduced"),
+    "wedge15": ("full", "reduced"),
+}
+"""How the stiffness of each kind may be formulated; see `jousto.parts.solids.bricks` for those of
+the brick of eight nodes."""
+
 CORNERS = {
     "tetra": "tetra",
     "tetra10": "tetra",
@@ -80,6 +91,14 @@ _DEGREES = {
     "wedge": ((2, 3), (4, 5), (2, 3)),
     "wedge15": ((4, 5), (8, 9), (2, 3)),
 }
+# degrees of the fewer points of Abaqus and CalculiX: C3D8R 1, C3D20R 2 x 2 x 2, C3D6 1 x 2,
+# C3D15 3 x 3; stiffness and stress only, the mass stays exact
+_REDUCED = {
+    "hexahedron": ((1, 1), (1, 1)),
+    "hexahedron20": ((3, 3), (3, 3)),
+    "wedge": ((1, 3), (1, 3)),
+    "wedge15": ((2, 5), (2, 3)),
+}
 PURPOSES = ("stiffness", "mass", "stress")
 FACES = {3: ("triangle", 4), 4: ("quad", 5), 6: ("triangle6", 4), 8: ("quad8", 5)}
 """Kinds of faces by their number of nodes, and the degree of their rule."""
@@ -128,14 +147,17 @@ def face_table(k: int, *, at_nodes: bool = False) -> Table:
 
 
 @cache
-def table(kind: str, purpose: str) -> Table:
+def table(kind: str, purpose: str, formulation: str = "full") -> Table:
     """Return the element at the points for "stiffness", "mass" or "stress".
 
     Stress is sampled where it is most accurate (the points of the reduced rule of quadratic
     elements), at as many points as the element has corners, but for the linear tetrahedron, whose
-    stress is constant.
+    stress is constant. Elements of reduced integration have fewer points.
     """
-    points, weights = rule(kind, *_DEGREES[kind][PURPOSES.index(purpose)])
+    degrees = _DEGREES[kind][PURPOSES.index(purpose)]
+    if formulation == "reduced" and purpose != "mass":
+        degrees = _REDUCED[kind][purpose == "stress"]
+    points, weights = rule(kind, *degrees)
     N, dN = shape_functions(kind, points)
     return Table(points, weights, N, dN)
 
@@ -151,7 +173,11 @@ def rule(kind: str, plane: int, axis: int) -> tuple[Array, Array]:
         X, w = get_quadrature(RefTet, plane if plane < 5 else plane + 1)
         return np.ascontiguousarray(X.T), w
     if corners in ("wedge", "triangle"):
-        X, w = get_quadrature(RefTri, plane)
+        # scikit-fem's smallest rule has three points
+        one = (np.full((2, 1), 1.0 / 3.0), np.array([0.5]))
+        X, w = get_quadrature(RefTri, plane) if plane > 1 else one
+    elif plane == 1:  # scikit-fem's smallest rule has two points
+        X, w = np.full((2, 1), 0.5), np.ones(1)
     else:
         x, wx = get_quadrature(RefLine, plane)
         X = np.stack([np.tile(x[0], x.size), np.repeat(x[0], x.size)])
@@ -159,7 +185,7 @@ def rule(kind: str, plane: int, axis: int) -> tuple[Array, Array]:
     if corners in ("triangle", "quad"):
         return np.ascontiguousarray(X.T), w
     # the product of a rule in the plane and one along the axis
-    z, wz = get_quadrature(RefLine, axis)
+    z, wz = get_quadrature(RefLine, axis) if axis > 1 else (np.full((1, 1), 0.5), np.ones(1))
     points = np.column_stack([np.tile(X.T, (z.size, 1)), np.repeat(z[0], w.size)])
     return points, np.outer(wz, w).ravel()
 

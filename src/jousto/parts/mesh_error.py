@@ -11,9 +11,9 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem
 from jousto.materials.orthotropic import elasticity
-from jousto.mesh.reference import gradients, table
+from jousto.mesh.reference import table
 from jousto.parts.solids.model import SolidGroup, SolidModel
-from jousto.parts.solids.stress import SolidStress, continuation, point_strains, strains_of
+from jousto.parts.solids.stress import SolidStress, block_strains, continuation, point_strains
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
@@ -121,7 +121,7 @@ def _group_error(
     model: SolidModel, group: SolidGroup, site: Ints, s: Array, X: Array
 ) -> tuple[Array, Array]:
     """Return the squared error (ne, n) of the elements of a group and their energy (n,)."""
-    t = table(group.kind, "stiffness")
+    t = table(group.kind, "stiffness", group.formulation)
     nq, n, k = len(t.weights), X.shape[1], group.nodes.shape[1]
     C = elasticity(model.materials[group.material])
     soft = np.linalg.inv(C)
@@ -131,16 +131,13 @@ def _group_error(
     for start in range(0, len(group), step):
         nodes = group.nodes[start : start + step]
         m = len(nodes)
-        G, detJ = gradients(t.dN, model.nodes[nodes])
-        D = np.matmul(G.reshape(m, 3 * nq, k), U[nodes]).reshape(m * nq, 3, 3, n)
         flat = np.empty((m * nq, 6, n))
-        strains_of(D, flat)
+        w = block_strains(model, group, nodes, U[nodes], "stiffness", flat)
         e = flat.reshape(m, nq, 6, n)
         own = np.einsum("ij,mqjn->mqin", C, e)
         # s* from the nodes
         given = np.matmul(t.N, s[site[nodes]].reshape(m, k, 6 * n)).reshape(m, nq, 6, n)
         away = given - own
-        w = t.weights * detJ
         squares[start : start + m] = np.einsum(
             "mq,mqin,ij,mqjn->mn", w, away, soft, away, optimize=True
         )
@@ -176,7 +173,7 @@ def place_errors(part: Part, d: Array) -> Array:
     V = np.diag([1.5, 1.5, 1.5, 3.0, 3.0, 3.0])
     V[:3, :3] -= 0.5
     for group in model.groups:
-        nq, n = len(table(group.kind, "stress").weights), X.shape[1]
+        nq, n = len(table(group.kind, "stress", group.formulation).weights), X.shape[1]
         C = elasticity(model.materials[group.material])
         step = max(1, BLOCK_BYTES // (8 * 6 * n * (nq + 3 * group.nodes.shape[1])))
         for start in range(0, len(group), step):
@@ -184,7 +181,7 @@ def place_errors(part: Part, d: Array) -> Array:
             strains = np.empty((len(chosen) * nq, 6, n))
             point_strains(model, group, chosen, X, strains)
             strains = np.matmul(
-                continuation(group.kind), strains.reshape(len(chosen), nq, 6 * n)
+                continuation(group.kind, group.formulation), strains.reshape(len(chosen), nq, 6 * n)
             ).reshape(len(chosen), -1, 6, n)
             at = site[group.material][group.nodes[chosen]]
             away = np.einsum("ij,mkjn->mkin", C, strains) - s[at]

@@ -13,6 +13,7 @@ from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.mesh.cells import LINES, SOLIDS, SURFACES, Cells, base, faces, mirrored
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.quality import volumes
+from jousto.mesh.readers.element_types import ElementType
 from jousto.mesh.surface import face_kind
 
 # coordinates and numbers of nodes and elements beyond these are damage
@@ -31,6 +32,8 @@ class RawCells:
     nodes: Ints  # (ne, k) node numbers
     ids: Ints  # (ne,) element numbers
     material: str = ""
+    formulation: str = "full"  # see Cells
+    type: str = ""  # its name in the file
 
 
 @dataclass
@@ -54,6 +57,15 @@ class RawMesh:
     either_sense: bool = False
     # unit of length in m, where the file says one
     length: float | None = None
+    # elements that are not quite what the file says, by type and what they become
+    replaced: Counter[tuple[str, ElementType]] = field(default_factory=Counter)
+    # whether the file has nodes or elements at all
+    seen: bool = False
+
+    def note(self, name: str, found: ElementType, number: int) -> None:
+        """Note elements of a type of the file that is replaced by another."""
+        if found.replaced:
+            self.replaced[name, found] += number
 
     def numbers(self, nodes: bool) -> Ints:
         """Return the numbers of all nodes, or of all elements."""
@@ -81,7 +93,8 @@ class RawMesh:
             else:
                 if self.either_sense:
                     found = right_handed(block.kind, found, nodes)
-                blocks.append(Cells(block.kind, found, block.ids, block.material))
+                how = (block.material, block.formulation)
+                blocks.append(Cells(block.kind, found, block.ids, *how))
         problems.raise_if_any()
         if not blocks and self.unread:
             types = some([f"{name} ({number})" for name, number in self.unread.most_common()])
@@ -108,6 +121,7 @@ class RawMesh:
         for title, members in more.items():
             node_sets.setdefault(title, members)
         surfaces |= self._side_sets(blocks, where)
+        self._say_replaced(where, any(block.kind in SOLIDS for block in blocks))
         return Mesh(name, nodes * factor, tuple(blocks), ids, node_sets, elements, surfaces)
 
     def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Array]:
@@ -154,22 +168,37 @@ class RawMesh:
         for title, name in self.materials.items():
             members = joined(self.element_sets.get(title, []), ids)
             material[name] = np.union1d(material.get(name, np.zeros(0, np.int64)), members)
-        groups: dict[tuple[str, str], list[tuple[Ints, Ints]]] = {}
+        groups: dict[tuple[str, str, str], list[tuple[Ints, Ints]]] = {}
         for block in self.cells:
             rest = np.ones(len(block.ids), dtype=bool)
             for name, members in material.items():
                 here = rest & np.isin(block.ids, members)
                 if here.any():
-                    group = groups.setdefault((block.kind, name), [])
+                    group = groups.setdefault((block.kind, name, block.formulation), [])
                     group.append((block.nodes[here], block.ids[here]))
                     rest &= ~here
             if rest.any():
-                group = groups.setdefault((block.kind, block.material), [])
+                place = (block.kind, block.material, block.formulation)
+                group = groups.setdefault(place, [])
                 group.append((block.nodes[rest], block.ids[rest]))
         return [
-            RawCells(kind, np.concatenate([p[0] for p in g]), np.concatenate([p[1] for p in g]), m)
-            for (kind, m), g in groups.items()
+            RawCells(kind, np.concatenate([p[0] for p in g]), np.concatenate([p[1] for p in g]), *m)
+            for (kind, *m), g in groups.items()
         ]
+
+    def _say_replaced(self, where: str, solid: bool) -> None:
+        """Note what elements of other programs became that are not the same here."""
+        bare: dict[str, list[str]] = {}
+        for (name, found), number in self.replaced.items():
+            if found.solid:
+                how = "" if found.formulation == "full" else f", formulation '{found.formulation}'"
+                sentence = f"{number} {name} read as {found.kind}{how}: {found.replaced}"
+                self.left_out.append((where, sentence))
+            elif solid and "pyramid" not in found.kind:  # pyramids are an error of the part
+                bare.setdefault(found.replaced, []).append(f"{number} {name}")
+        for what, names in bare.items():
+            sentence = f"{some(names)}: {what} has no stiffness and mass beside solids here"
+            self.left_out.append((where, f"{sentence}; kept for names and drawing"))
 
     def _element_sets(
         self, blocks: Sequence[Cells]

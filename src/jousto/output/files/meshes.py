@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,9 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
         warn(
             out.name, "this format is written without the sets of the mesh; .vtu and .inp keep them"
         )
+    if suffix != "stl" and (lost := _lost(mesh, suffix)):
+        told = "give formulation= to Part.solid where the file is read"
+        warn(out.name, f"this format has no element for {lost}; {told}")
     try:
         import meshio
     except ImportError:
@@ -82,12 +86,54 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
             contextlib.redirect_stderr(heard),
         ):
             content.write(beside, file_format=form)
+            if suffix == "inp":
+                _types(beside, mesh)
     except (SystemExit, Exception) as error:
         if isinstance(error, InputError):
             raise
         said = " ".join((heard.getvalue() or str(error)).split())[:200]
         raise InputError(Problem(out.name, f"cannot be written (meshio: {said})")) from None
     return out
+
+
+# types of Abaqus for the formulations of solids; meshio writes modified and hybrid ones
+_TYPES = {
+    ("tetra", "full"): "C3D4",
+    ("tetra10", "full"): "C3D10",
+    ("wedge", "reduced"): "C3D6",
+    ("wedge15", "reduced"): "C3D15",
+    ("hexahedron", "full"): "C3D8",
+    ("hexahedron20", "full"): "C3D20",
+    ("hexahedron", "bbar"): "C3D8H",
+    ("hexahedron", "incompatible"): "C3D8I",
+    ("hexahedron", "reduced"): "C3D8R",
+    ("hexahedron20", "reduced"): "C3D20R",
+}
+_NEAREST = {"wedge": "C3D6", "wedge15": "C3D15"}
+
+
+def _types(path: Path, mesh: Mesh) -> None:
+    """Write the types of elements that belong to their formulations."""
+    blocks = iter(mesh.cells)
+
+    def named(found: re.Match[str]) -> str:
+        block = next(blocks)
+        nearest = _NEAREST.get(block.kind, found[2])
+        return found[1] + _TYPES.get((block.kind, block.formulation), nearest)
+
+    text = path.read_text(encoding="utf-8")
+    text = re.sub(r"^(\*ELEMENT, *TYPE=)(\w+)", named, text, flags=re.MULTILINE | re.IGNORECASE)
+    path.write_text(text, encoding="utf-8")
+
+
+def _lost(mesh: Mesh, suffix: str) -> str:
+    """Return which formulations a format does not keep, empty if it keeps all."""
+    lost = []
+    for block in mesh.solids:
+        way = (block.kind, block.formulation)
+        if way not in _TYPES if suffix == "inp" else block.formulation != "full":
+            lost.append(f"{block.kind} '{block.formulation}'")
+    return ", ".join(dict.fromkeys(lost))
 
 
 def _sets(mesh: Mesh, suffix: str) -> dict[str, Any]:

@@ -130,10 +130,11 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
         for m in np.unique(mine):
             rows = np.flatnonzero(mine == m)
             ids = np.asarray(c.ids)[rows]
-            groups.append(SolidGroup(c.kind, new[np.asarray(c.nodes)[rows]], ids, int(m)))
-    nodes = read_only(np.asarray(mesh.nodes)[used])
+            nodes = new[np.asarray(c.nodes)[rows]]
+            groups.append(SolidGroup(c.kind, nodes, ids, int(m), c.formulation))
+    xyz = read_only(np.asarray(mesh.nodes)[used])
     ids = np.asarray(mesh.node_ids)[used]
-    model = SolidModel(nodes, ids, tuple(groups), found_materials, names)
+    model = SolidModel(xyz, ids, tuple(groups), found_materials, names)
     _check_volumes(problems, where, model)
     problems.raise_if_any()
     faces = tuple(new[face.nodes] for face in mesh.faces)

@@ -10,9 +10,9 @@ import scipy.sparse as sp
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.area import face_node_tangents
+from jousto.parts.solids.bricks import PAIRS
 from jousto.parts.solids.model import VOIGT, SolidModel
 
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 QUADRATIC = (6, 8)
 """Numbers of nodes of faces that know their strain better than their element."""
 

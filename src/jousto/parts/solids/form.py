@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from jousto.base.errors import Problems
-from jousto.base.fields import AnyField, Flag, OptionalText, field
+from jousto.base.fields import AnyField, Choice, Flag, OptionalText, field
 from jousto.base.numbers import OptionalPositive, set_fields
+from jousto.mesh.mesh import Mesh
 from jousto.parts.form import PartForm
 from jousto.parts.solids.build import solid_fields
 
@@ -16,7 +17,8 @@ class MeshSolid(PartForm):
 
     Nodes keep the order of the mesh; nodes that no solid element uses are left out with a
     warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for
-    straight elements, the mass for curved ones, too. Take quadratic elements (``tetra10``,
+    straight elements, the mass for curved ones, too, unless the types of the elements in their
+    file say otherwise, such as Abaqus's ``C3D8I``. Take quadratic elements (``tetra10``,
     ``hexahedron20``, ``wedge15``): linear ones are far too stiff in bending.
 
     Raises
@@ -39,6 +41,13 @@ class MeshSolid(PartForm):
     materials: AnyField = field(
         "One for all elements, or one for each element set (or each material named in the file)",
         noun="Material, Orthotropic or {str: Material or Orthotropic}",
+    )
+    formulation: Choice = field(
+        "Of all elements that have it, in place of the one in the mesh (``own``); see "
+        ":class:`Cells`",
+        words=("own", "full", "reduced", "incompatible", "bbar"),
+        default="own",
+        kw_only=True,
     )
     lumped: Flag = field(
         "Mass on the nodes instead of the consistent mass: shares of each element's mass like the "
@@ -76,10 +85,17 @@ class MeshSolid(PartForm):
             set_fields(self, name=str(getattr(self.mesh, "name", "solid")))
         return f"part '{self.name}'"
 
+    def _formulated(self) -> Any:
+        """Return the mesh with the formulation that is wanted."""
+        given: Any = self.mesh
+        if self.formulation == "own" or not isinstance(given, Mesh):
+            return given
+        return given.formulated(self.formulation)
+
     def assembled(self) -> dict[str, Any]:
         """Return the fields of the part."""
         fields = solid_fields(
-            self.mesh,
+            self._formulated(),
             self.materials,
             f"part '{self.name}'",
             lumped=self.lumped,

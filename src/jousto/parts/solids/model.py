@@ -14,6 +14,7 @@ from jousto.base.described import described
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic, elasticity
 from jousto.mesh.reference import gradients, jacobians, table
+from jousto.parts.solids.bricks import brick_stiffness, is_special
 
 BLOCK_BYTES = 48 << 20
 """Memory of one block of elements while they are assembled."""
@@ -37,12 +38,15 @@ class SolidGroup:
         Numbers of the elements in their file.
     material : int
         Index into the materials of the model.
+    formulation : str
+        How the stiffness is made, see :class:`Cells`.
     """
 
     kind: str
     nodes: Ints
     ids: Ints
     material: int
+    formulation: str = "full"
 
     def __len__(self) -> int:
         return len(self.nodes)
@@ -96,7 +100,8 @@ class SolidModel:
         flat = data.reshape(-1)
         for group, rows, place in self._blocks("stiffness"):
             C = elasticity(self.materials[group.material])
-            k = element_stiffness(group.kind, self.nodes[group.nodes[rows]], C)
+            x = self.nodes[group.nodes[rows]]
+            k = element_stiffness(group.kind, x, C, group.formulation)
             index = 9 * place.reshape(-1, 1) + np.arange(9)
             np.add.at(flat, index.reshape(-1), k.reshape(-1))
         nn = len(self.nodes)
@@ -174,7 +179,9 @@ class SolidModel:
         for group in self.groups:
             ne, k = group.nodes.shape
             nq = len(table(group.kind, purpose).weights)
-            step = max(1, BLOCK_BYTES // (8 * (36 * k * k + 12 * nq * k)))
+            # bricks of their own formulation have dense operators at each point
+            dense = 240 * nq * k if is_special(group.kind, group.formulation) else 12 * nq * k
+            step = max(1, BLOCK_BYTES // (8 * (36 * k * k + dense)))
             place = self._places[1][at : at + ne * k * k].reshape(ne, k, k)
             at += ne * k * k
             for start in range(0, ne, step):
@@ -182,10 +189,11 @@ class SolidModel:
                 yield group, rows, place[rows]
 
 
-def element_stiffness(kind: str, x: Array, C: Array) -> Array:
+def element_stiffness(kind: str, x: Array, C: Array, formulation: str = "full") -> Array:
     """Return element stiffness matrices as blocks of node pairs, (ne, k, k, 3, 3) in N/m.
 
-    ``K_ai,bj = C_imjn int (dN_a/dx_m) (dN_b/dx_n) dV``.
+    ``K_ai,bj = C_imjn int (dN_a/dx_m) (dN_b/dx_n) dV``; bricks of eight nodes of their own
+    formulation see `bricks`.
 
     Parameters
     ----------
@@ -194,8 +202,12 @@ def element_stiffness(kind: str, x: Array, C: Array) -> Array:
         Positions of the nodes in m.
     C : (6, 6) ndarray
         Elasticity in Pa, Voigt order ``[11 22 33 12 23 13]``.
+    formulation : str
+        As that of a `SolidGroup`.
     """
-    t = table(kind, "stiffness")
+    if is_special(kind, formulation):
+        return brick_stiffness(formulation, x, C)
+    t = table(kind, "stiffness", formulation)
     ne, k = x.shape[:2]
     G, detJ = gradients(t.dN, x)
     A = (np.sqrt(t.weights * detJ)[:, :, None, None] * G).reshape(ne, -1, 3 * k)

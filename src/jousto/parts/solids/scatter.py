@@ -67,14 +67,16 @@ def _squares(few: SolidStress, X: Array, s: Array) -> Array:
     n, model, site = X.shape[1], few.model, few.numbers
     Q, count = np.zeros((len(few), n, n)), np.zeros(len(few))
     for group, touching in zip(model.groups, few._averages[1], strict=True):
-        nq = len(table(group.kind, "stress").weights)
+        nq = len(table(group.kind, "stress", group.formulation).weights)
         C = elasticity(model.materials[group.material])
         step = max(1, BLOCK_BYTES // (8 * 6 * n * (nq + 3 * group.nodes.shape[1])))
         for start in range(0, len(touching), step):
             chosen = touching[start : start + step]
             strains = np.empty((len(chosen) * nq, 6, n))
             point_strains(model, group, chosen, X, strains)
-            own = np.matmul(continuation(group.kind), strains.reshape(len(chosen), nq, 6 * n))
+            own = np.matmul(
+                continuation(group.kind, group.formulation), strains.reshape(len(chosen), nq, 6 * n)
+            )
             at = site[group.material][group.nodes[chosen]].ravel()
             known = at >= 0
             at = at[known]

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
-from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter, times
+from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
 from jousto.base.described import described
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import gradients, table
@@ -27,10 +28,16 @@ from jousto.parts.frames.second_order import (
     point_work,
 )
 from jousto.parts.mass import MassPoints
+from jousto.parts.solids.bricks import (
+    PAIRS,
+    Kinematics,
+    is_special,
+    kinematics,
+    mean_volume_change,
+)
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel, expanded
 
 BLOCK_BYTES = 32 << 20
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @described
@@ -54,19 +61,27 @@ class SolidSecondOrder:
     def geometric_stiffness(self, d: Array) -> Sparse:
         """Return Kg (ndof, ndof) of the stress s of nodal displacements d (ndof,).
 
-        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x.
+        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x, but
+        for bricks of their own formulation.
         """
         nn = len(self.model.nodes)
         shape = (nn, nn)
         total: Sparse | None = None
+        bricks: Sparse = sp.csr_array((3 * nn, 3 * nn))
+        for nodes, felt, C in self._bricks(1):
+            e = felt.strain @ d.reshape(nn, 3)[nodes].reshape(-1, 1, 24, 1)
+            S = (C @ e)[:, :, VOIGT, 0] * felt.volume[:, :, None, None]
+            L = felt.gradient
+            k = np.einsum("eqima,eqmn,eqinb->eab", L, S, L, optimize=True)
+            dofs = node_dofs(nodes, 3)
+            bricks = bricks + scatter(0.5 * (k + k.swapaxes(1, 2)), dofs, dofs, (3 * nn, 3 * nn))
         for group, nodes, G, volume in self._blocks(1):
             s = self._stress(group, self._gradient(G, d.reshape(nn, 3)[nodes][..., None]))
             S = s[:, :, VOIGT, 0] * volume[:, :, None, None]
             k = np.einsum("eqma,eqmn,eqnb->eab", G, S, G, optimize=True)
             block = scatter(0.5 * (k + k.swapaxes(1, 2)), nodes, nodes, shape)
             total = block if total is None else total + block
-        assert total is not None
-        return expanded(total)
+        return as_csr(bricks if total is None else bricks + expanded(total))
 
     def forces(self, X: Array, j: int) -> Array:
         """Return ``int B^T C eta(x_j, x_k) dV`` (ndof, n) for the columns k of X (ndof, n).
@@ -77,16 +92,18 @@ class SolidSecondOrder:
         nn, n = len(self.model.nodes), X.shape[1]
         U = X.reshape(nn, 3, n)
         out = np.zeros((nn, 3 * n))
+        for nodes, felt, C in self._bricks(n):
+            ne = len(nodes)
+            D = felt.gradient.reshape(ne, -1, 24) @ U[nodes].reshape(ne, 24, n)
+            eta = _products(D.reshape(*felt.gradient.shape[:4], n), j)
+            if felt.mean:
+                eta = mean_volume_change(eta, felt.volume)
+            s = (C @ eta) * felt.volume[:, :, None, None]
+            f = felt.strain.reshape(ne, -1, 24).swapaxes(1, 2) @ s.reshape(ne, -1, n)
+            np.add.at(out, nodes.ravel(), f.reshape(-1, 3 * n))
         for group, nodes, G, volume in self._blocks(n):
             D = self._gradient(G, U[nodes])  # (e, q, i, m, n): du_i/dx_m
-            own = D[..., j]
-            eta = np.empty((*D.shape[:2], 6, n))
-            for c, (a, b) in enumerate(PAIRS):
-                first = np.einsum("eqi,eqin->eqn", own[:, :, :, a], D[:, :, :, b])
-                if a == b:
-                    eta[:, :, c] = first
-                else:  # engineering shear: twice the component
-                    eta[:, :, c] = first + np.einsum("eqi,eqin->eqn", own[..., b], D[:, :, :, a])
+            eta = _products(D, j)
             C = elasticity(self.model.materials[group.material])
             s = np.einsum("ij,eqjn->eqin", C, eta) * volume[:, :, None, None]
             # (e, k, 3 q) @ (e, 3 q, 3 n)
@@ -135,13 +152,26 @@ class SolidSecondOrder:
     def _blocks(self, n: int) -> Iterator[tuple[SolidGroup, Ints, Array, Array]]:
         """Yield blocks of elements: group, nodes, gradients (e, q, 3, k) and volumes (e, q)."""
         for group in self.model.groups:
-            t = table(group.kind, "stiffness")
+            if is_special(group.kind, group.formulation):
+                continue
+            t = table(group.kind, "stiffness", group.formulation)
             nq, k = len(t.weights), group.nodes.shape[1]
             step = max(1, BLOCK_BYTES // (8 * (nq * (3 * k + 30 * n) + 6 * k * n)))
             for i in range(0, len(group), step):
                 nodes = group.nodes[i : i + step]
                 G, detJ = gradients(t.dN, self.model.nodes[nodes])
                 yield group, nodes, G, detJ * t.weights
+
+    def _bricks(self, n: int) -> Iterator[tuple[Ints, Kinematics, Array]]:
+        """Yield blocks of bricks of their own formulation: nodes, kinematics and elasticity."""
+        step = max(1, BLOCK_BYTES // (8 * 8 * (5 * 216 + 30 * n)))
+        for group in self.model.groups:
+            if not is_special(group.kind, group.formulation):
+                continue
+            C = elasticity(self.model.materials[group.material])
+            for i in range(0, len(group), step):
+                nodes = group.nodes[i : i + step]
+                yield nodes, kinematics(group.formulation, self.model.nodes[nodes], C), C
 
     def _gradient(self, G: Array, U: Array) -> Array:
         """Return du_i/dx_m (e, q, i, m, n) of nodal displacements (e, k, 3, n)."""
@@ -157,3 +187,16 @@ class SolidSecondOrder:
         )
         C = elasticity(self.model.materials[group.material])
         return np.asarray(np.einsum("ij,eqjn->eqin", C, e))
+
+
+def _products(D: Array, j: int) -> Array:
+    """Return ``eta(x_j, x_k)`` (e, q, 6, n) of gradients (e, q, i, m, n) of the columns."""
+    own = D[..., j]
+    eta = np.empty((*D.shape[:2], 6, D.shape[-1]))
+    for c, (a, b) in enumerate(PAIRS):
+        first = np.einsum("eqi,eqin->eqn", own[:, :, :, a], D[:, :, :, b])
+        if a == b:
+            eta[:, :, c] = first
+        else:  # engineering shear: twice the component
+            eta[:, :, c] = first + np.einsum("eqi,eqin->eqn", own[..., b], D[:, :, :, a])
+    return eta

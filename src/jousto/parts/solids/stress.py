@@ -15,6 +15,7 @@ from jousto.base.errors import InputError, Problem, suggest
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import CORNERS, gradients, places, shape_functions, table
+from jousto.parts.solids.bricks import is_special, kinematics
 from jousto.parts.solids.faces import FaceStress, face_stress
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
 
@@ -118,7 +119,7 @@ class SolidStress:
             strains = np.empty((points, 6, part.shape[1]))
             at = 0
             for group, chosen in zip(self.model.groups, rows, strict=True):
-                nq = len(table(group.kind, "stress").weights)
+                nq = len(table(group.kind, "stress", group.formulation).weights)
                 size = len(chosen) * nq
                 point_strains(self.model, group, chosen, part, strains[at : at + size])
                 at += size
@@ -243,7 +244,7 @@ class SolidStress:
             mine = site[group.material][group.nodes]
             touching = np.flatnonzero(np.any(mine >= 0, axis=1))
             chosen.append(touching)
-            E = continuation(group.kind)
+            E = continuation(group.kind, group.formulation)
             k, nq = E.shape
             row = np.broadcast_to(mine[touching][:, :, None], (len(touching), k, nq))
             column = at + np.arange(len(touching) * nq).reshape(-1, 1, nq)
@@ -260,15 +261,17 @@ class SolidStress:
         return as_csr(matrix.tocsr()), tuple(chosen)
 
 
-def continuation(kind: str) -> Array:
+def continuation(kind: str, formulation: str = "full") -> Array:
     """Return the weights (k, nq) that continue values at the points of stress to the nodes."""
-    points = table(kind, "stress").points
+    points = table(kind, "stress", formulation).points
     corners = CORNERS[kind]
     if len(points) == 1:
         return np.ones((len(places(kind)), 1))
     at_points = shape_functions(corners, points)[0]
     at_nodes = shape_functions(corners, places(kind))[0]
-    return np.asarray(at_nodes @ np.linalg.inv(at_points))
+    # fewer points than corners: the smallest corner values, alike across the missing directions
+    square = len(points) == at_points.shape[1]
+    return np.asarray(at_nodes @ (np.linalg.inv if square else np.linalg.pinv)(at_points))
 
 
 def point_strains(model: SolidModel, group: SolidGroup, chosen: Ints, X: Array, out: Array) -> None:
@@ -285,17 +288,46 @@ def point_strains(model: SolidModel, group: SolidGroup, chosen: Ints, X: Array, 
     out : (m * nq, 6, n) ndarray
         ``[e11 e22 e33 g12 g23 g13]`` at the points of the first element, of the second and so on.
     """
-    t = table(group.kind, "stress")
-    nq, n, k = len(t.weights), X.shape[1], group.nodes.shape[1]
-    step = max(1, (16 << 20) // (8 * (3 * k * n + 9 * nq * n + 12 * nq * k)))
+    nq = len(table(group.kind, "stress", group.formulation).weights)
+    n, k = X.shape[1], group.nodes.shape[1]
+    step = max(1, (16 << 20) // (8 * (3 * k * n + 9 * nq * n + 240 * nq * k)))
     U = X.reshape(len(model.nodes), 3 * n)
     for start in range(0, len(chosen), step):
         nodes = group.nodes[chosen[start : start + step]]
-        G, _ = gradients(t.dN, model.nodes[nodes])
-        m = len(nodes)
-        D = np.matmul(G.reshape(m, 3 * nq, k), U[nodes]).reshape(m * nq, 3, 3, n)
-        block = out[start * nq : (start + m) * nq]
-        strains_of(D, block)
+        block = out[start * nq : (start + len(nodes)) * nq]
+        block_strains(model, group, nodes, U[nodes], "stress", block)
+
+
+def block_strains(
+    model: SolidModel, group: SolidGroup, nodes: Ints, U: Array, purpose: str, out: Array
+) -> Array:
+    """Write the strains of elements with the same nodes (m, k) and return volumes (m, nq) in m^3.
+
+    Parameters
+    ----------
+    model : SolidModel
+    group : SolidGroup
+        Their kind, formulation and material.
+    nodes : (m, k) ndarray of int
+    U : (m, k, 3 n) ndarray
+        Displacements of the nodes, direction by direction.
+    purpose : {"stress", "stiffness"}
+        Whose points; see `table`.
+    out : (m * nq, 6, n) ndarray
+        As in `point_strains`.
+    """
+    m, k = nodes.shape
+    x = model.nodes[nodes]
+    if is_special(group.kind, group.formulation):
+        felt = kinematics(group.formulation, x, elasticity(model.materials[group.material]))
+        B = felt.strain.reshape(m, -1, 3 * k)
+        out[:] = np.matmul(B, U.reshape(m, 3 * k, -1)).reshape(out.shape)
+        return felt.volume
+    t = table(group.kind, purpose, group.formulation)
+    G, detJ = gradients(t.dN, x)
+    nq = len(t.weights)
+    strains_of(np.matmul(G.reshape(m, 3 * nq, k), U).reshape(m * nq, 3, 3, -1), out)
+    return np.asarray(t.weights * detJ)
 
 
 def strains_of(D: Array, out: Array) -> None:

@@ -22,6 +22,9 @@ VOLUME_DOUBTFUL, VOLUME_WRONG = 0.01, 0.05
 STIFF_KINDS = {"tetra": "tetra10", "hexahedron": "hexahedron20", "wedge": "wedge15"}
 """Elements that are too stiff in bending, and what to take instead."""
 
+BENDING = ("incompatible",)
+"""Formulations of linear elements that bend as they should."""
+
 WORST = 5
 """Elements that are named."""
 
@@ -128,12 +131,29 @@ def _against_cad(mesh: Any) -> list[Check]:
 def _order(mesh: Any) -> Check:
     number_of: dict[str, int] = {}
     for block in mesh.solids:
-        number_of[block.kind] = number_of.get(block.kind, 0) + len(block.nodes)
-    value = ", ".join(f"{n} {kind}" for kind, n in number_of.items())
-    stiff = [kind for kind in number_of if kind in STIFF_KINDS]
+        plain = block.formulation == "full"
+        name = block.kind if plain else f"{block.kind} ({block.formulation})"
+        number_of[name] = number_of.get(name, 0) + len(block.nodes)
+    value = ", ".join(f"{n} {name}" for name, n in number_of.items())
+    linear = {block.kind for block in mesh.solids if block.kind in STIFF_KINDS}
+    stiff = [b.kind for b in mesh.solids if b.kind in linear and b.formulation not in BENDING]
+    if linear and not stiff:
+        sentence = "bricks with incompatible modes bend as they should while they are cuboids"
+        return Check("elements", "ok", value, "", sentence)
+    soft = [b for b in mesh.solids if (b.kind, b.formulation) == ("hexahedron", "reduced")]
+    if soft and len(soft) == len(stiff):
+        return Check(
+            "elements",
+            "warn",
+            value,
+            "four over each thickness",
+            "bricks of mean strain are too soft in bending: n over a thickness have 1 - 1/n^2 of"
+            " its second moment",
+            "take hexahedron20 or formulation 'incompatible', or four and more over each thickness",
+        )
     if not stiff:
         return Check("elements", "ok", value, "", "quadratic elements bend as they should")
-    better = " and ".join(STIFF_KINDS[kind] for kind in stiff)
+    better = " and ".join(dict.fromkeys(STIFF_KINDS[kind] for kind in stiff))
     return Check(
         "elements",
         "warn",

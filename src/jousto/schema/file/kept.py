@@ -79,7 +79,7 @@ def _arrays(mesh: Mesh, told: list[str]) -> Arrays:
         out["cad_volume"] = np.array(mesh.cad_volume)
     for i, cells in enumerate(mesh.cells):
         out |= {f"cells.{i}": cells.nodes, f"ids.{i}": cells.ids}
-        out[f"kind.{i}"] = np.array([cells.kind, cells.material])
+        out[f"kind.{i}"] = np.array([cells.kind, cells.material, cells.formulation])
     for group in SETS:
         out |= {f"{group}.{name}": value for name, value in getattr(mesh, group).items()}
     return out
@@ -91,8 +91,8 @@ def _mesh(arrays: Arrays) -> Mesh:
 
     cells = []
     for i in range(sum(name.startswith("cells.") for name in arrays)):
-        kind, material = (str(text) for text in arrays[f"kind.{i}"])
-        cells.append(Cells(kind, arrays[f"cells.{i}"], arrays[f"ids.{i}"], material))
+        kind, *words = (str(text) for text in arrays[f"kind.{i}"])
+        cells.append(Cells(kind, arrays[f"cells.{i}"], arrays[f"ids.{i}"], *words))
     sets: dict[str, Any] = {
         group: {
             name.removeprefix(f"{group}."): value
