@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -97,6 +98,21 @@ class Cells:
 
     def __len__(self) -> int:
         return len(self.nodes)
+
+
+def instead(kinds: Sequence[str]) -> str:
+    """Return what can be done with a mesh of beams or shells alone, to end a sentence."""
+    if any(kind in SURFACES for kind in kinds):
+        return (
+            "; shells have no element here: mesh plates as solids, or take the matrices of the"
+            " other program, Part.from_file (type: matrices)"
+        )
+    if any(kind in LINES for kind in kinds):
+        return (
+            "; beams of an Abaqus or CalculiX deck become a part by Part.from_deck"
+            " (type: beam-deck)"
+        )
+    return ""
 
 
 def read_cells(where: str, value: Any) -> tuple[Cells, ...]:

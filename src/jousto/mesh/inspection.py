@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.ranking import ranking
-from jousto.mesh.cells import LINES, SURFACES, base, edges, is_quadratic
+from jousto.mesh.cells import LINES, SURFACES, base, edges, instead, is_quadratic
 from jousto.mesh.grid import Grid
 from jousto.mesh.quality import POOR
 from jousto.mesh.surface import all_faces, match
@@ -81,7 +81,8 @@ def _all(mesh: Grid) -> Iterator[Finding]:
         kinds = sorted({block.kind for block in mesh.cells if len(block)})
         yield Finding(
             where,
-            f"holds no solid elements, only {some(kinds) or 'nodes'}; export the volume mesh, too",
+            f"holds no solid elements, only {some(kinds) or 'nodes'}; export the volume mesh, too"
+            f"{instead(kinds)}",
             "empty",
             "error",
         )

@@ -21,6 +21,7 @@ from jousto.mesh.sets import (
     read_sets,
 )
 from jousto.parts.form import PartForm
+from jousto.parts.frames.deck import BeamDeck
 from jousto.parts.frames.forms import ArrayFrame, MemberFrame, StraightBeam
 from jousto.parts.frames.outlines import Outlines
 from jousto.parts.frames.second_order import SecondOrder
@@ -47,7 +48,7 @@ def part_of(form: PartForm) -> Part:
 class Part(Geometry):
     """A flexible component before reduction, in its own part frame, free of supports.
 
-    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`solid`,
+    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`from_deck`, :meth:`solid`,
     :meth:`from_matrices` or :meth:`from_file`.
 
     Parameters
@@ -134,6 +135,7 @@ class Part(Geometry):
     beam = staticmethod(made_by("Part.beam", StraightBeam, part_of))
     frame = staticmethod(made_by("Part.frame", ArrayFrame, part_of))
     from_members = staticmethod(made_by("Part.from_members", MemberFrame, part_of))
+    from_deck = staticmethod(made_by("Part.from_deck", BeamDeck, part_of))
     solid = staticmethod(made_by("Part.solid", MeshSolid, part_of))
     from_matrices = staticmethod(made_by("Part.from_matrices", PlainMatrices, part_of))
     from_file = staticmethod(made_by("Part.from_file", MatrixFiles, part_of))

@@ -18,6 +18,11 @@ from jousto.mesh.readers.inp_sets import Names, add_set, add_surface
 from jousto.mesh.readers.inp_system import LocalSystem
 from jousto.mesh.readers.raw import RawCells, RawMesh, joined
 
+# what ties nodes to one another
+_TIES = (
+    *("COUPLING", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT", "EQUATION"),
+    *("KINEMATIC COUPLING", "MPC", "RIGID BODY", "TIE"),
+)
 _GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
 
 
@@ -33,11 +38,14 @@ class Deck:
         Element set, keyword and instance of the sections of beams, shells and solids.
     others : list of Block
         Keywords besides nodes, elements and sets, in order.
+    masses : list of (Block, (n,) ndarray of int)
+        Each ``*MASS`` with the nodes of the elements of its set.
     """
 
     raw: RawMesh = field(default_factory=RawMesh)
     sections: list[tuple[str, Block, Instance]] = field(default_factory=list)
     others: list[Block] = field(default_factory=list)
+    masses: list[tuple[Block, Ints]] = field(default_factory=list)
 
 
 def read_inp(path: Path) -> RawMesh:
@@ -61,15 +69,16 @@ def read_deck(path: Path) -> Deck:
     """Return the mesh of an input file with the keywords of its properties; see `read_inp`."""
     deck, names = Deck(), Names()
     parts = assembly(blocks(path))
-    found: list[tuple[Instance, RawMesh]] = []
+    found: list[tuple[Instance, Deck]] = []
     for instance in parts.instances:
         own = Deck(others=deck.others, sections=deck.sections)
         _read(instance.blocks, own, names, instance, parts)
-        found.append((instance, own.raw))
-    step = step_above([raw.numbers(nodes) for _, raw in found for nodes in (True, False)])
-    for i, (instance, raw) in enumerate(found):
+        found.append((instance, own))
+    step = step_above([own.raw.numbers(kind) for _, own in found for kind in (True, False)])
+    for i, (instance, own) in enumerate(found):
         instance.shift = i * step
-        _merge(deck.raw, raw, instance.shift)
+        _merge(deck.raw, own.raw, instance.shift)
+        deck.masses += [(block, at + instance.shift) for block, at in own.masses]
     # what belongs to no instance, such as reference points: numbers behind those of the instances
     model = Instance("", parts.model, shift=len(found) * step if found else 0)
     if len(found) == 1:
@@ -81,6 +90,10 @@ def read_deck(path: Path) -> Deck:
                 path.name, "holds neither *NODE nor *ELEMENT, so it is no Abaqus or CalculiX mesh"
             )
         )
+    ties = dict.fromkeys(f"*{block.keyword}" for block in deck.others if block.keyword in _TIES)
+    if ties:
+        sentence = "not read: the nodes are not tied; tie them by an Interface of the part"
+        deck.raw.left_out.append((path.name, f"{', '.join(ties)} {sentence}"))
     with open(path, "rb") as file:
         file.seek(-1, 2)
         if file.read(1) not in b"\r\n":
@@ -94,6 +107,8 @@ def _read(
 ) -> None:
     """Add the blocks of one instance, or of the model, to a deck."""
     raw, system, surfaces = deck.raw, LocalSystem(), []
+    points: dict[str, list[Ints]] = {}
+    heavy = []
     for block in given:
         raw.seen |= block.keyword in ("NODE", "ELEMENT")
         if block.keyword == "NODE":
@@ -105,6 +120,9 @@ def _read(
                 raw.node_sets.setdefault(title, []).append(raw.node_ids[-1])
         elif block.keyword == "ELEMENT":
             _elements(block, raw, names, instance)
+            if block.text("TYPE").upper() == "MASS":
+                ends = block.whole(block.tokens[1::2]) + instance.shift
+                points.setdefault(block.text("ELSET").upper(), []).append(ends)
         elif block.keyword in ("NSET", "ELSET"):
             add_set(block, raw, names, instance, parts)
         elif block.keyword == "SURFACE":
@@ -119,6 +137,8 @@ def _read(
         elif not block.keyword and block.lines:
             lost = f"'{block.lines[0][:40]}' stands below no *KEYWORD and is not read"
             raw.left_out.append((block.place, lost))
+        elif block.keyword == "MASS":
+            heavy.append(block)
         else:
             deck.others.append(block)
             if block.keyword.endswith(" SECTION") and (title := block.text("ELSET")):
@@ -128,6 +148,9 @@ def _read(
                     raw.materials[title] = material
     for block in surfaces:  # all elements are known now
         add_surface(block, raw, names, instance, parts)
+    for block in heavy:
+        members = [np.zeros(0, np.int64), *points.get(block.text("ELSET").upper(), [])]
+        deck.masses.append((block, np.concatenate(members)))
 
 
 def _merge(raw: RawMesh, own: RawMesh, shift: int) -> None:

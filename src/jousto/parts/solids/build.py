@@ -15,7 +15,7 @@ from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic
 from jousto.mesh.area import by_kind
-from jousto.mesh.cells import Cells
+from jousto.mesh.cells import Cells, instead
 from jousto.mesh.inspection import require
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.reference import KINDS, jacobians, table
@@ -106,7 +106,9 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
     cells = [c for c in mesh.cells if c.kind in KINDS]
     others = sorted({c.kind for c in mesh.cells} - set(KINDS))
     if not cells:
-        found = f"it has {', '.join(others)} only" if others else "it has no elements"
+        found = (
+            f"it has {', '.join(others)} only{instead(others)}" if others else "it has no elements"
+        )
         known = ", ".join(KINDS)
         problems.add(where, f"mesh '{mesh.name}' has no solid elements ({known}); {found}")
         problems.raise_if_any()
