@@ -138,3 +138,60 @@ def test_shells_beside_solids_are_named(tmp_path: Path) -> None:
         "deck.inp: 1 T3D2: a truss has no stiffness and mass beside solids here; kept for names"
         " and drawing",
     ]
+
+
+BULK = """BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,1.,0.
+GRID,4,,0.,1.,0.
+GRID,5,,0.,0.,1.
+GRID,6,,1.,0.,1.
+GRID,7,,1.,1.,1.
+GRID,8,,0.,1.,1.
+CHEXA,1,1,1,2,3,4,5,6,,,7,8
+CQUAD4,2,2,1,2,3,4
+CBAR,3,3,1,2,0.,0.,1.
+PSOLID,1,1{integration}
+{shell}
+PBAR,3,1,1.
+ENDDATA
+"""
+
+
+@pytest.mark.parametrize(
+    ("integration", "shell", "how", "told"),
+    [
+        (
+            "",
+            "PSHELL,2,1,.1",
+            "incompatible",
+            ["1 CHEXA read as", "1 CQUAD4: a shell", "1 CBAR: a"],
+        ),
+        # Gmsh names surfaces by shells without a property
+        ("", "$", "incompatible", ["1 CHEXA read as", "1 CBAR: a beam"]),
+        (",,TWO,,FULL", "$", "full", ["1 CBAR: a beam"]),
+    ],
+)
+def test_bulk_data_names_what_is_replaced(
+    tmp_path: Path, integration: str, shell: str, how: str, told: list[str]
+) -> None:
+    (tmp_path / "a.bdf").write_text(BULK.format(integration=integration, shell=shell))
+    with pytest.warns(JoustoWarning) as caught:
+        mesh = jo.read_mesh(tmp_path / "a.bdf")
+    assert mesh.solids[0].formulation == how
+    found = [str(item.message) for item in caught]
+    assert len(found) == len(told)
+    assert all(f"a.bdf: {start}" in said for start, said in zip(told, found, strict=True))
+
+
+@pytest.mark.parametrize(("code", "shape"), [(185, 8), (45, 8), (186, 20), (95, 20), (187, 10)])
+def test_every_solid_of_ansys_is_an_element_of_ours(code: int, shape: int) -> None:
+    kind = {8: "hexahedron", 20: "hexahedron20", 10: "tetra10"}[shape]
+    for option in range(4):
+        found = types.ansys(code, kind, {2: option})
+        assert found.formulation in FORMULATIONS[kind]
+    for code in types.ANSYS_LINES:
+        assert types.ansys(code, "line", {}).replaced in (types.BEAM, types.TRUSS)
+    for code in types.ANSYS_SHELLS:
+        assert types.ansys(code, "quad", {}).replaced == types.SHELL

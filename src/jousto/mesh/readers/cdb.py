@@ -13,14 +13,18 @@ import numpy as np
 from jousto.base.arrays import Ints, some
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.readers.apart import apart
+from jousto.mesh.readers.element_types import (
+    ANSYS_BRICKS,
+    ANSYS_FACES,
+    ANSYS_LINES,
+    ANSYS_SHELLS,
+    ANSYS_TETRAHEDRA,
+    ansys,
+    ansys_name,
+)
 from jousto.mesh.readers.nblock import read_nblocks
 from jousto.mesh.readers.raw import RawCells, RawMesh
 
-# solids by element type: nodes of the full brick, tetrahedron
-_BRICKS = {45: 8, 64: 8, 65: 8, 185: 8, 95: 20, 186: 20}
-_TETRAHEDRA = {92: 10, 187: 10, 285: 4}
-_SHELLS = {63: 4, 181: 4, 43: 4, 154: 8, 281: 8, 93: 8, 152: 8}
-_LINES = {188: 2, 189: 2, 4: 2, 8: 2, 180: 2, 44: 2}
 # surface, contact and target elements, constraint equations: silent
 _SILENT = {170, 172, 173, 174, 175, 176, 184}
 # fields of an element before its nodes, in mapdl-archive's table
@@ -66,20 +70,23 @@ def read_cdb(path: Path) -> RawMesh:
             )
     raw = RawMesh([ids], [positions])
     types = {int(number): int(code) for number, code in np.asarray(archive["ekey"])}
-    found: dict[tuple[str, str], list[tuple[int, Ints]]] = {}
+    options: dict[int, dict[int, int]] = {}
+    for number, option, value in np.asarray(archive["keyopt"]).reshape(-1, 3):
+        options.setdefault(int(number), {})[int(option)] = int(value)
+    found: dict[tuple[str, str, str], list[tuple[int, Ints]]] = {}
     others, broken = Counter[int](), []
     for row in elements:
         code = types.get(int(row[1]), 0)
         nodes = np.asarray(row[_HEAD:], dtype=np.int64)
         number, material = int(row[8]), f"mat{int(row[0])}"
-        if code in _BRICKS:
-            kind, nodes = _brick(nodes, _BRICKS[code])
-        elif code in _TETRAHEDRA:
-            nodes = nodes[: _TETRAHEDRA[code]]
+        if code in ANSYS_BRICKS:
+            kind, nodes = _brick(nodes, ANSYS_BRICKS[code])
+        elif code in ANSYS_TETRAHEDRA:
+            nodes = nodes[: ANSYS_TETRAHEDRA[code]]
             kind = _KINDS.get(len(nodes), "")
-        elif code in _SHELLS:
+        elif code in ANSYS_SHELLS or code in ANSYS_FACES:
             kind, nodes = _shell(nodes)
-        elif code in _LINES:
+        elif code in ANSYS_LINES:
             kind, nodes = "line", nodes[:2]
         else:
             if code not in _SILENT:
@@ -88,7 +95,9 @@ def read_cdb(path: Path) -> RawMesh:
         if not kind or np.any(nodes <= 0):
             broken.append(number)
             continue
-        found.setdefault((kind, material), []).append((number, nodes))
+        known = ansys(code, kind, options.get(int(row[1]), {}))
+        raw.note(ansys_name(code), known, 1)
+        found.setdefault((kind, material, known.formulation), []).append((number, nodes))
     if broken:
         raise InputError(
             Problem(
@@ -97,9 +106,9 @@ def read_cdb(path: Path) -> RawMesh:
                 " midside nodes; write elements with all of them or without any",
             )
         )
-    for (kind, material), rows in found.items():
+    for (kind, *how), rows in found.items():
         table = np.array([nodes for _, nodes in rows])
-        raw.cells.append(RawCells(kind, table, np.array([n for n, _ in rows]), material))
+        raw.cells.append(RawCells(kind, table, np.array([n for n, _ in rows]), *how))
     for title, members in archive["node_components"].items():
         raw.node_sets[title.strip()] = [np.asarray(members, dtype=np.int64)]
     for title, members in archive["element_components"].items():
@@ -121,6 +130,9 @@ def archive(path: Path) -> dict[str, Any]:
         elements = [np.asarray(row, dtype=np.int64) for row in found.elem]
         return {
             "ekey": np.asarray(found.ekey),
+            "keyopt": np.array(
+                [(n, *pair) for n, pairs in found.key_option.items() for pair in pairs], np.int64
+            ).reshape(-1, 3),
             "elem": np.concatenate([np.zeros(0, np.int64), *elements]),
             "lengths": np.array([len(row) for row in elements], dtype=np.int64),
             "node_components": {k: np.asarray(v) for k, v in found.node_components.items()},

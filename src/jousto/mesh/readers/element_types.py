@@ -6,7 +6,7 @@ One table for each reader; the page *Meshes and CAD files* shows them.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from jousto.mesh.reference import KINDS as SOLIDS
@@ -235,7 +235,26 @@ def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -
 
 ANSYS_BRICKS = {45: 8, 64: 8, 65: 8, 185: 8, 95: 20, 186: 20}
 ANSYS_TETRAHEDRA = {92: 10, 187: 10, 285: 4}
-ANSYS_SHELLS = {63: 4, 181: 4, 43: 4, 281: 8, 93: 8}
-ANSYS_FACES = {154: 8, 152: 8}
-ANSYS_BEAMS = {188: 2, 189: 2, 4: 2, 44: 2}
-ANSYS_TRUSSES = {8: 2, 180: 2}
+ANSYS_SHELLS = (43, 63, 93, 181, 281)
+ANSYS_FACES = (152, 154)  # of loads
+ANSYS_LINES = {4: BEAM, 44: BEAM, 188: BEAM, 189: BEAM, 8: TRUSS, 180: TRUSS}
+
+
+def ansys_name(code: int) -> str:
+    """Return the name of a type, such as SOLID185."""
+    if code in ANSYS_BRICKS or code in ANSYS_TETRAHEDRA:
+        return f"SOLID{code}"
+    if code in ANSYS_LINES:
+        return f"{'LINK' if ANSYS_LINES[code] == TRUSS else 'BEAM'}{code}"
+    return f"SHELL{code}"
+
+
+def ansys(code: int, kind: str, options: Mapping[int, int]) -> ElementType:
+    """Return what an element of Ansys becomes, see `ansys_solid`."""
+    if code in ANSYS_SHELLS:
+        return ElementType(kind, replaced=SHELL)
+    if code in ANSYS_FACES:
+        return ElementType(kind)
+    if code in ANSYS_LINES:
+        return ElementType(kind, replaced=ANSYS_LINES[code])
+    return ansys_solid(code, kind, options.items())

@@ -12,6 +12,7 @@ from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.mesh.cells import KINDS
 from jousto.mesh.readers.bulk import Card, cards
+from jousto.mesh.readers.element_types import NASTRAN, SHELL, ElementType, nastran_solid
 from jousto.mesh.readers.raw import Members, RawCells, RawMesh, joined, sensible
 
 # card -> (kind with corners only, kind with midside nodes)
@@ -37,6 +38,7 @@ _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
+_THIN = ("PSHELL", "PCOMP", "PSHEAR", "PBAR", "PBEAM", "PROD", "PTUBE")
 # cards that say nothing about the mesh or its mass
 _SILENT = re.compile(
     r"(PARAM|MAT|P[A-Z]|SPC|FORCE|MOMENT|LOAD|GRAV|EIG|TABLE|TSTEP|FREQ|PLOTEL|DMIG|SPOINT|ASET"
@@ -78,7 +80,11 @@ def read_bulk(path: Path) -> RawMesh:
     raw = RawMesh(either_sense=True)
     points: list[tuple[int, int, float, float, float]] = []
     systems: dict[int, Card] = {}
-    elements: dict[str, list[tuple[int, list[int]]]] = {}
+    elements: dict[str, list[tuple[Card, list[int]]]] = {}
+    networks: dict[int, tuple[str, str]] = {}  # IN and ISOP of PSOLID
+    thin = set[
+        int
+    ]()  # properties of shells, beams and rods; Gmsh names surfaces by shells without one
     properties: dict[int, list[int]] = {}
     materials: dict[int, int] = {}
     numbers: list[tuple[Card, Members]] = []
@@ -96,16 +102,19 @@ def read_bulk(path: Path) -> RawMesh:
             default = card.whole(1, 0)
         elif name in _SOLIDS or name in _SHELLS:
             kind, nodes = _element(card, problems, partial)
-            elements.setdefault(kind, []).append((card.whole(0), nodes))
+            elements.setdefault(kind, []).append((card, nodes))
             properties.setdefault(card.whole(1, 0), []).append(card.whole(0))
         elif name in _LINES:
             first = _LINES[name]
             nodes = [card.whole(first), card.whole(first + 1)]
-            elements.setdefault("line", []).append((card.whole(0), nodes))
+            elements.setdefault("line", []).append((card, nodes))
         elif name.startswith("CORD"):
             _system(card, systems)
         elif name == "PSOLID":
             materials[card.whole(0)] = card.whole(1, 0)
+            networks[card.whole(0)] = card.field(3), card.field(5)
+        elif name.startswith(_THIN):
+            thin.add(card.whole(0))
         elif name in ("RBE2", "RBE3", "SET1"):
             numbers.append((card, _members(card)))
         elif not _SILENT.match(name):
@@ -122,10 +131,18 @@ def read_bulk(path: Path) -> RawMesh:
     points = [(p[0], (default or 0) if p[1] == -1 else p[1], *p[2:]) for p in points]
     raw.nodes.append(_positions(path, points, systems))
     for kind, rows in elements.items():
-        nodes_table = np.array([row[1] for row in rows])
-        if kind in _ORDER:
-            nodes_table = nodes_table[:, _ORDER[kind]]
-        raw.cells.append(RawCells(kind, nodes_table, np.array([row[0] for row in rows])))
+        of_type: dict[ElementType, list[tuple[Card, list[int]]]] = {}
+        for card, nodes in rows:
+            found_type = _type(card, kind, networks)
+            of_type.setdefault(found_type, []).append((card, nodes))
+            if found_type.solid or card.name == "CONROD" or card.whole(1, 0) in thin:
+                raw.note(card.name, found_type, 1)
+        for found_type, some_rows in of_type.items():
+            table = np.array([nodes for _, nodes in some_rows])
+            table = table[:, _ORDER[kind]] if kind in _ORDER else table
+            labels = np.array([card.whole(0) for card, _ in some_rows])
+            how = found_type.formulation
+            raw.cells.append(RawCells(kind, table, labels, formulation=how))
     for pid, members in properties.items():
         title = f"pid{pid}"
         raw.element_sets[title] = [np.array(members)]
@@ -169,6 +186,14 @@ def _element(card: Card, problems: Problems, partial: Counter[str]) -> tuple[str
             " nodes; export with all of them or with none (is the file cut off?)",
         )
     return low, corners
+
+
+def _type(card: Card, kind: str, networks: dict[int, tuple[str, str]]) -> ElementType:
+    """Return what an element becomes, with the integration that its PSOLID asks for."""
+    if card.name in _SOLIDS and not kind.startswith("pyramid"):
+        return nastran_solid(card.name, KINDS[kind], *networks.get(card.whole(1, 0), ("", "")))
+    known = NASTRAN.get((card.name, KINDS[kind]))  # shells without midside nodes are not listed
+    return known or ElementType(kind, replaced=SHELL)
 
 
 def _title(card: Card) -> str:

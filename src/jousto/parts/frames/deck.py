@@ -46,7 +46,8 @@ class BeamDeck(BeamOptions, tag="beam-deck"):
     """A frame of the beams in an Abaqus or CalculiX input file.
 
     Nodes, elements, sections with their axes, materials, sets and point masses are those of the
-    file; supports and loads are not taken. ``B33`` are beams without shear deformation; ``B31`` and
+    file; ``n17`` is the node with the number 17 there. Supports and loads are not taken.
+    ``B33`` are beams without shear deformation; ``B31`` and
     ``B32`` become beams that are exact between their nodes, where Abaqus's are linear or quadratic.
     The middle node of a ``B32`` is a node of its own.
 
@@ -116,6 +117,9 @@ def deck_frame(path: Path, units: Units, options: Mapping[str, Any]) -> FrameArr
     nodes = np.asarray(mesh.nodes)[used]
     up, offsets = _orientations(path, beams, sections, nodes[ends])
     sets = {key: new[np.asarray(value)] for key, value in mesh.node_sets.items()}
+    kept = {key: value[value >= 0].tolist() for key, value in sets.items() if max(value) >= 0}
+    labels = np.asarray(mesh.node_ids)[used]
+    kept = {f"n{label}": [i] for i, label in enumerate(labels)} | kept
     masses = (*options["point_masses"], *_masses(deck, units, index, new))
     _warn(path, deck, beams)
     return FrameArrays(
@@ -125,9 +129,7 @@ def deck_frame(path: Path, units: Units, options: Mapping[str, Any]) -> FrameArr
         materials=[s.material for s in sections],
         orientations=up,
         offsets=offsets,
-        node_sets={
-            key: value[value >= 0].tolist() for key, value in sets.items() if max(value) >= 0
-        },
+        node_sets=kept,
         **{
             **options,
             "theory": options["theory"] or _theory(beams),
