@@ -54,14 +54,16 @@ def test_a_gif_cannot_have_every_rate_but_keeps_the_speed(tmp_path: Path) -> Non
         assert (film.n_frames - 1) * 0.03 == pytest.approx(0.4, abs=0.03)
 
 
+@pytest.mark.parametrize("speed", [0.1, 1e-12, 1e-320])
 def test_too_many_frames_are_sped_up_with_a_warning(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, speed: float
 ) -> None:
+    """The number of frames for 1e-320 is no finite number."""
     from jousto.output.scenes.film import MOST_FRAMES
 
     monkeypatch.setitem(MOST_FRAMES, "gif", 12)
     with pytest.warns(jo.JoustoWarning, match=r"more than 12 frames; it runs at 0.\d+ times"):
-        path = jo.animate(swing(), tmp_path / "a.gif", speed=0.1)
+        path = jo.animate(swing(), tmp_path / "a.gif", speed=speed)
     with Image.open(path) as film:
         assert film.n_frames == 12
 

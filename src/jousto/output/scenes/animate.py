@@ -177,9 +177,10 @@ def still(
 def _instants(run: Solution, fps: float, speed: float, most: int) -> tuple[Array, float]:
     """Return the instants of the frames and the speed, raised if there were too many frames."""
     start, end = float(run.time[0]), float(run.time[-1])
-    count = max(2, round((end - start) / speed * fps) + 1)
+    wanted = (end - start) / speed * fps + 1.0  # may be infinite
+    count = max(2, round(min(wanted, 1.0 + most)))
     if count > most:
-        speed, count = speed * count / most, most
+        speed, count = ((end - start) * fps + speed) / most, most
         warn(
             "animate",
             f"the film would have more than {most} frames; it runs at {speed:.3g} times the real "
