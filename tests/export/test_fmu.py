@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 
 import jousto as jo
+from export.test_states import chain
 from exported import CC, STEP, compiled, engine_rows, swinging_arm
 from jousto.export.fmu import write_fmu
 
@@ -196,9 +197,13 @@ def test_model_exchange_of_a_pendulum_comes_to_the_run_of_the_engine(
     assert errors[1] < 2e-6 and errors[1] < 0.05 * errors[0]
 
 
-def test_a_unit_of_sources_builds_elsewhere(arm: jo.Model, tmp_path: Path) -> None:
+@pytest.mark.parametrize("offers_exchange", [False, True])
+def test_a_unit_of_sources_builds_elsewhere(
+    arm: jo.Model, offers_exchange: bool, tmp_path: Path
+) -> None:
     """The sources as the build description lists them, with a driver that calls at random."""
-    unit = write_fmu(arm, tmp_path / "arm.fmu", jo.ROS2(step=STEP), on=())
+    model = chain() if offers_exchange else arm
+    unit = write_fmu(model, tmp_path / "arm.fmu", jo.ROS2(step=STEP), on=())
     with zipfile.ZipFile(unit) as archive:
         names = archive.namelist()
         assert not [x for x in names if x.startswith("binaries/")]
@@ -214,6 +219,7 @@ def test_a_unit_of_sources_builds_elsewhere(arm: jo.Model, tmp_path: Path) -> No
     done = subprocess.run([program, token, "600"], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     assert "600 sequences" in done.stdout
+    assert (", 0 of model exchange" not in done.stdout) == offers_exchange
 
 
 def test_what_cannot_be_written_is_told_at_once(arm: jo.Model, tmp_path: Path) -> None:
