@@ -223,3 +223,14 @@ def test_a_run_that_bends_far_is_told() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         run(1.0)
+
+
+@CALM
+def test_a_body_that_hardly_deforms_is_left_alone() -> None:
+    """A hanging bar is stretched by some nanometres; nothing of that is second order."""
+    bar = jo.FlexibleBody("bar", beam(0.01, 1.0))
+    pin = jo.Revolute("pin", jo.ground["origin"], bar["start"], axis=(0, 1, 0))
+    model = jo.compile(jo.Mechanism(bar, pin, jo.Gravity((0, 0, -9.81))))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jo.equilibrium(model)

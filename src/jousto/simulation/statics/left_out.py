@@ -22,6 +22,8 @@ MISSED = 0.05
 """Share of the root mean square of its deflection that a body may leave out."""
 LEAST = 1e-3
 """Of the largest deflection of all bodies, m: below it a body is not bent."""
+STRAIGHT = 1e-5
+"""Of the size of the machine: mean deflection below which a body is not bent."""
 WATCHED = 6
 """Modes next to zero that are asked whether they fall away."""
 REMEDY = "reduce its part with stiffening=True"
@@ -70,11 +72,11 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
         )
     # of mass-normalised modes |p| / sqrt(m) is the mean displacement within a body, m
     moved = {b.name: _moved(b, at.q[b.iq + 7 : b.iq + 7 + b.n]) for b in model.bodies if b.n}
-    least = LEAST * max(moved.values())
+    least = max(LEAST * max(moved.values()), STRAIGHT * model.size)
     for k in parts:
         b = model.bodies[k]
         change = _moved(b, step[b.iv + 6 : b.iv + 6 + b.n])
-        share = change / max(moved[b.name], least) if least > 0.0 else 0.0
+        share = change / max(moved[b.name], least)
         if share > MISSED and b.name not in told:
             warn(
                 where,
