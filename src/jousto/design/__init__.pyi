@@ -40,7 +40,8 @@ from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.subset import subset_simulation as subset_simulation
 from .reliability.targets.rbdo import RbdoResult as RbdoResult, rbdo as rbdo
 from .studies.case import Case as Case
-from .studies.gradient import GradientResult as GradientResult, gradient as gradient
+from .studies.gradient import gradient as gradient
+from .studies.gradient_result import GradientResult as GradientResult
 from .studies.outcomes.function import Function as Function
 from .studies.outcomes.outcome import Outcome as Outcome
 from .studies.outcomes.outcomes import Damage as Damage, read_outcome as read_outcome

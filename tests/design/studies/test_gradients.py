@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from jousto.base.complexstep import STEP, stepping
-from jousto.design.studies.gradient import WAYS
+from jousto.design.studies.gradient_result import WAYS
 
 P = jo.Parameter
 G = 9.81
@@ -207,8 +207,9 @@ def test_functions_that_need_real_numbers_make_models_on_both_sides(lost):
     why = "complex run: line " + ("" if lost.__name__ == "<lambda>" else f"{line} ")
     assert found.how[0][0].startswith(why) and found.how[0][1] == "complex step"
     assert "test_gradients.py needs real numbers" in found.how[0][0]
-    # four models beside that of the point, of which and of the check there are two others
-    assert found.exact and found.runs == {"real": 3, "complex": 2, "models": 7}
+    # four models beside that of the point, of which and of the check there are two others; and two
+    # each for zeros of the mass and for the small share of the drag
+    assert found.exact and found.runs == {"real": 9, "complex": 2, "models": 11}
     # truncation of 4e-12 times the powers of the parameter; round-off of the runs over the step
     noise = 4 * np.finfo(float).eps * abs(found.values[0]) / (1e-3 * study.nominal)
     error = np.abs(found.jacobian - slopes(study))[0]
@@ -225,6 +226,73 @@ def test_functions_that_lose_derivatives_are_found_out(lost):
     assert not found.exact
     assert found.how == (("differences: complex steps and differences disagree",),)
     np.testing.assert_allclose(found.jacobian, slopes(study), rtol=1e-6)
+
+
+def share(lost):
+    """An outcome of 5 to which one parameter adds little, by a function that loses derivatives."""
+
+    def outcome(case):
+        return 5.0 + case.values["force"] + 1e-4 * lost(case.values["mass"])
+
+    return jo.design.Function("y", outcome, of="case")
+
+
+LOSE = {
+    "norm": (lambda m: np.linalg.norm([m, 1.0]), lambda m: m / math.hypot(m, 1.0)),
+    "abs": (abs, lambda m: 1.0),
+    "real": (lambda m: m.real, lambda m: 1.0),
+    "less": (lambda m: 1e-2 * abs(m) ** 2, lambda m: 2e-2 * m),
+    "part": (lambda m: 1e-3 * m + abs(m), lambda m: 1.001),
+    "kink": (lambda m: abs(m.real - 2.0), None),
+}
+
+
+@pytest.mark.parametrize("name", LOSE)
+def test_a_derivative_that_is_lost_is_found_out_however_small_it_is_beside_others(name):
+    function, slope = LOSE[name]
+    found = jo.design.gradient(study_of_push(pushed, share(function)))
+    assert found.how[0][1] == "complex step" and found["y", "force"] == 1.0
+    assert found.how[0][0].startswith("differences: complex steps lose this derivative")
+    # rounding of 5 by a step of 1.2e-5
+    if slope is not None:
+        assert found["y", "mass"] == pytest.approx(1e-4 * slope(2.0), abs=1e-9)
+    else:
+        assert "it bends here, slopes -0.0001 and 0.0001" in found.how[0][0]
+
+
+@pytest.mark.parametrize(
+    "flat",
+    [
+        lambda m: 3.0,
+        lambda m: (m - 2.0) ** 2,
+        lambda m: (m - 2.0) ** 3,
+        lambda m: np.maximum(m, 2.001),
+        lambda m: (m + 1e6) - m,
+    ],
+)
+def test_derivatives_that_are_zero_stay_zero(flat):
+    found = jo.design.gradient(study_of_push(pushed, share(flat)))
+    assert found.exact and abs(found["y", "mass"]) < STEP, str(found)
+
+
+@pytest.mark.parametrize("jumps", [lambda m: int(m.real), lambda m: np.real(m) > 1.5])
+def test_whole_numbers_that_a_parameter_changes_have_no_derivative(jumps):
+    def outcome(case):
+        return jumps(case.values["mass"])
+
+    found = jo.design.gradient(study_of_push(pushed, jo.design.Function("y", outcome, of="case")))
+    assert found.how[0][0].startswith("none: the outcome is a whole number, which jumps to ")
+    assert np.isnan(found["y", "mass"]) and found["y", "force"] == 0.0
+    counted = jo.design.gradient(study_of_push(pushed, {"rows": lambda run: len(run.time)}))
+    assert not np.any(counted["rows"])
+
+
+def test_stairs_have_no_derivative_between_two_steps():
+    found = jo.design.gradient(
+        study_of_push(pushed, share(lambda m: math.floor(1000.0 * m.real + 0.5) / 1000.0))
+    )
+    assert found.how[0][0].startswith("none: it is constant here and jumps to ")
+    assert np.isnan(found["y", "mass"]) and found["y", "force"] == 1.0
 
 
 @pytest.mark.parametrize("part", ["bodies", "kind"])
@@ -387,7 +455,8 @@ def test_result_has_names_and_says_how():
     assert found.outcomes == ("x",) and found["x"].shape == (3,)
     assert found["x", "speed"] == found.jacobian[0, 0]
     assert "3 of 3 derivatives by complex steps" in str(found)
-    assert found.runs == {"real": 3, "complex": 3, "models": 5}
+    # two of the check, and two for one of them whose share is small
+    assert found.runs == {"real": 5, "complex": 3, "models": 7}
     with pytest.raises(KeyError, match="no outcome 'y'"):
         found["y"]
     with pytest.raises(jo.InputError, match="no outcome 'z'"):

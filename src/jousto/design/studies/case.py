@@ -133,6 +133,8 @@ class Case:
         Over which what depends on the parameter that has a derivative changes.
     followed : bool
         Whether `along` was asked since it was set to False.
+    whole : bool
+        Whether the last outcome that a function returned was a whole number by its type.
     """
 
     def __init__(
@@ -148,6 +150,7 @@ class Case:
         self._kept: dict[object, Any] = {}
         self.reach = reach
         self.followed = False
+        self.whole = False
 
     @property
     def mechanism(self) -> Mechanism:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,116 +15,31 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.complexstep import STEP
-from jousto.base.described import described
-from jousto.base.errors import InputError, NotAnalytic, Problem, UnknownNameError, suggest
+from jousto.base.errors import InputError, NotAnalytic, Problem
+from jousto.design.studies.gradient_result import (
+    DIFFERENCES,
+    EXACT,
+    MOTION,
+    NONE,
+    RUN,
+    STEPS,
+    GradientResult,
+    place_of,
+)
+from jousto.design.studies.lost import AGREES, RELATIVE, ROUNDING, WHOLE, WIDE, lost, unseen
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator, reason
 from jousto.design.studies.study import Study
 
-EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
-DIFFERENCES, NONE = "differences", "none"
-WAYS = {
-    EXACT: "Complex numbers all the way to the outcome",
-    MOTION: "Complex numbers up to the results of the run. What is said of these, at the same "
-    "place, at the same instant and by the same cycles, by differences of fourth order",
-    RUN: "The model by differences of fourth order between models beside it, complex numbers from "
-    "there on; the reason follows",
-    DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",
-    NONE: "There is no derivative, the number is NaN; the reason follows",
-}
-"""How derivatives are found, the words that `GradientResult.how` begins with."""
-
-RELATIVE = 6e-6
-"""Step of differences as a share of the value: about the cube root of the round-off."""
-CLOSE, WIDE = 0.1 * RELATIVE, 1e-3
-"""Steps of differences where RELATIVE does not do: beside a kink, and for noisy outcomes."""
-AGREES = 1e-3
-"""Of the size of a slope: complex steps that agree with differences, whose noise is smaller."""
+CLOSE = 0.1 * RELATIVE
+"""Step of differences beside a kink, as a share of the value."""
 BENDS = 0.1
 """Of the larger slope on the two sides of a point: what is no curvature."""
 
 NOISE, FLAT = 1e-10, 1e-6
 """Of an outcome: its round-off, and what is no jump but noise."""
-STEPS = (EXACT, MOTION, RUN)
 OURS = ("jousto", "numpy", "scipy", "pydantic", "pydantic_core")
 """Modules whose lines are no help to whoever wrote the model."""
-
-
-@described
-@dataclass(frozen=True, eq=False)
-class GradientResult:
-    """Outcomes at a point with their derivatives by the parameters.
-
-    ``found["drift", "length"]`` is one derivative, ``found["drift"]`` the row (np,) of an outcome.
-
-    Attributes
-    ----------
-    values : (no,) array
-        Outcomes, SI.
-    jacobian : (no, np) array
-        Their derivatives by the parameters, SI.
-    how : tuple of tuple of str
-        (no, np): "complex step"; "complex motion" where stress, damage or a function of the user
-        is followed along a motion found so; "complex run: ", "differences: " or "none: " with the
-        reason. `WAYS` says what they mean.
-    outcomes, parameters : tuple of str
-        Names of rows and columns.
-    x : (np,) array
-        The point.
-    runs : dict of str to int
-        Points that were worked out, "real" and "complex", and "models" that were compiled for it.
-    """
-
-    values: Array
-    jacobian: Array
-    how: tuple[tuple[str, ...], ...]
-    outcomes: tuple[str, ...]
-    parameters: tuple[str, ...]
-    x: Array
-    runs: dict[str, int] = field(default_factory=dict)
-
-    def __getitem__(self, name: str | tuple[str, str]) -> Any:
-        """Return the derivatives of an outcome (np,), or that by one parameter.
-
-        Raises
-        ------
-        InputError
-            For an unknown name; close ones are suggested. A `KeyError`, too.
-        """
-        outcome, parameter = name if isinstance(name, tuple) else (name, None)
-        row = self.jacobian[_place("outcome", outcome, self.outcomes)]
-        return row if parameter is None else row[_place("parameter", parameter, self.parameters)]
-
-    @property
-    def exact(self) -> bool:
-        """Whether all derivatives are by complex steps, of the motion at least."""
-        return self._count == self.jacobian.size
-
-    @property
-    def _count(self) -> int:
-        return sum(how.partition(":")[0] in STEPS for row in self.how for how in row)
-
-    def _facts(self) -> str:
-        return f"{self._count} of {self.jacobian.size} derivatives by complex steps"
-
-    def __str__(self) -> str:
-        """Return all derivatives, and how those were found that are not by complex steps alone."""
-        width = max(map(len, (*self.outcomes, *self.parameters)))
-        lines = [repr(self)]
-        for i, outcome in enumerate(self.outcomes):
-            lines.append(f"  {outcome} = {self.values[i]:.6g}")
-            for j, parameter in enumerate(self.parameters):
-                said = "" if self.how[i][j] == EXACT else f"  {self.how[i][j]}"
-                lines.append(f"    by {parameter:<{width}}  {self.jacobian[i, j]: .6g}{said}")
-        used = {how.partition(":")[0] for row in self.how for how in row}
-        lines += [f"  {way}: {WAYS[way]}" for way in (MOTION, RUN) if way in used]
-        return "\n".join(lines)
-
-
-def _place(kind: str, name: str, known: Sequence[str]) -> int:
-    if name not in known:
-        raise UnknownNameError(Problem("gradient", f"no {kind} {name!r}{suggest(name, known)}"))
-    return known.index(name)
 
 
 @explained
@@ -158,8 +73,9 @@ def gradient(
     outcomes : str or sequence of str, optional
         Names of the outcomes wanted; all if not given.
     check : bool
-        Whether two further real runs, along one direction, check the complex steps: a function of
-        the user may lose derivatives without an error (``abs(x)``, ``x.real``).
+        Whether real runs check the complex steps: two along one direction, and two along each
+        parameter with a derivative that is zero or too small to count there. A function of the
+        user may lose derivatives without an error (``abs(x)``, ``x.real``).
 
     Raises
     ------
@@ -187,7 +103,7 @@ def gradient(
     names = (outcomes,) if isinstance(outcomes, str) else outcomes
     rows = list(range(len(study.outcomes)))
     if names is not None:
-        rows = [_place("outcome", name, study.outcomes) for name in names]
+        rows = [place_of("outcome", name, study.outcomes) for name in names]
     if not rows:
         raise InputError(Problem("gradient", "outcomes is empty, must name some or be left out"))
     return Work(study._evaluator, study.point(x), rows).result(check)
@@ -244,6 +160,8 @@ class Work:
         self._way = [[EXACT] * len(x) for _ in rows]
         self._why = [[""] * len(x) for _ in rows]
         self._values = np.full(len(rows), np.nan)
+        self._whole = np.zeros(len(rows), dtype=bool)
+        self._noise = np.full(shape, NOISE)
 
     def result(self, check: bool) -> GradientResult:
         """Return them all."""
@@ -254,14 +172,19 @@ class Work:
 
     def _result(self, check: bool) -> GradientResult:
         self._values = self._at(self._x)
+        columns, whole = range(len(self._x)), self._whole
         for i, value in enumerate(self._values):
             if not np.isfinite(value):
                 self._note([i], NONE, f"the outcome is {value}")
-        columns = range(len(self._x))
+            elif whole[i]:
+                for j in columns:
+                    self._note_jump(i, j)
         for j in columns:
             self._step(j)
         if check:
             self._check()
+            for j in columns:
+                self._check_alone(j)
         for j in columns:
             if any(row[j] == DIFFERENCES for row in self._way):
                 self._difference(j)
@@ -285,7 +208,17 @@ class Work:
         for one in found:
             if one.error is not None:
                 raise one.error
+        self._whole = np.array([one.whole for one in found])
         return np.array([one.value for one in found], dtype=float)
+
+    def _beside(self, j: int, distance: float) -> Array | None:
+        """Return the outcomes at a distance along a parameter, None if the machine fails there."""
+        x = self._x.copy()
+        x[j] += distance
+        try:
+            return self._at(x)
+        except Exception:
+            return None
 
     def _note(self, rows: Iterable[int], way: str, why: str, j: int | None = None) -> None:
         """Note how derivatives of some outcomes are found, unless that was said before."""
@@ -352,6 +285,29 @@ class Work:
             rows = np.array(rows)[~good].tolist()
         self._note(rows, DIFFERENCES, "complex steps and differences disagree")
 
+    def _check_alone(self, j: int) -> None:
+        """Check the derivatives by one parameter that a check along a direction may not see."""
+        sizes = np.array([self._size(k) for k in range(len(self._x))])
+        hidden = unseen(self._jacobian, sizes, self._values)[:, j]
+        rows = [i for i, way in enumerate(self._way) if way[j] in STEPS and hidden[i]]
+        if not rows:
+            return
+        slopes = self._jacobian[:, j]
+        found = lost(partial(self._beside, j), self._values, slopes, rows, sizes[j])
+        for i, (why, jumps) in found.items():
+            self._note([i], NONE if jumps else DIFFERENCES, why, j)
+            self._noise[i, j] = ROUNDING  # its change grows with the step: no noise
+            if jumps:
+                self._jacobian[i, j] = np.nan
+
+    def _note_jump(self, i: int, j: int) -> None:
+        """Note that a whole number has no derivative by a parameter that changes it."""
+        ends = [self._beside(j, side * WHOLE * self._size(j)) for side in (1.0, -1.0)]
+        for end in ends:
+            if end is not None and end[i] != self._values[i]:
+                why = f"the outcome is a whole number, which jumps to {end[i]:g} beside the point"
+                self._note([i], NONE, why, j)
+
     def _difference(self, j: int) -> None:
         """Fill what a column lacks by differences, as far as the outcomes are smooth there."""
         rows = [i for i, row in enumerate(self._way) if row[j] == DIFFERENCES]
@@ -361,7 +317,8 @@ class Work:
             rise, fall, said = self._sides(j, h)
             gap = np.abs(rise - fall)
             larger = np.maximum(np.abs(rise), np.abs(fall))
-            bent = ~(gap <= BENDS * larger + 10.0 * NOISE * np.abs(self._values) / h)
+            noise = 10.0 * self._noise[:, j] * np.abs(self._values) / h
+            bent = ~(gap <= BENDS * larger + noise)
             if share == WIDE:
                 bent &= gap * h > FLAT * np.abs(self._values)
             for i in rows:

@@ -75,6 +75,7 @@ class Function(Outcome):
         if array.size != 1 or array.dtype.kind not in ("fiubc" if is_stepping() else "fiub"):
             message = f"its function returned {found!r:.60}, must be one number"
             raise InputError(Problem(f"outcome '{self.name}'", message))
+        case.whole = array.dtype.kind in "iub"
         return scalar(array.reshape(()))
 
     def unit(self, case: Case) -> str:

@@ -256,9 +256,10 @@ class Evaluator:
             except Exception as error:
                 return [Found(error=error)] * len(outcomes)
             for outcome in outcomes:
-                case.followed = False
+                case.followed = case.whole = False
                 try:
-                    found.append(Found(outcome.value(case), case.followed, between=why))
+                    value = outcome.value(case)
+                    found.append(Found(value, case.followed, between=why, whole=case.whole))
                 except Exception as error:
                     found.append(Found(error=error))
             self.memory.counts["runs"] += case.ran
@@ -293,12 +294,15 @@ class Found:
         Why there is no value.
     between : Exception or None
         Why the model has its derivative by models on both sides.
+    whole : bool
+        Whether a function returned a whole number by its type.
     """
 
     value: float = float("nan")
     followed: bool = False
     error: Exception | None = None
     between: Exception | None = None
+    whole: bool = False
 
 
 @dataclass

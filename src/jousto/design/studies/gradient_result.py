@@ -1,0 +1,104 @@
+"""GradientResult: outcomes of a study with their derivatives, and how these were found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from jousto.base.arrays import Array
+from jousto.base.described import described
+from jousto.base.errors import Problem, UnknownNameError, suggest
+
+EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
+DIFFERENCES, NONE = "differences", "none"
+WAYS = {
+    EXACT: "Complex numbers all the way to the outcome",
+    MOTION: "Complex numbers up to the results of the run. What is said of these, at the same "
+    "place, at the same instant and by the same cycles, by differences of fourth order",
+    RUN: "The model by differences of fourth order between models beside it, complex numbers from "
+    "there on; the reason follows",
+    DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",
+    NONE: "There is no derivative, the number is NaN; the reason follows",
+}
+"""How derivatives are found, the words that `GradientResult.how` begins with."""
+
+STEPS = (EXACT, MOTION, RUN)
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class GradientResult:
+    """Outcomes at a point with their derivatives by the parameters.
+
+    ``found["drift", "length"]`` is one derivative, ``found["drift"]`` the row (np,) of an outcome.
+
+    Attributes
+    ----------
+    values : (no,) array
+        Outcomes, SI.
+    jacobian : (no, np) array
+        Their derivatives by the parameters, SI.
+    how : tuple of tuple of str
+        (no, np): "complex step"; "complex motion" where stress, damage or a function of the user
+        is followed along a motion found so; "complex run: ", "differences: " or "none: " with the
+        reason. `WAYS` says what they mean.
+    outcomes, parameters : tuple of str
+        Names of rows and columns.
+    x : (np,) array
+        The point.
+    runs : dict of str to int
+        Points that were worked out, "real" and "complex", and "models" that were compiled for it.
+    """
+
+    values: Array
+    jacobian: Array
+    how: tuple[tuple[str, ...], ...]
+    outcomes: tuple[str, ...]
+    parameters: tuple[str, ...]
+    x: Array
+    runs: dict[str, int] = field(default_factory=dict)
+
+    def __getitem__(self, name: str | tuple[str, str]) -> Any:
+        """Return the derivatives of an outcome (np,), or that by one parameter.
+
+        Raises
+        ------
+        InputError
+            For an unknown name; close ones are suggested. A `KeyError`, too.
+        """
+        outcome, parameter = name if isinstance(name, tuple) else (name, None)
+        row = self.jacobian[place_of("outcome", outcome, self.outcomes)]
+        return row if parameter is None else row[place_of("parameter", parameter, self.parameters)]
+
+    @property
+    def exact(self) -> bool:
+        """Whether all derivatives are by complex steps, of the motion at least."""
+        return self._count == self.jacobian.size
+
+    @property
+    def _count(self) -> int:
+        return sum(how.partition(":")[0] in STEPS for row in self.how for how in row)
+
+    def _facts(self) -> str:
+        return f"{self._count} of {self.jacobian.size} derivatives by complex steps"
+
+    def __str__(self) -> str:
+        """Return all derivatives, and how those were found that are not by complex steps alone."""
+        width = max(map(len, (*self.outcomes, *self.parameters)))
+        lines = [repr(self)]
+        for i, outcome in enumerate(self.outcomes):
+            lines.append(f"  {outcome} = {self.values[i]:.6g}")
+            for j, parameter in enumerate(self.parameters):
+                said = "" if self.how[i][j] == EXACT else f"  {self.how[i][j]}"
+                lines.append(f"    by {parameter:<{width}}  {self.jacobian[i, j]: .6g}{said}")
+        used = {how.partition(":")[0] for row in self.how for how in row}
+        lines += [f"  {way}: {WAYS[way]}" for way in (MOTION, RUN) if way in used]
+        return "\n".join(lines)
+
+
+def place_of(kind: str, name: str, known: Sequence[str]) -> int:
+    """Return the place of a name, or raise for one that is not there."""
+    if name not in known:
+        raise UnknownNameError(Problem("gradient", f"no {kind} {name!r}{suggest(name, known)}"))
+    return known.index(name)
