@@ -13,6 +13,7 @@ from jousto.fatigue import (
     Gerber,
     Goodman,
     Morrow,
+    Soderberg,
     assess,
     damage,
     fat_class,
@@ -157,9 +158,18 @@ def test_curve_of_another_ratio_is_turned_to_full_reversal():
 
 def test_mean_above_the_strength_is_no_fatigue():
     cycles = rainflow([550e6, 560e6, 550e6], residue="repeat")
-    assert damage(cycles, CURVE, Goodman(500e6)) == math.inf
+    with pytest.warns(JoustoWarning, match="above the tensile strength 500 MPa"):
+        assert damage(cycles, CURVE, Goodman(500e6)) == math.inf
     with pytest.warns(JoustoWarning, match="above the tensile strength 500 MPa"):
         damage(cycles, SN(S_D=100e6, N_D=1e6, k=5, S_u=500e6))
+    # a correction has a strength, too
+    for mean, said in (
+        (Goodman(S_u=500e6), "above the tensile strength 500 MPa"),
+        (Gerber(S_u=500e6), "above the tensile strength 500 MPa"),
+        (Soderberg(S_y=400e6), "above the yield stress 400 MPa"),
+    ):
+        with pytest.warns(JoustoWarning, match=said):
+            assess(cycles, SN(S_D=100e6, N_D=1e6, k=5), mean=mean)
 
 
 def test_spectrum_is_the_direct_sum():
@@ -260,7 +270,9 @@ def test_survival_of_nothing_and_of_a_break():
     scatter = SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25)
     assert assess([1e6, 1e6], scatter, residue="half").probability == 1.0
     broken = [300e6, 500e6, 300e6]
-    assert assess(broken, scatter, residue="half", mean=Goodman(350e6)).probability == 0.0
+    with pytest.warns(JoustoWarning, match="500 MPa, is above the tensile strength 350 MPa"):
+        found = assess(broken, scatter, residue="half", mean=Goodman(350e6))
+    assert found.probability == 0.0
 
 
 def test_assessment_at_a_survival_probability():
@@ -314,14 +326,18 @@ def test_mistakes():
 
 def test_a_constant_stress_above_the_strength_does_not_live_for_ever():
     cycles = rainflow([600e6, 600e6], residue="half")
-    assert damage(cycles, CURVE, Goodman(500e6)) == math.inf
-    assert life(cycles, CURVE, Goodman(500e6)) == 0.0
+    said = "above the tensile strength 500 MPa"
+    with pytest.warns(JoustoWarning, match=said):
+        assert damage(cycles, CURVE, Goodman(500e6)) == math.inf
+    with pytest.warns(JoustoWarning, match=said):
+        assert life(cycles, CURVE, Goodman(500e6)) == 0.0
     assert damage(rainflow([400e6, 400e6], residue="half"), CURVE, Goodman(500e6)) == 0.0
     scatter = SN(S_D=100e6, N_D=1e6, k=5, T_S=1.25)
-    found = assess(cycles, scatter, mean=Goodman(500e6))
+    with pytest.warns(JoustoWarning, match=said):
+        found = assess(cycles, scatter, mean=Goodman(500e6))
     assert (found.life, found.probability) == (0.0, 0.0)
     assert found.safety == pytest.approx(500 / 600)
-    with pytest.warns(JoustoWarning, match="above the tensile strength 500 MPa"):
+    with pytest.warns(JoustoWarning, match=said):
         assert damage(cycles, SN(S_D=100e6, N_D=1e6, k=5, S_u=500e6)) == 0.0
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import jousto as jo
 
 RUBBER = jo.Material(E=2e9, nu=0.3, rho=1100.0)
+STIFF = jo.Material(E=200e9, nu=0.3, rho=1100.0)
 
 
 def spinning(speed):
@@ -20,8 +23,8 @@ def spinning(speed):
     return jo.simulation.kinematics(model, np.linspace(0.0, 0.02, 201))
 
 
-def rod(modes=4):
-    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 8, RUBBER, name="rod")
+def rod(modes=4, material=RUBBER):
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 8, material, name="rod")
     return jo.reduce(part, jo.CraigBampton(("start", "end"), modes=modes))
 
 
@@ -59,6 +62,49 @@ def test_the_part_of_the_run_itself_moves_as_in_the_run():
         errors.append(np.abs(p - own)[:, soft].max() / np.abs(own[:, soft]).max())
     assert errors[1] < 0.02
     assert errors[1] < 0.35 * errors[0]
+
+
+def driven(mass=1100.0 * 0.02 * 0.02):
+    """Return the run of a rigid rod that a drive swings up, with hinge reaction and drive moment.
+
+    The loads at its hinge in world axes, (nt, 6): the moment of the drive is about y.
+    """
+    arm = jo.RigidBody("arm", mass, (1e-3, mass / 12, mass / 12), center=(0.5, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 1, 0))
+    motor = jo.Drive("motor", pin.angle, jo.SCurve((0.0, 1.0), (0.0, 1.0)))
+    sensors = jo.ReactionSensor("pin", pin), jo.ReactionSensor("motor", motor)
+    model = jo.compile(jo.Mechanism(arm, pin, motor, jo.Gravity((0, 0, -9.81)), *sensors))
+    run = jo.simulation.kinematics(model, np.linspace(0.0, 1.0, 501))
+    turning = np.zeros((len(run.time), 6))
+    turning[:, 4] = run["motor"][:, 0]
+    return run, run["pin"], turning
+
+
+def test_a_forgotten_moment_is_refused_and_named():
+    """About its hinge the rod needs ``J th'' + m g x / 2``: all of it is the motor's."""
+    run, hinge, turning = driven()
+    part = rod(material=STIFF)
+    p = jo.twin.drive_part(run, "arm", part, {"start": hinge + turning})
+    assert np.abs(p).max() > 0.0
+    with pytest.raises(jo.InputError, match="loads do not balance") as caught:
+        jo.twin.drive_part(run, "arm", part, {"start": hinge})
+    found = re.search(r"at ([\d.]+) s .* a moment of \(0, (\S+), 0\) N m more", str(caught.value))
+    assert found and "a force of" not in str(caught.value)
+    k = int(np.argmin(np.abs(run.time - float(found[1]))))
+    # the section's own inertia, h^2 / L^2, and the rod's sag of 2e-4 m are left out
+    assert float(found[2]) == pytest.approx(turning[k, 4], rel=1e-3)
+
+
+def test_a_reaction_of_the_other_body_and_another_mass_are_named():
+    run, hinge, turning = driven()
+    with pytest.raises(jo.InputError, match="a force of .* and a moment of"):
+        jo.twin.drive_part(run, "arm", rod(), {"start": -hinge - turning})
+    light, hinge, turning = driven(0.8 * 1100.0 * 0.02 * 0.02)
+    with pytest.raises(jo.InputError, match="a force of"):
+        jo.twin.drive_part(light, "arm", rod(), {"start": hinge + turning})
+    nearly, hinge, turning = driven(0.96 * 1100.0 * 0.02 * 0.02)
+    with pytest.warns(jo.JoustoWarning, match=r"a force of .* 2% of all loads"):
+        jo.twin.drive_part(nearly, "arm", rod(), {"start": hinge + turning})
 
 
 def test_what_does_not_fit_is_named():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from measurement.twin.cantilever import Clamped, clamped
+from measurement.twin.cantilever import STEEL, Clamped, E, H, L, clamped
 
 
 @pytest.fixture(scope="module")
@@ -217,3 +217,36 @@ def test_damage_of_single_instants_is_refused_in_words() -> None:
     found = jo.twin.Reconstruction([[1.0], [1.0]]).estimate([[1e-4, 1e-4]])
     with pytest.raises(jo.InputError, match=r"must be from Observer\.run"):
         jo.twin.damage_band(found, None, None, residue="half")  # type: ignore[arg-type]
+
+
+def test_what_is_advised_where_gauges_are_too_few_still_tells_the_load() -> None:
+    """A static load at the tip: the shapes that it needs are those of the interfaces."""
+    rod = jo.Part.beam(L, jo.Rectangle(0.02, H), 12, STEEL)
+    sites = [f"e{k}.a.{side}" for k in (2, 5, 8, 11) for side in ("top", "bottom")]
+
+    def reduced(modes: int) -> jo.reduction.ReducedPart:
+        whole = jo.reduce(rod, jo.CraigBampton(["start", "end"], modes=modes))
+        held = jo.reduction.clamp(whole, "start")
+        return held.keep(held.in_plane("xz"))
+
+    def rows(body: jo.reduction.ReducedPart) -> np.ndarray:
+        places = [body.stress.labels.index(site) for site in sites]
+        return body.stress.modes[places, 0] / E
+
+    def load(body: jo.reduction.ReducedPart) -> float:
+        p = jo.twin.Reconstruction(rows(body)).estimate(rows(fine) @ bent).p[0]
+        shapes = body.modes[body.node("end")]  # (3, n)
+        return float(np.linalg.lstsq(shapes.T, body.stiffness * p, rcond=None)[0][2])
+
+    fine = reduced(14)
+    bent = fine.modes[fine.node("end")].T @ [0.0, 0.0, -100.0] / fine.stiffness
+    with pytest.raises(jo.InputError, match=r"reduce the part with fewer modes= \(not by") as found:
+        load(fine)
+    # the mode of the largest displacement per strain is no mode that may be left out
+    assert "hardly seen" not in str(found.value)
+    # solved with condition numbers of 1e4
+    assert load(reduced(2)) == pytest.approx(-100.0, rel=1e-6)
+    cut = fine.keep(range(reduced(2).n))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert abs(load(cut) + 100.0) > 5.0

@@ -51,7 +51,9 @@ def _reversed(sn: SN, mean: MeanStress | None, S_D: float) -> float:
     return float(mean.equivalent(S_D, S_D * (1.0 + sn.R) / (1.0 - sn.R)))
 
 
-def check_stress(sn: SN, amplitude: float, peak: float, where: str = "damage") -> None:
+def check_stress(
+    sn: SN, amplitude: float, peak: float, mean: MeanStress | None, where: str = "damage"
+) -> None:
     """Warn if stresses and curve seem to be in different units, or a stress is above S_u.
 
     Parameters
@@ -59,6 +61,8 @@ def check_stress(sn: SN, amplitude: float, peak: float, where: str = "damage") -
     sn : SN
     amplitude, peak : float
         The largest amplitude and the largest stress, Pa.
+    mean : MeanStress or None
+        The correction, whose strength limits stress as that of the curve does.
     """
     if sn.S_D >= 1e6 and 1e-2 < amplitude < min(5e3, 1e-4 * sn.S_D):
         warn(
@@ -72,12 +76,18 @@ def check_stress(sn: SN, amplitude: float, peak: float, where: str = "damage") -
             f"the largest amplitude is {amplitude / 1e6:.4g} MPa where the S-N curve has S_D ="
             f" {sn.S_D:.4g} Pa; was the curve given in MPa? SI needs Pa",
         )
-    if sn.S_u is not None and peak > sn.S_u:
-        warn(
-            where,
-            f"the largest stress, {peak / 1e6:.4g} MPa, is above the tensile strength"
-            f" {sn.S_u / 1e6:.4g} MPa: not a question of fatigue, or a notch for strain life",
-        )
+    for name, strength in (
+        ("tensile strength", sn.S_u),
+        ("tensile strength", getattr(mean, "S_u", None)),
+        ("yield stress", getattr(mean, "S_y", None)),
+    ):
+        if strength is not None and peak > strength:
+            warn(
+                where,
+                f"the largest stress, {peak / 1e6:.4g} MPa, is above the {name}"
+                f" {strength / 1e6:.4g} MPa: not a question of fatigue, or a notch for strain life",
+            )
+            return
 
 
 def equivalents(cycles: Cycles, mean: MeanStress | None) -> Array:
@@ -126,9 +136,9 @@ def damage(cycles: Cycles, sn: SN, mean: MeanStress | None = None) -> float:
             Problem("damage", "cycles must be counted first: rainflow(history, residue=...)")
         )
     if not len(cycles):
-        check_stress(sn, 0.0, float(np.max(np.abs(cycles.open), initial=0.0)))
+        check_stress(sn, 0.0, float(np.max(np.abs(cycles.open), initial=0.0)), mean)
         return math.inf if _breaks(cycles, mean) else 0.0
-    check_stress(sn, float(cycles.amplitude.max()), _peak(cycles))
+    check_stress(sn, float(cycles.amplitude.max()), _peak(cycles), mean)
     return _sum(cycles, reference(sn, mean), mean)
 
 

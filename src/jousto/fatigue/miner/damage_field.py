@@ -391,7 +391,7 @@ def damage_field(
     if not np.all(np.isfinite(peak)):
         bad = field.labels[int(np.argmin(np.isfinite(peak)))]
         raise InputError(Problem(where, f"the stress at {bad} is not finite"))
-    check_stress(curve, largest, float(np.abs(peak).max(initial=0.0)), where)
+    check_stress(curve, largest, float(np.abs(peak).max(initial=0.0)), mean, where)
     nodes = field.modes.nodes
     return DamageField(
         field.name,

@@ -16,7 +16,7 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.ranking import largest
 from jousto.measurement.twin.motion.system import as_rows
-from jousto.measurement.twin.reconstruction import NOISE
+from jousto.measurement.twin.reconstruction import FEWER, NOISE
 from jousto.measurement.twin.signals import LARGEST, read_noise
 from jousto.reduction.reduced import ReducedPart
 
@@ -166,8 +166,8 @@ def place_gauges(
         raise InputError(
             Problem(
                 where,
-                f"{count} gauges cannot tell {n} modes apart; take more, keep fewer modes, or give "
-                "a prior or the trajectory of a run",
+                f"{count} gauges cannot tell {n} modes apart; take more, {FEWER}, or give a prior "
+                "or the trajectory of a run",
             )
         )
     free = np.ones(len(B), dtype=bool)

@@ -26,6 +26,13 @@ FAR_OFF = 10.0
 """Score of most gauges from which on the estimate is reported as doubtful; 1 is right."""
 PARALLEL = 1e-9
 """How near to 1 the cosine of the rows of two gauges is if they say the same."""
+UNSEEN = 1e-9
+"""Strain of a mode, of the largest of any mode, that is rounding."""
+FEWER = (
+    "reduce the part with fewer modes= (not by reduced.keep: the static shapes of its interfaces, "
+    "by which loads are found, are spread over all modes)"
+)
+"""How to get a part with fewer modes that still tells loads."""
 
 
 @described
@@ -391,20 +398,26 @@ class Reconstruction:
                     "Reconstruction",
                     f"condition number {self.condition:.2g}: combinations of modes are seen that "
                     "much less than others and take up the noise; move gauges (place_gauges), "
-                    "leave modes out, or give a prior",
+                    f"{FEWER}, or give a prior",
                 )
             return
         rank = n - hidden.shape[1]
         found = f"{count(ng, 'gauge')} tell {rank} of {count(n, 'mode')} apart{alike}"
-        weight = np.sqrt((hidden**2).sum(axis=1))
-        hardly = ", ".join(str(j + 1) for j in np.flatnonzero(weight > 0.7))
-        which = f"; hardly seen: modes {hardly}" if hardly else ""
+        size = np.linalg.norm(self.B, axis=0)
+        blank = np.flatnonzero(size <= UNSEEN * size.max())
+        which = ""
+        if len(blank):
+            numbers = ", ".join(str(j + 1) for j in blank)
+            which = f"; no gauge is strained by {'mode' if len(blank) == 1 else 'modes'} {numbers}"
+        if mixed := hidden.shape[1] - len(blank):
+            others = "of the others" if len(blank) else "of modes"
+            which += f"; {count(mixed, 'combination')} {others} cannot be seen"
         if self.prior is None:
             raise InputError(
                 Problem(
                     "Reconstruction",
-                    f"{found}{which}; add gauges elsewhere, keep fewer modes (reduced.keep), or "
-                    "give prior= (covariance of the modes in a simulated run)",
+                    f"{found}{which}; add gauges elsewhere (other faces, axial and bending "
+                    f"apart), {FEWER}, or give prior= (covariance of the modes in a simulated run)",
                 )
             )
         warn(

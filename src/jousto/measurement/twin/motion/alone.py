@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.motion.balance import Load, check_balance
 from jousto.measurement.twin.motion.reference import InertialForce, Motion, Reference
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.damping import Damping, modal_damping
@@ -62,8 +63,14 @@ def drive_part(
     Raises
     ------
     InputError
-        Unknown body or nodes, loads of another shape, or a frame that turns so fast that the steps
-        do not converge.
+        Unknown body or nodes, loads of another shape, loads of which more than a tenth is missing
+        in the balance with the motion (a motor's moment, say), or a frame that turns so fast that
+        the steps do not converge.
+
+    Warns
+    -----
+    JoustoWarning
+        If more than a hundredth is missing; force and moment are named.
     """
     where = "drive_part"
     shape, t, n = find_body(run, body), run.time, reduced.n
@@ -71,18 +78,22 @@ def drive_part(
     A = rotation_matrices(run.q[:, shape.q_offset + 3 : shape.q_offset + 7])
     problems = Problems()
     f = np.zeros((len(t), n))
+    wrenches: list[Load] = []
     for name, given in loads.items():
         columns = 6 if np.shape(given)[-1:] == (6,) else 3
         load = problems.array(where, f"loads[{name!r}]", given, (len(t), columns))
         if load is None:
             continue
         node = reduced.node(name)
-        f += np.einsum("tba,tb->ta", A, load[:, :3]) @ reduced.modes[node]
+        force, moment = np.einsum("tba,tb->ta", A, load[:, :3]), np.zeros((len(t), 3))
+        f += force @ reduced.modes[node]
         turn = reduced.rotation(node)
         if columns == 6 and turn is not None:
-            f += np.einsum("tba,tb->ta", A, load[:, 3:]) @ turn
+            moment = np.einsum("tba,tb->ta", A, load[:, 3:])
+            f += moment @ turn
         elif columns == 6 and np.any(load[:, 3:]):
             problems.add(where, f"loads[{name!r}] has moments, but node {name!r} does not turn")
+        wrenches.append((node, force, moment))
     first = [problems.array(where, f"start[{i}]", x, (n,)) for i, x in enumerate(start or ())]
     if len(first) not in (0, 2):
         problems.add(where, f"start has {len(first)} arrays, must be coordinates and velocities")
@@ -106,6 +117,7 @@ def drive_part(
             a[k], partial(_acceleration, h, inertial, motion, before, speed, external, soft), t[k]
         )
         p[k], v[k] = before + h * h / 4 * a[k], speed + h / 2 * a[k]
+    check_balance(reduced, reference, wrenches, A, (p, v, a))
     return p
 
 
