@@ -97,3 +97,34 @@ def test_all_mistakes_are_told_before_the_run(model: Path, tmp_path: Path) -> No
     assert code == 2 and "no sensor 'wy'; did you mean 'way'?" in out
     code, out = jousto("study", model, "--outcome", "mass")
     assert code == 2 and "--vary: name what is varied: mass, force" in out
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--vary", "mass=1..4kg/1000000000"], "--vary mass: 1e+09 points, a study takes"),
+        (["--vary", f"mass=1..4kg/{'9' * 5000}"], "--vary mass: inf points, a study takes"),
+        (
+            ["--vary", "mass=1..4kg/2000", "--vary", "force=1..4N/2000"],
+            "grid: 4e+06 points, a study takes 1,000,000 at most",
+        ),
+        (["--vary", "mass", "--samples", "1000000000"], "--samples: 1e+09 points"),
+        (
+            ["--vary", "mass=1..4kg/2000", "--vary", "force", "--samples", "2000"],
+            "--samples: 4e+06 points",
+        ),
+    ],
+)
+def test_more_points_than_a_study_holds_are_refused_before_they_are_made(
+    model: Path, options: list[str], said: str
+) -> None:
+    import tracemalloc
+
+    tracemalloc.start()
+    try:
+        code, out = jousto("study", model, *options, "--outcome", "last(way)")
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert code != 0 and said in " ".join(out.split()), out
+    assert peak < 100e6  # a list of 1e9 numbers has 8 GB

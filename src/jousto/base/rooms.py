@@ -38,6 +38,10 @@ class Room(ModuleType):
     def __dir__(self) -> list[str]:
         return list(self.__all__)
 
+    def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
+        # functions that travel to other processes take the module that they name with them
+        return import_module, (self.__name__,)
+
 
 def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
     """Let a package load the names of its ``__init__.pyi`` when they are first used.

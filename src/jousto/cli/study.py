@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from functools import partial
 from pathlib import Path
@@ -14,7 +15,7 @@ from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
 from jousto.cli.options import Model, On, Output, Trust, Workers, amount
 from jousto.cli.terminal import say
-from jousto.cli.varied import WAYS, check_choice, nothing_varied, problems_of, varied
+from jousto.cli.varied import LONG, WAYS, check_choice, nothing_varied, problems_of, varied
 
 if TYPE_CHECKING:
     from jousto.base.arrays import Array
@@ -142,10 +143,14 @@ def _add(
 
 
 def _how_many(samples: str | None) -> None:
+    from jousto.design.studies.parameters.samples import check_count
+
     given = samples is not None and not samples.endswith(".csv")
     if given and not (samples and samples.isdecimal() and int(samples) > 0):
         message = f"is {samples!r}, must be a number of samples or a file .csv"
         raise InputError(Problem("--samples", message))
+    if given and samples:
+        check_count("--samples", int(samples) if len(samples) < LONG else math.inf)
 
 
 def _points(
@@ -170,6 +175,7 @@ def _points(
         return grid
     if samples is None and not axes:
         raise InputError(Problem("--samples", "say how many, --samples 100"))
+    spread.check_count("--samples", len(grid), int(samples or 1))
     points = np.repeat(grid, int(samples or 1), axis=0)
     make = {"lhs": spread.latin_hypercube, "sobol": spread.sobol, "random": spread.random_samples}
     points[:, rest] = make[method]([parameters[k] for k in rest], len(points), seed=seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from jousto.design.studies.parameters.parameter import Parameter
     from jousto.schema.read import ModelFile
 
+LONG = 300
+"""Digits from which on a number is no count."""
 RANGE = re.compile(r"(.+?)\.\.(.+?)(?:/\s*(\d+))?")
 WAYS = ("threads", "processes", "dask")
 
@@ -44,6 +47,7 @@ def nothing_varied(known: dict[str, Any]) -> str:
 def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]]) -> Parameter:
     """Return the parameter of an option; values of a grid go into `axes`."""
     from jousto.design.studies.parameters.distributions import CALL, read_distribution
+    from jousto.design.studies.parameters.samples import check_count
 
     name, equals, values = (piece.strip() for piece in text.partition("="))
     where = f"--vary {name}"
@@ -66,10 +70,11 @@ def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]])
     if match[3] is None:
         value = min(max(own.value, low), high)
         return replace(own, value=value, bounds=(low, high), distribution=None)
-    count = int(match[3])
+    count = int(match[3]) if len(match[3]) < LONG else math.inf
+    check_count(where, count)
     if count < 2:
         raise InputError(Problem(where, f"has {count} values, must have 2 or more"))
-    axes[name] = [low + (high - low) * k / (count - 1) for k in range(count)]
+    axes[name] = [low + (high - low) * k / (count - 1) for k in range(int(count))]
     return replace(own, bounds=None)
 
 

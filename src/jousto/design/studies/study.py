@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.files import check_file
 from jousto.base.progress import bars
 from jousto.design.studies.case import Case, Settings
 from jousto.design.studies.outcomes.outcome import Outcome
@@ -21,6 +22,7 @@ from jousto.design.studies.outcomes.outcomes import read_outcomes
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.parameters.samples import grid, latin_hypercube, read_samples
 from jousto.design.studies.running.evaluator import Evaluator, Row
+from jousto.design.studies.running.guard import taken_over
 from jousto.design.studies.running.journal import Journal, check_same
 from jousto.design.studies.running.keys import key_of
 from jousto.design.studies.running.sources import choose, source_of
@@ -220,10 +222,26 @@ class Study:
         self._about()  # before functions change what they hold
         keys = [tuple(point.tolist()) for point in points]
         target = None if path is None else Path(path)
-        rows: dict[tuple[float, ...], Row] = {}
-        journal: Journal | None = None
-        if target is not None:
-            journal, rows = self._resumed(target)
+        lines = None if target is None else self._lines(target)
+        with nullcontext() if lines is None else taken_over(lines):
+            rows = self._worked_out(keys, target, lines, (workers, how, retry, progress))
+            self.table = self._table(points, [rows[x] for x in keys])
+            if target is not None and lines is not None and target.suffix != LINES:
+                self.table.save(target)
+                if target.suffix in (".h5", ".hdf5"):
+                    lines.unlink(missing_ok=True)
+        return self.table
+
+    def _worked_out(
+        self,
+        keys: Sequence[Point],
+        target: Path | None,
+        lines: Path | None,
+        given: tuple[Any, str, bool, Any],
+    ) -> dict[Point, Row]:
+        """Return the rows of points, those of the files and the others as they come."""
+        workers, how, retry, progress = given
+        journal, rows = self._resumed(target, lines)
         if retry:
             rows = {x: row for x, row in rows.items() if not row[1]}
         todo = [(i, x) for i, x in enumerate(dict.fromkeys(keys)) if x not in rows]
@@ -235,12 +253,7 @@ class Study:
                 rows[waiting[i]] = row
                 done += 1
                 report(done, len(keys))
-        self.table = self._table(points, [rows[x] for x in keys])
-        if target is not None and target.suffix != LINES:
-            self.table.save(target)
-            if journal is not None and target.suffix in (".h5", ".hdf5"):
-                journal.path.unlink(missing_ok=True)
-        return self.table
+        return rows
 
     def _table(self, points: Array, rows: Sequence[Row]) -> StudyTable:
         names = tuple(parameter.name for parameter in self.parameters)
@@ -270,20 +283,30 @@ class Study:
             }
         return self._made_of
 
-    def _resumed(self, target: Path) -> tuple[Journal, dict[tuple[float, ...], Row]]:
+    def _lines(self, target: Path) -> Path:
+        """Return the file of the journal of a table, after looking whether both may be written."""
+        if target.suffix == LINES:
+            check_file(target)
+            return target
+        check_suffix(target)
+        lines = target.with_name(target.name + LINES)
+        check_file(lines)
+        return lines
+
+    def _resumed(
+        self, target: Path | None, lines: Path | None
+    ) -> tuple[Journal | None, dict[Point, Row]]:
         """Return the journal of a table's file, with the rows that there are."""
+        if target is None or lines is None:
+            return None, {}
         about = self._about()
-        rows: dict[tuple[float, ...], Row] = {}
-        lines = target
-        if target.suffix != LINES:
-            check_suffix(target)
-            lines = target.with_name(target.name + LINES)
-            if target.suffix in (".h5", ".hdf5") and target.exists():
-                known = read_study(target)
-                check_same(target, known.about, about)
-                places = map(tuple, known.x.tolist())
-                found = zip(known.y.tolist(), known.reasons, strict=True)
-                rows = dict(zip(places, found, strict=True))
+        rows: dict[Point, Row] = {}
+        if target.suffix in (".h5", ".hdf5") and target.exists():
+            known = read_study(target)
+            check_same(target, known.about, about)
+            places = map(tuple, known.x.tolist())
+            found = zip(known.y.tolist(), known.reasons, strict=True)
+            rows = dict(zip(places, found, strict=True))
         journal = Journal(lines, about)
         return journal, rows | journal.rows
 

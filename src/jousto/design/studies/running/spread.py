@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import pickle
 import tempfile
@@ -24,7 +23,8 @@ import numpy as np
 
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.design.studies.running.evaluator import Evaluator, Row
-from jousto.design.studies.running.journal import Journal, write_row
+from jousto.design.studies.running.guard import end_with_parent, hold
+from jousto.design.studies.running.journal import Journal, Sizes, read_row, write_row
 
 WAYS = ("threads", "processes", "dask")
 MOST_DEATHS = 3
@@ -93,9 +93,11 @@ def _finished(open_: set[Future[list[tuple[int, Row]]]]) -> Found:
 _EVALUATOR: Evaluator | None = None
 
 
-def _start(data: bytes, sign: str) -> None:
+def _start(data: bytes, sign: str, path: str) -> None:
     """Make a process ready, and say so."""
     global _EVALUATOR
+    end_with_parent()
+    hold(path)
     _EVALUATOR = pickle.loads(data)
     Path(sign).touch()
 
@@ -110,6 +112,7 @@ def work_out(
     evaluator: Evaluator, points: Points, path: str
 ) -> tuple[list[tuple[int, Row]], dict[str, int], dict[str, int]]:
     """Work out points, write them if there is a file; return them with counts and notes."""
+    hold(path)
     before, told = evaluator.counts, dict(evaluator.notes)
     rows = []
     with evaluator.noting():
@@ -143,7 +146,11 @@ def portable(evaluator: Evaluator) -> bytes:
         If it holds a function that cannot travel.
     """
     try:
-        return pickle.dumps(evaluator)
+        from cloudpickle import dumps  # takes functions of scripts and notebooks along
+    except ImportError:
+        from pickle import dumps
+    try:
+        return dumps(evaluator)
     except Exception as error:
         message = (
             f"cannot go to another process ({error}); put functions at the top level of a module, "
@@ -165,11 +172,11 @@ def by_processes(
         left = dict(points)
         places = {x: i for i, x in points}
         deaths: dict[int, int] = {}
-        reader, sign = Tail(own.path), Path(folder) / "started"
+        reader, sign = Tail(own.path, own.sizes), Path(folder) / "started"
         size = max(1, min(CHUNK, len(left) // (8 * workers)))
         while left:
             before, broken = len(left), False
-            start = (data, str(sign))
+            start = (data, str(sign), str(own.path))
             for x, row in _pool(evaluator, start, list(left.items()), workers, size, reader):
                 if x is None:
                     broken = True
@@ -193,13 +200,13 @@ def by_processes(
 
 GUARD = (
     "processes die before they work; a script that starts a study must do so below "
-    "if __name__ == '__main__':"
+    "if __name__ == '__main__':; functions of a notebook need cloudpickle (pip install cloudpickle)"
 )
 
 
 def _pool(
     evaluator: Evaluator,
-    start: tuple[bytes, str],
+    start: tuple[bytes, str, str],
     left: Points,
     workers: int,
     size: int,
@@ -226,8 +233,8 @@ def _pool(
 class Tail:
     """Reads what is appended to a journal."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, sizes: Sizes) -> None:
+        self.path, self._sizes = path, sizes
         self._at = path.stat().st_size
 
     def rows(self) -> Iterator[tuple[tuple[float, ...], Row]]:
@@ -237,11 +244,10 @@ class Tail:
             data = file.read()
         data = data[: data.rfind(b"\n") + 1]
         self._at += len(data)
-        for line in data.splitlines():
+        for line in data.split(b"\n")[:-1]:
             try:
-                row = json.loads(line)
-                yield tuple(row["x"]), ([float(y) for y in row["y"]], str(row["failed"]))
-            except (ValueError, KeyError, TypeError):
+                yield read_row(line, self._sizes)
+            except ValueError:
                 continue  # a piece that a process left as it died
 
 
