@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import scipy.stats as stats
+from scipy.special import betainc
 
 import jousto as jo
 from jousto.design.reliability.inputs.correlation import normal_correlation
@@ -196,3 +197,33 @@ E = Random("e", stats.expon())
 def test_what_cannot_be_is_refused_by_a_sentence(make, said):
     with pytest.raises(jo.InputError, match=said):
         make()
+
+
+@pytest.mark.parametrize(("a", "b"), [(0.2, 2.0), (2.0, 0.2), (0.2, 0.5), (2.0, 3.0)])
+def test_a_beta_distribution_of_openturns_has_its_quantiles(a, b):
+    """Root finding of OpenTURNS gives up on some shapes with a bare RuntimeError."""
+    ot = pytest.importorskip("openturns")
+    law = Random("x", ot.Beta(a, b, 0.0, 1.0)).law
+    y = np.linspace(-6.0, 2.0, 17)
+    # the incomplete beta function of scipy
+    np.testing.assert_allclose(betainc(a, b, law.value(y)), stats.norm.cdf(y), rtol=1e-9)
+
+
+def test_form_with_a_beta_distribution_of_openturns():
+    ot = pytest.importorskip("openturns")
+    found = jo.design.form(
+        lambda x: 0.9 - x["x"], [Random("x", ot.Beta(0.2, 2.0, 0.0, 1.0))], start={"x": 0.8}
+    )
+    assert found.probability == pytest.approx(betainc(2.0, 0.2, 0.1), rel=1e-6)
+
+
+def test_what_openturns_cannot_do_is_a_sentence():
+    ot = pytest.importorskip("openturns")
+    joint = jo.design.Joint(["a"], ot.JointDistribution([ot.Beta(2.0, 2.0, 0.0, 1.0)]))
+
+    def fails(given):
+        raise RuntimeError("Root finding evaluation exceeded 200 iterations, giving up now.")
+
+    object.__setattr__(joint, "_maps", (fails, fails))
+    with pytest.raises(jo.InputError, match="a transformation of OpenTURNS failed: Root .*Rosenb"):
+        joint.to_x(np.zeros(1))

@@ -52,6 +52,9 @@ def optimise(
         float, typer.Option(metavar="SHARE", help="Step, of the bounds, that ends.")
     ] = 1e-4,
     cycles: Annotated[int, typer.Option(min=1, help="At most.")] = 50,
+    starts: Annotated[
+        int, typer.Option("--starts", min=1, help="How many starts; the best is kept.")
+    ] = 1,
     t_end: End = None,
     output: Output = None,
     picture: Drawing = None,
@@ -76,6 +79,9 @@ def optimise(
     ):
         problems += problems_of(check)
     problems += _together(reliable, target, compare, method)
+    if reliable and starts > 1:
+        message = "is for designs without scatter; leave it out with --reliable"
+        problems.append(Problem("--starts", message))
     file = read_model(model, trust=trust)
     limits, parameters = [], []
     try:
@@ -95,7 +101,7 @@ def optimise(
         _reliable(file, limits, made | how | {"target": target}, output, picture)
         return
     names = [method, *(name for name in METHODS if compare and name != method)]
-    _least(file, limits, made, how, names, output, picture)
+    _least(file, limits, made, how | {"starts": starts}, names, output, picture)
 
 
 def _together(reliable: bool, target: float | None, compare: bool, method: str) -> list[Problem]:

@@ -38,6 +38,7 @@ from .reliability.sampling import (
 )
 from .reliability.sorm import SormResult as SormResult, sorm as sorm
 from .reliability.subset import subset_simulation as subset_simulation
+from .reliability.system import SystemResult as SystemResult, system as system
 from .reliability.targets.rbdo import RbdoResult as RbdoResult, rbdo as rbdo
 from .studies.case import Case as Case
 from .studies.gradient import gradient as gradient

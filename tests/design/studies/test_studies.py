@@ -524,8 +524,14 @@ def test_a_table_becomes_a_frame(tmp_path: Path) -> None:
         assert pandas.read_parquet(tmp_path / "t.parquet")["way"].tolist() == table["way"].tolist()
 
 
-def test_a_local_function_cannot_go_to_a_process() -> None:
-    study = jo.study(lambda mass: machines.pushed(mass), FORCES, "last(way)", **RUN)
+def test_what_cannot_travel_is_refused() -> None:
+    lock = threading.Lock()
+
+    def guarded(mass: float) -> jo.Mechanism:
+        with lock:
+            return machines.pushed(mass)
+
+    study = jo.study(guarded, FORCES, "last(way)", **RUN)
     with pytest.raises(jo.InputError, match="cannot go to another process"):
         study.run(X, workers=2, how="processes")
 

@@ -11,8 +11,10 @@ from scipy.optimize import minimize
 from jousto.base.arrays import Array
 from jousto.design.optimisation import loads as esl
 from jousto.design.optimisation.elastic import EquivalentLoad
+from jousto.design.optimisation.feasibility import nearest
 from jousto.design.optimisation.optimum import ACTIVE, Cycle, Optimum, multipliers
 from jousto.design.optimisation.problem import Kept, Problem
+from jousto.design.optimisation.slopes import Function, differences
 
 SMALL = 1e-5
 """Step of central differences where only statics are computed, share of the span."""
@@ -25,17 +27,6 @@ AHEAD, NEAR = 6, 0.02
 
 PENALTY = 10.0
 """Cost, of the cost at the start, of a limit exceeded by its own size, where none is feasible."""
-
-Function = Callable[[Array], Array]
-
-
-def differences(problem: Problem, function: Function, x: Array, size: float) -> Array:
-    """Return the slopes (m, nd) of a function by differences, central but at bounds."""
-    columns = []
-    for i in range(len(x)):
-        up, down = esl.sides(problem, x, i, size)
-        columns.append((function(up) - function(down)) / (up[i] - down[i]))
-    return np.stack(columns, axis=-1)
 
 
 def solve(
@@ -116,6 +107,7 @@ def change(old: Sequence[EquivalentLoad], new: Sequence[EquivalentLoad]) -> floa
 def by_loads(
     problem: Problem,
     order: int,
+    start: Array,
     *,
     tolerance: float,
     cycles: int,
@@ -126,7 +118,7 @@ def by_loads(
 ) -> Optimum:
     """Optimise by equivalent static loads; see `optimise`."""
     span = problem.high - problem.low
-    x, radius = problem.start.copy(), trust
+    x, radius = start.copy(), trust
     history: list[Cycle] = []
     last: Array | None = None
     old: list[EquivalentLoad] | None = None
@@ -180,6 +172,7 @@ def by_loads(
 
 def directly(
     problem: Problem,
+    start: Array,
     *,
     tolerance: float,
     cycles: int,
@@ -189,7 +182,7 @@ def directly(
 ) -> Optimum:
     """Optimise the transient itself; see `optimise`."""
     span = problem.high - problem.low
-    x, history = problem.start.copy(), list[Cycle]()
+    x, history = start.copy(), list[Cycle]()
     converged, message = False, f"not converged in {cycles} rounds"
     for _ in range(cycles):
         table = esl.table_of(problem, x)
@@ -243,7 +236,11 @@ def finished(
     )
     if ratio > 1.0 + ACTIVE:
         converged = False
-        message += f"; a limit is exceeded, the largest ratio is {ratio:.4g}: try another start"
+        message += f"; a limit is exceeded, the largest ratio is {ratio:.4g}"
+        other = nearest(problem, x, screen, size)
+        message += other.message
+        if other.ratio <= 1.0 + ACTIVE:
+            message += ", ".join(f"{k} = {v:.6g}" for k, v in problem.values(other.x).items())
     kkt = max(kkt, ratio - 1.0)
     active = tuple((names[row], m) for row, m in sorted(found.items(), key=lambda p: -p[1]))
     return Optimum(

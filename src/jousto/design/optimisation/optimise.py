@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+from scipy.stats import qmc
 
 from jousto.base.arguments import explained
-from jousto.base.errors import Problems
+from jousto.base.arrays import Array
+from jousto.base.errors import JoustoError, Problems
 from jousto.design.optimisation.methods import by_loads, directly
 from jousto.design.optimisation.optimum import Cycle, Optimum
 from jousto.design.optimisation.problem import Problem
+
+SAME = 1e-3
+"""Of the least cost: costs that are one optimum."""
 
 
 @explained
@@ -24,6 +31,8 @@ def optimise(
     trust: float | None = None,
     differences: float = 1e-5,
     report: Callable[[Cycle], None] | None = None,
+    starts: int = 1,
+    seed: int = 0,
 ) -> Optimum:
     """Find the parameters of least cost that keep all limits at all instants of the motion.
 
@@ -56,6 +65,11 @@ def optimise(
         Step of the differences over runs as a share of the spans.
     report : function, optional
         Is called with each `Cycle`.
+    starts : int
+        How many: the values of the parameters, then points of a Latin hypercube in their bounds.
+        Each ends at an optimum near it; the best is returned, and its message has the spread.
+    seed : int
+        Of the hypercube.
 
     Returns
     -------
@@ -79,11 +93,54 @@ def optimise(
     )
     radius = (0.2 if order else 1.0) if trust is None else trust
     problems.number(where, "trust", radius, "", "above 0 and up to 1", lambda v: 0.0 < v <= 1.0)
+    whole = "a whole number, at least 1"
+    problems.number(where, "starts", starts, "", whole, lambda v: v >= 1 and v == int(v))
     if cycles < 1:
         problems.add(where, f"cycles is {cycles}, must be 1 or more")
     problems.raise_if_any()
     problem.check()
-    common = {"tolerance": tolerance, "screen": screen, "size": differences}
-    if method == "direct":
-        return directly(problem, cycles=cycles, report=report, **common)
-    return by_loads(problem, order, cycles=cycles, trust=radius, report=report, **common)
+    common: dict[str, Any] = {"tolerance": tolerance, "screen": screen, "size": differences}
+    common |= {"cycles": cycles, "report": report}
+
+    def found(start: Array) -> Optimum:
+        if method == "direct":
+            return directly(problem, start, **common)
+        return by_loads(problem, order, start, trust=radius, **common)
+
+    first = found(problem.start)
+    if starts == 1:
+        return first
+    others: list[Optimum] = []
+    failed = 0
+    for u in qmc.LatinHypercube(len(problem.names), rng=seed).random(int(starts) - 1):
+        try:
+            others.append(found(problem.low + u * (problem.high - problem.low)))
+        except JoustoError:
+            failed += 1
+    return best([first, *others], failed)
+
+
+def best(optima: Sequence[Optimum], failed: int) -> Optimum:
+    """Return the cheapest of optima that keep their limits, with the spread of all in its message.
+
+    Where none keeps them, that which exceeds them least.
+    """
+    kept = [one for one in optima if one.kept]
+    ended = [one for one in kept if one.converged] or kept
+    least = min(ended, key=lambda one: one.cost) if kept else min(optima, key=lambda o: o.ratio)
+    others = tuple(one for one in optima if one is not least)
+    total = len(optima) + failed
+    if kept:
+        costs = [one.cost for one in ended]
+        size = abs(least.cost) or 1.0
+        same = sum(cost - least.cost <= SAME * size for cost in costs)
+        spread = (
+            f"; best of {total} starts: {same} ended within {SAME:.1%} of it, costs from "
+            f"{min(costs):.6g} to {max(costs):.6g}"
+        )
+    else:
+        spread = f"; none of {total} starts met the limits"
+    left = total - len(ended)
+    if kept and left:
+        spread += f", {left} did not end at a design that keeps the limits"
+    return replace(least, message=least.message + spread, others=others)

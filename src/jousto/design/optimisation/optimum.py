@@ -10,6 +10,7 @@ from scipy.optimize import nnls
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
+from jousto.base.errors import count
 from jousto.base.files import Rows, Tabular
 from jousto.design.optimisation.problem import Place
 
@@ -72,6 +73,8 @@ class Optimum(Tabular):
     runs : int
         Runs of the machine.
     history : tuple of Cycle
+    others : tuple of Optimum
+        What other starts found, in their order.
     """
 
     method: str
@@ -84,6 +87,17 @@ class Optimum(Tabular):
     kkt: float
     runs: int
     history: tuple[Cycle, ...]
+    others: tuple[Optimum, ...] = ()
+
+    @property
+    def instants(self) -> int:
+        """Number of instants at which limits are active.
+
+        As many as there are parameters explain the gradient of any cost: then a small KKT residual
+        says little.
+        """
+        times = {(p.case, p.time) for p, _ in self.active if not np.isnan(p.time)}
+        return len(times)
 
     @property
     def kept(self) -> bool:
@@ -94,8 +108,8 @@ class Optimum(Tabular):
         values = ", ".join(f"{k} {v:.6g}" for k, v in list(self.values.items())[:4])
         end = "" if self.converged else ", not converged"
         return (
-            f"{self.method}, cost {self.cost:.6g} at {values}, KKT {self.kkt:.1e},"
-            f" {self.runs} runs{end}"
+            f"{self.method}, cost {self.cost:.6g} at {values}, KKT {self.kkt:.1e} with"
+            f" {count(self.instants, 'active instant')}, {self.runs} runs{end}"
         )
 
     def __str__(self) -> str:
@@ -104,7 +118,8 @@ class Optimum(Tabular):
         lines += [
             f"  {'cost':<16} {self.cost:.7g}",
             f"  {'largest ratio':<16} {self.ratio:.6f}",
-            f"  {'KKT residual':<16} {self.kkt:.1e}",
+            f"  {'KKT residual':<16} {self.kkt:.1e} with {count(self.instants, 'active instant')}"
+            f" and {count(len(self.values), 'parameter')}",
             f"  {'runs':<16} {self.runs}",
         ]
         for place, multiplier in self.active:

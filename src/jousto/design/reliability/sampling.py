@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 import scipy.stats
-from scipy.special import ndtri
+from scipy.special import logsumexp, ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
@@ -19,6 +19,7 @@ from jousto.base.frozen import Frozen
 from jousto.design.reliability.form import FormResult, form
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState
+from jousto.design.reliability.points import further_points
 
 Failed = Literal["raise", "count"]
 MOST = 1e10  # samples
@@ -54,6 +55,8 @@ class SamplingResult:
     history : (k, 3) array
         Samples, probability and variation after each batch; of subset simulation the levels:
         samples, threshold and conditional probability.
+    points : tuple of FormResult
+        Design points around which importance sampling drew.
     """
 
     name: str
@@ -69,6 +72,7 @@ class SamplingResult:
     calls: int
     history: Array
     reasons: Mapping[str, int] = field(default_factory=dict)
+    points: tuple[FormResult, ...] = ()
 
     @property
     def beta(self) -> float:
@@ -79,6 +83,8 @@ class SamplingResult:
         band = f"{self.confidence:.0%} in {self.low:.4g} to {self.high:.4g}"
         broken = f", {self.broken} without a value" if self.broken else ""
         work = f"{self.failures} of {self.samples} failed{broken}"
+        if len(self.points) > 1:
+            work += f"; {len(self.points)} design points"
         return f"{self.method}, Pf {self.probability:.4g}, {band}; {work}"
 
 
@@ -221,11 +227,14 @@ def importance_sampling(
     confidence: float = 0.95,
     variation: float | None = None,
     failed: Failed = "raise",
+    search: bool = True,
 ) -> SamplingResult:
-    """Return a probability of failure from points around the design point.
+    """Return a probability of failure from points around the design points.
 
     Points are normal around u*, each counts with ``phi(u) / phi(u - u*)``. About half of them fail
-    however rare failure is. Another design point far from this one would be overlooked.
+    however rare failure is. Further design points are looked for first, with those that are known
+    excluded; points are then drawn around each in proportion to its ``Phi(-beta)``, and count with
+    ``phi(u) / sum w_k phi(u - u_k)``.
 
     Parameters
     ----------
@@ -243,10 +252,14 @@ def importance_sampling(
         Coefficient of variation at which to stop before, looked at every 100 points.
     failed : {"raise", "count"}
         What to do where the limit state gives no number.
+    search : bool
+        Whether to look for further design points, some 10 to 40 calls for each variable; without,
+        another one far from the first is overlooked.
 
     Returns
     -------
     SamplingResult
+        With the design points.
 
     Raises
     ------
@@ -265,6 +278,10 @@ def importance_sampling(
     problems.raise_if_any()
     found = of_form(where, limit, variables)
     space = Space(found.limit, found.variables, dict(found.fixed))
+    points = [found, *(further_points(space, found) if search else ())]
+    centres = np.stack([one.u for one in points])
+    shares = ndtr(-np.abs([one.beta for one in points]))
+    shares = shares / shares.sum()
     rng = np.random.default_rng(seed)
     # of a negative index the rare side is the safe one
     side = 1.0 if found.beta >= 0.0 else -1.0
@@ -273,11 +290,14 @@ def importance_sampling(
     broken = done = 0
     while done < samples:
         size = min(100 if variation is not None else space.limit.batch, samples - done)
-        v = rng.standard_normal((space.n, size))
-        g = space.many(found.u[:, None] + v, lenient=failed == "count")
+        u = rng.standard_normal((space.n, size))
+        u += centres[rng.choice(len(points), size, p=shares) if len(points) > 1 else [0] * size].T
+        g = space.many(u, lenient=failed == "count")
         broken += int(np.isnan(g).sum())
         bad = ~(g > 0.0) if side > 0.0 else g > 0.0
-        weights.append(np.where(bad, np.exp(-found.u @ v - 0.5 * found.beta**2), 0.0))
+        # log of phi(u - u_k) / phi(u), line by line
+        ratio = centres @ u - 0.5 * np.sum(centres**2, axis=1)[:, None]
+        weights.append(np.where(bad, np.exp(-logsumexp(ratio, axis=0, b=shares[:, None])), 0.0))
         done += size
         w = np.concatenate(weights)
         p = float(w.mean())
@@ -303,6 +323,7 @@ def importance_sampling(
         calls=space.calls + found.calls,
         history=np.array(rows),
         reasons=Frozen(space.counted.reasons),
+        points=tuple(points),
     )
 
 

@@ -21,6 +21,7 @@ from jousto.design.reliability.limit import LimitState
 
 STEP = 1e-3  # of differences of a given gradient
 STEP_OF_VALUES = 3.0  # times the root of that of a gradient
+NOISY = 0.05  # of the probability: what a step twice as wide may change
 
 
 @described
@@ -96,7 +97,7 @@ def sorm(
     Returns
     -------
     SormResult
-        Curvatures cost ``2 (n - 1)`` given gradients, or ``(n - 1) (n + 2) / 2 + 1`` calls.
+        Curvatures cost ``4 (n - 1)`` given gradients, or ``(n - 1) (n + 6) / 2 + 1`` calls.
 
     Raises
     ------
@@ -109,7 +110,8 @@ def sorm(
     Warns
     -----
     JoustoWarning
-        Where one of the formulas does not hold.
+        Where one of the formulas does not hold, or curvatures change with the step: a noisy limit
+        state.
 
     Examples
     --------
@@ -132,9 +134,11 @@ def sorm(
         problems.positive("sorm", "step", step, "")
     problems.raise_if_any()
     space = Space(found.limit, found.variables, dict(found.fixed))
-    kappa = _curvatures(space, found, step)
+    kappa, own = _curvatures(space, found, step)
     # of a negative index the safe side is the small one
     side = 1.0 if found.beta >= 0.0 else -1.0
+    if own.size:
+        _check_noise(found, own, side)
     given = probabilities(abs(found.beta), side * kappa)
     breitung, hohenbichler, tvedt = (_of_safe(p, side) for p in given)
     if math.isnan(breitung):
@@ -184,33 +188,65 @@ def _product(factor: float, kappa: Array) -> float:
     return float(np.prod(1.0 / np.sqrt(inside))) if np.all(inside > 0.0) else math.nan
 
 
-def _curvatures(space: Space, found: FormResult, step: float | None) -> Array:
-    """Return the main curvatures, by differences in the tangent plane."""
+def _curvatures(space: Space, found: FormResult, step: float | None) -> tuple[Array, Array]:
+    """Return the main curvatures, by differences in the tangent plane, and those of the axes.
+
+    Those of the axes of the plane (2, n - 1) are by the step and by twice the step: equal but for
+    what is no curvature.
+    """
     u, n = found.u, space.n
     if n == 1:
-        return np.zeros(0)
+        return np.zeros(0), np.zeros((2, 0))
     plane = np.linalg.svd(found.alpha[None, :])[2][1:].T  # (n, n - 1), orthonormal
     size = float(np.linalg.norm(found.gradient))
-    m = n - 1
-    H = np.empty((m, m))
     if space.counted.has_gradient:
         h = STEP if step is None else step
-        for i in range(m):
-            ends = []
-            for side in (1.0, -1.0):
-                point = u + side * h * plane[:, i]
-                ends.append(plane.T @ space.gradient(point, 0.0))
-            H[i] = (ends[0] - ends[1]) / (2.0 * h)
-        return np.asarray(np.linalg.eigvalsh(0.5 * (H + H.T)) / size)
+        H, wide = _of_gradients(space, u, plane, h), _of_gradients(space, u, plane, 2.0 * h)
+        own = np.stack([np.diag(H), np.diag(wide)])
+        return np.asarray(np.linalg.eigvalsh(0.5 * (H + H.T)) / size), own / size
     h = STEP_OF_VALUES * math.sqrt(space.limit.step) if step is None else step
+    H, own = _of_values(space, u, plane, h)
+    return np.asarray(np.linalg.eigvalsh(H) / size), own / size
+
+
+def _of_gradients(space: Space, u: Array, plane: Array, h: float) -> Array:
+    """Return second derivatives in a plane by central differences of gradients."""
+    ends = [
+        [plane.T @ space.gradient(u + side * h * move, 0.0) for move in plane.T]
+        for side in (1.0, -1.0)
+    ]
+    return np.asarray((np.array(ends[0]) - np.array(ends[1])) / (2.0 * h))
+
+
+def _of_values(space: Space, u: Array, plane: Array, h: float) -> tuple[Array, Array]:
+    """Return second derivatives in a plane by values, and those of its axes by h and 2 h."""
+    m = plane.shape[1]
     pairs = [(i, j) for i in range(m) for j in range(i)]
-    moves = [side * plane[:, i] for i in range(m) for side in (1.0, -1.0)]
+    moves = [s * plane[:, i] for s in (1.0, -1.0, 2.0, -2.0) for i in range(m)]
     moves += [plane[:, i] + plane[:, j] for i, j in pairs]
     values = space.many(np.stack([u + h * move for move in moves], axis=1))
     g = space.g(u)
-    up, down = values[0 : 2 * m : 2], values[1 : 2 * m : 2]
-    np.fill_diagonal(H, up - 2.0 * g + down)
-    for (i, j), g_ij in zip(pairs, values[2 * m :], strict=True):
+    up, down, up_2, down_2 = values[: 4 * m].reshape(4, m)
+    H = np.diag(up - 2.0 * g + down)
+    for (i, j), g_ij in zip(pairs, values[4 * m :], strict=True):
         # g(a + b) = g + a + b + H_ab of the parts that are even in both
         H[i, j] = H[j, i] = g_ij - up[i] - up[j] + g
-    return np.asarray(np.linalg.eigvalsh(H / h**2) / size)
+    own = np.stack([np.diag(H), (up_2 - 2.0 * g + down_2) / 4.0])
+    return H / h**2, own / h**2
+
+
+def _check_noise(found: FormResult, own: Array, side: float) -> None:
+    """Warn where the curvatures of the axes change with the step so that probabilities do."""
+    near, wide = (probabilities(abs(found.beta), side * kappa)[0] for kappa in own)
+    if math.isnan(near) is not math.isnan(wide) or abs(wide - near) > NOISY * near:
+        warn(
+            f"limit state '{found.name}'",
+            "its curvatures change with the step of their differences, from "
+            f"{_range(own[0])} to {_range(own[1])} with twice the step: G is noisy, or kinked "
+            "there; give a larger step=, or take importance_sampling, which needs no curvature",
+        )
+
+
+def _range(kappa: Array) -> str:
+    low, high = float(kappa.min()), float(kappa.max())
+    return f"{low:.3g}" if low == high else f"{low:.3g} .. {high:.3g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from scipy.special import ndtr, ndtri
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import Problems
+from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.names import check_name
 from jousto.design.studies.parameters.distributions import (
     SHAPED,
@@ -157,23 +157,47 @@ def _is_openturns(distribution: Any) -> bool:
 
 def _openturns_law(distribution: Any) -> General:
     """Return the functions of a distribution of OpenTURNS."""
+    d = distribution
 
-    def column(function: Callable[..., Any], *more: Any) -> Callable[[Array], Array]:
+    def column(function: Callable[[float], float]) -> Callable[[Array], Array]:
         def of(x: Array) -> Array:
-            flat = np.ravel(x)
-            found = [function(float(v), *more) for v in flat]
+            try:
+                found = [function(float(v)) for v in np.ravel(x)]
+            except Exception as error:  # bare errors of OpenTURNS and of what it stands on
+                message = f"{class_name(d)} of OpenTURNS failed: {error}"
+                raise InputError(Problem("random variable", message)) from error
             return np.reshape(np.array(found, dtype=np.float64), np.shape(x))
 
         return of
 
-    d = distribution
     return General(
         below=column(d.computeCDF),
         above=column(d.computeComplementaryCDF),
-        low=column(d.computeScalarQuantile, False),
-        high=column(d.computeScalarQuantile, True),
+        low=column(partial(quantile, d, tail=False)),
+        high=column(partial(quantile, d, tail=True)),
         density=column(d.computePDF),
     )
+
+
+def quantile(distribution: Any, p: float, tail: bool) -> float:
+    """Return where ``F(x) = p`` or, in the tail, ``1 - F(x) = p``, of OpenTURNS.
+
+    Its own root finding gives up on some distributions, such as ``Beta(0.2, 2)``; bisection of the
+    distribution function does not.
+    """
+    try:
+        return float(distribution.computeScalarQuantile(p, tail))
+    except RuntimeError:
+        pass
+    ends = distribution.getRange()
+    low, high = float(ends.getLowerBound()[0]), float(ends.getUpperBound()[0])
+    share = distribution.computeComplementaryCDF if tail else distribution.computeCDF
+    while low < (middle := 0.5 * low + 0.5 * high) < high:
+        if (share(middle) < p) is not tail:
+            low = middle
+        else:
+            high = middle
+    return high if tail else low
 
 
 @explained

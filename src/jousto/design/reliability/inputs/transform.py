@@ -466,6 +466,12 @@ def _is_sound(law: Law) -> bool:
 
 def _through(function: Any, rows: Array) -> Array:
     """Return a function of OpenTURNS of the columns of an array."""
-    if rows.ndim == 1:
-        return np.array(function(rows.tolist()), dtype=np.float64)
-    return np.array(function(np.ascontiguousarray(rows.T)), dtype=np.float64).T
+    given = rows.tolist() if rows.ndim == 1 else np.ascontiguousarray(rows.T)
+    try:
+        return np.array(function(given), dtype=np.float64).T
+    except RuntimeError as error:
+        message = (
+            f"a transformation of OpenTURNS failed: {error}; variables with Random and Nataf, or "
+            "Random and Rosenblatt(..., copula=...), need no quantiles of OpenTURNS"
+        )
+        raise InputError(Problem(WHERE, message)) from error

@@ -55,7 +55,7 @@ def _scaled(parameters: Parameters, u: Array) -> Array:
 def _count(count: Any) -> int:
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise InputError(Problem("samples", f"count is {count!r}, must be a whole number from 1"))
-    check_count("samples", count)
+    check_count("samples", int(count))
     return int(count)
 
 

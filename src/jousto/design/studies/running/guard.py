@@ -16,8 +16,10 @@ from jousto.base.files import unwritable
 
 try:
     import fcntl
+
+    SHARED = True
 except ImportError:  # Windows has no locks that several processes share
-    fcntl = None  # type: ignore[assignment]
+    SHARED = False
 
 PATIENCE = 10.0
 """Time that processes of a killed program get to end, s."""
@@ -44,7 +46,7 @@ def end_with_parent() -> None:
 
 def hold(path: str) -> None:
     """Share a journal until this process ends: no other program takes it over meanwhile."""
-    if path and path not in _HELD and fcntl is not None:
+    if path and path not in _HELD and SHARED:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         _HELD[path] = handle
         _locked(handle, fcntl.LOCK_SH)
@@ -61,7 +63,7 @@ def taken_over(path: Path) -> Iterator[None]:
     InputError
         If another program still writes it, or it cannot be opened.
     """
-    if fcntl is None:
+    if not SHARED:
         yield
         return
     handle = _alone(path)

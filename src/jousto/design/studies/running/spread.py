@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
+    CancelledError,
     Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
@@ -148,9 +149,9 @@ def portable(evaluator: Evaluator) -> bytes:
     try:
         from cloudpickle import dumps  # takes functions of scripts and notebooks along
     except ImportError:
-        from pickle import dumps
+        dumps = pickle.dumps
     try:
-        return dumps(evaluator)
+        return bytes(dumps(evaluator))
     except Exception as error:
         message = (
             f"cannot go to another process ({error}); put functions at the top level of a module, "
@@ -271,8 +272,16 @@ def by_dask(
     coming, tries = as_completed(list(places)), Counter[int]()
     for future in coming:
         chunk = places.pop(future)
-        if future.status == "finished":
-            rows, counts, notes = future.result()
+        done = future.status == "finished"
+        try:
+            rows, counts, notes = future.result() if done else ([], {}, {})
+        except CancelledError:  # a worker died with its result, and with what it was given
+            shared = client.scatter(evaluator, broadcast=True)
+            again = client.submit(work_out, shared, chunk, path, pure=False)
+            places[again] = chunk
+            coming.add(again)
+            continue
+        if done:
             _add(evaluator, counts, notes)
         elif future.cancelled():
             kept = "" if journal is None else f", what it did is in {journal.path}"
@@ -286,7 +295,7 @@ def by_dask(
         else:
             rows = [(chunk[0][0], nothing(evaluator, f"its worker died: {future.exception()}"))]
         for i, row in rows:
-            if journal is not None and not (path and future.status == "finished"):
+            if journal is not None and not (path and done):
                 journal.add(dict(chunk)[i], row)
             yield i, row
         future.release()

@@ -1,0 +1,124 @@
+"""Further design points of a limit state: a search from which those that are known are excluded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import null_space
+from scipy.special import ndtr
+
+from jousto.base.arrays import Array
+from jousto.design.reliability.errors import DesignPointError, LimitStateError
+from jousto.design.reliability.form import FAR, FormResult, design_point
+from jousto.design.reliability.inputs.space import Space
+
+RADIUS, HEIGHT = 1.1, 0.75
+"""Of a bulge, in distances of its point from the origin; where it raises G by that of the origin,
+in distances of the point. Both are those of Der Kiureghian and Dakessian."""
+MOST = 8
+"""Further points that are looked for."""
+COUNTS = 1e-3
+"""Probability of a point, of the first one, below which it does not matter."""
+NARROW = 1e-3
+"""Sine of the angle between two directions that count as one."""
+APART = 0.5
+"""Distance of two points, in standard deviations, below which they are one."""
+TOLERANCE, STEPS = 1e-4, 30
+"""Of a search, whose point is only where samples are drawn around."""
+
+
+class Excluding(Space):
+    """A limit state with a bulge of safety around each known design point.
+
+    ``g(u) + sum s (r^2 - |u - u*|^2)^2`` within r of u*; then the nearest failure is elsewhere (A.
+    Der Kiureghian and T. Dakessian, *Struct. Saf.* 20 (1998) 37-49).
+
+    Parameters
+    ----------
+    space : Space
+        The limit state; its calls are counted there.
+    known : sequence of FormResult
+        The points.
+    """
+
+    def __init__(self, space: Space, known: Sequence[FormResult]) -> None:
+        super().__init__(space.limit, space.variables, space.fixed, space.counted)
+        self._bulges: list[tuple[Array, float, float]] = []
+        for one in known:
+            beta, size = max(abs(one.beta), APART), float(np.linalg.norm(one.gradient))
+            r2 = (RADIUS * beta) ** 2
+            s = HEIGHT * beta * size / (r2 - (HEIGHT * beta) ** 2) ** 2
+            self._bulges.append((one.u, r2, s if one.beta >= 0.0 else -s))
+
+    def _raised(self, u: Array) -> tuple[float, Array]:
+        """Return what the bulges add to g, and its gradient."""
+        more, slope = 0.0, np.zeros(len(u))
+        for point, r2, s in self._bulges:
+            away = u - point
+            inside = r2 - float(away @ away)
+            if inside > 0.0:
+                more += s * inside**2
+                slope -= 4.0 * s * inside * away
+        return more, slope
+
+    def g(self, u: Array) -> float:
+        """Return the raised limit state at a point."""
+        return super().g(u) + self._raised(u)[0]
+
+    def gradient(self, u: Array, g: float) -> Array:
+        """Return ``dg/du`` at a point where the raised g is known."""
+        more, slope = self._raised(u)
+        return super().gradient(u, g - more) + slope
+
+
+def further_points(space: Space, first: FormResult) -> list[FormResult]:
+    """Return other design points of a limit state that matter beside the first.
+
+    Each search begins at the origin and, if it finds nothing there, opposite of the last point and
+    across all; what it finds is then followed without the bulges.
+
+    Parameters
+    ----------
+    space : Space
+        The limit state; calls are counted there.
+    first : FormResult
+        Its first design point.
+    """
+    known = [first]
+    while len(known) <= MOST:
+        found = None
+        for start in _starts(known):
+            found = _another(space, known, start)
+            if found is not None:
+                known.append(found)
+                break
+        if found is None:
+            break
+    return known[1:]
+
+
+def _starts(known: Sequence[FormResult]) -> list[Array]:
+    """Return where searches begin: the origin, opposite of the last point, and across all."""
+    last = known[-1].u
+    starts = [np.zeros(len(last)), -last]
+    across = null_space(np.stack([one.alpha for one in known]), rcond=NARROW)
+    if across.shape[1]:
+        # one direction for all, so that no axis is left out
+        side = across @ np.linspace(1.0, 2.0, across.shape[1])
+        side *= np.linalg.norm(known[0].u) / np.linalg.norm(side)
+        starts += [side, -side]
+    return starts
+
+
+def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormResult | None:
+    """Return a design point that is none of those known, or None."""
+    try:
+        u = design_point(Excluding(space, known), start, "sqp", TOLERANCE, STEPS, FAR).u
+        found = design_point(space, u, "sqp", TOLERANCE, STEPS, FAR)
+    except (DesignPointError, LimitStateError):
+        return None
+    new = all(np.linalg.norm(found.u - one.u) > APART for one in known)
+    matters = float(ndtr(-abs(found.beta))) > COUNTS * float(ndtr(-abs(known[0].beta)))
+    same = (found.beta >= 0.0) is (known[0].beta >= 0.0)
+    return found if new and matters and same else None
