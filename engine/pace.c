@@ -48,9 +48,9 @@ static double wait_until(jo_pace *p, double due, int nedge, const double *edge, 
         pause_for(due - now);
         now = watch();
     }
-    int class = 0;
-    while (class < nedge && now - due >= edge[class]) class++;
-    late[class]++;
+    int interval = 0;
+    while (interval < nedge && now - due >= edge[interval]) interval++;
+    late[interval]++;
     if (now - due > p->latest) p->latest = now - due;
     return now;
 }
