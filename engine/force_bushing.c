@@ -1,4 +1,7 @@
-/* force_bushing.c - stiffness and damping in six directions between two markers, for rotations of up to half a turn. */
+/* force_bushing.c - stiffness and damping in six directions between two markers, for rotations of up to half a turn.
+ *
+ * [F, T] on b, resolved in a: springs by the energy of [r_b - r_a, rotation vector], dampers -D [relative velocity, relative angular
+ * velocity]: isotropic ones give T = -c omega at any attitude. */
 #include "force.h"
 
 /* rotation vector of R, of at most half a turn */
@@ -65,16 +68,17 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     jo_relative_pose(d, f, x, R);
     rotation_vector(x + 3, R);
     jo_relative_velocity(m, d, f, rate, w);
-    conjugate(rate + 3, x + 3, w, -1.0);
+    jo_set3(rate + 3, w);
     out->stored = energy(f, x, g);
+    for (int i = 0; i < 6; i++) g[i] = c->preload[i] - g[i];
+    jo_set3(y, g);
+    conjugate(y + 3, x + 3, g + 3, 1.0);
     for (int i = 0; i < 6; i++) {
         jo_real damping = {0.0};
         for (int j = 0; j < 6; j++) damping += c->D[6 * i + j] * rate[j];
         d->power.damping += damping * rate[i];
-        g[i] = c->preload[i] - g[i] - damping;
+        y[i] -= damping;
     }
-    jo_set3(y, g);
-    conjugate(y + 3, x + 3, g + 3, 1.0);
     jo_push_between(m, d, f, y, out);
     return JO_OK;
 }
@@ -113,28 +117,23 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     (void)stage;
     const jo_bushing_data *c = (const jo_bushing_data *)f->data;
     jo_real x[6], rate[6], R[9], w[3], g[6], y[6], X[6][12], Z[6][12] = {{0.0}};
-    jo_real P[9], Pi[9], M[9], Q[9];   /* theta' = P omega; torque = Q g */
+    jo_real P[9], Pi[9], M[9], Q[9];   /* dtheta = P dphi; torque = Q g */
     (void)unused;
     jo_relative_pose(d, f, x, R);
     rotation_vector(x + 3, R);
     jo_relative_velocity(m, d, f, rate, w);
-    conjugate(rate + 3, x + 3, w, -1.0);
+    jo_set3(rate + 3, w);
     for (int p = 0; p < 6; p++) {
         g[p] = c->preload[p];
-        for (int q = 0; q < 6; q++) g[p] -= c->K[6 * p + q] * x[q] + c->D[6 * p + q] * rate[q];
+        for (int q = 0; q < 6; q++) g[p] -= c->K[6 * p + q] * x[q];
     }
-    /* Z: changes of g; dtheta = P dphi, dtheta' = P dom + M dtheta */
+    /* Z: changes of g with dr and dphi */
     conjugate_rate(M, P, x + 3, w, -1.0);
-    jo_mul33(Pi, M, P);
     for (int p = 0; p < 6; p++)
         for (int q = 0; q < 3; q++) {
-            const jo_real *K = c->K + 6 * p, *D = c->D + 6 * p;
+            const jo_real *K = c->K + 6 * p;
             Z[p][q] -= K[q];
-            Z[p][6 + q] -= D[q];
-            for (int s = 0; s < 3; s++) {
-                Z[p][3 + q] -= K[3 + s] * P[3 * s + q] + D[3 + s] * Pi[3 * s + q];
-                Z[p][9 + q] -= D[3 + s] * P[3 * s + q];
-            }
+            for (int s = 0; s < 3; s++) Z[p][3 + q] -= K[3 + s] * P[3 * s + q];
         }
     jo_set3(y, g);
     conjugate(y + 3, x + 3, g + 3, 1.0);
@@ -145,6 +144,11 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
             X[p][q] = Z[p][q];
             X[3 + p][q] = Q[3 * p] * Z[3][q] + Q[3 * p + 1] * Z[4][q] + Q[3 * p + 2] * Z[5][q];
             if (q >= 3 && q < 6) X[3 + p][q] += Pi[3 * p + q - 3];
+        }
+    for (int p = 0; p < 6; p++)
+        for (int q = 0; q < 6; q++) {
+            y[p] -= c->D[6 * p + q] * rate[q];
+            X[p][6 + q] -= c->D[6 * p + q];
         }
     jo_newton_between(m, d, f, y, X);
     return JO_OK;

@@ -138,9 +138,13 @@ class Wrench(Field["ArrayLike | None", Array]):
 
 
 class Bushing(ForceElement, tag="bushing"):
-    """A linear support: ``[F, T] = -K [d, theta] - D [d', theta'] + preload`` on b.
+    """A linear support: ``[F, T] = -K [d, theta] - D [d', omega] + preload`` on b.
 
-    d = r_b - r_a and the rotation vector theta of b against a are resolved in a.
+    d = r_b - r_a, its rate as seen in a, the rotation vector theta of b against a and the relative
+    angular velocity omega are resolved in a. An isotropic damper gives the torque ``-c omega`` at
+    any attitude. The springs have an energy: of their moments and those of the preload, which do
+    the work of ``theta'``, the torque is ``J(theta)^-T`` times them, with ``omega = J theta'``; for
+    an isotropic spring and for small angles both are equal.
     """
 
     kind = "bushing"

@@ -223,14 +223,17 @@ def bushing(push: Push, frames: Frames, scalars: Scalars) -> Law:
         x, ga, gb = relative(a, b)
         da, db = now.dy[ends]
         rate = np.sum(ga * da + gb * db, axis=(1, 2))
-        f = preload - K @ x - D @ rate
+        J = np.eye(6)
+        J[3:, 3:] = tangent(x[3:])  # angular velocity = J theta'
+        damping = J.T @ D @ J
+        f = preload - K @ x - damping @ rate
         out.loads[ends[0]] += np.tensordot(f, ga, 1)
         out.loads[ends[1]] += (on_b := np.tensordot(f, gb, 1))
         out.felt.append(np.concatenate([on_b[0], crossed(b[1:], on_b[1:]).sum(axis=0)]))
         blocks = now.pose.pulled(np.stack([ga, gb], axis=1), np.broadcast_to(ends, (6, 2)))
-        out.slopes.append(((np.broadcast_to(frames.body[ends], (6, 2)), blocks), K, D))
+        out.slopes.append(((np.broadcast_to(frames.body[ends], (6, 2)), blocks), K, damping))
         out.stored += float(x @ (0.5 * K @ x - preload))
-        out.damping += float(rate @ D @ rate)
+        out.damping += float(rate @ damping @ rate)
 
     return apply
 
