@@ -331,3 +331,22 @@ def test_playing_needs_no_more_memory(shown: Any) -> None:
     shown.evaluate("() => window.jousto.app.player.pause()")
     # after the first sixth; a leak of a row a picture would be more
     assert heap[-1] < 1.02 * heap[0] + 5e5, heap
+
+
+COLOURS = """run => window.jousto.app.view.machines[run].bodies.map(body => {
+    const drawn = (body.surface ?? body.lines).material.uniforms.colour.value;
+    const part = x => Math.round(255 * x).toString(16).padStart(2, '0');
+    return '#' + part(drawn.r) + part(drawn.g) + part(drawn.b); })"""
+SWATCHES = "() => [...document.querySelectorAll('.swatch')].map(x => x.value)"
+
+
+def test_the_tree_has_the_colours_in_which_bodies_are_drawn(shown: Any, two: Any) -> None:
+    for page, runs in ((shown, 1), (two, 2)):
+        page.evaluate(STORE, {"measure": None})
+        page.evaluate("() => window.jousto.app.view.drawNow()")
+        drawn = [colour for run in range(runs) for colour in page.evaluate(COLOURS, run)]
+        assert page.evaluate(SWATCHES) == drawn
+        assert len(set(drawn)) >= runs
+    shown.evaluate(STORE, {"looks": {"0:0": {"colour": "#102030"}}})
+    shown.evaluate("() => window.jousto.app.view.drawNow()")
+    assert shown.evaluate(SWATCHES)[0] == shown.evaluate(COLOURS, 0)[0] == "#102030"

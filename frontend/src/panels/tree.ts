@@ -123,7 +123,7 @@ function bodyRow(kit: Kit, run: number, index: number, rows: Row[]): HTMLElement
   const colour = h("input", {
     class: "swatch",
     title: `Colour of ${body.name}`,
-    attrs: { type: "color", "aria-label": `Colour of ${body.name}`, value: "#8fa3ba" },
+    attrs: { type: "color", "aria-label": `Colour of ${body.name}`, value: app.view.bodyColour(run, index) },
     on: { input: (event) => change({ colour: (event.target as HTMLInputElement).value }) },
   });
   const about = [body.about, body.mass === null ? "" : `mass ${massText(body.mass)}`].filter(Boolean).join("; ");
@@ -139,12 +139,12 @@ function bodyRow(kit: Kit, run: number, index: number, rows: Row[]): HTMLElement
   });
   const element = h("div", "leaf", colour, focus, h("span", { class: "kind", text: KINDS[body.kind] ?? body.kind }), h("span", "acts", ghost, alone, shown));
   rows.push({ element, text: body.name.toLowerCase() });
-  app.store.watch(["looks", "isolated", "selection"], ({ looks, isolated, selection }) => {
+  app.store.watch(["looks", "isolated", "selection", "runs"], ({ looks, isolated, selection }) => {
     const look = looks[name] ?? {};
     press(shown, !!look.hidden);
     press(ghost, !!look.transparent);
     press(alone, isolated === name);
-    if (look.colour) colour.value = look.colour;
+    colour.value = app.view.bodyColour(run, index);
     element.classList.toggle("off", !!look.hidden || (isolated !== null && isolated !== name));
     element.classList.toggle("chosen", selection?.run === run && selection.body === index);
   });

@@ -41,7 +41,11 @@ export function readPaint(element: HTMLElement): Paint {
   };
 }
 
-export function bodyColour(body: Body, index: number): string {
+/** CSS colour of a body as long as colours mean nothing else; of several runs each has its own. */
+export function bodyColour(state: Readonly<State>, run: number, index: number, body: Body): string {
+  const chosen = state.looks[key(run, index)]?.colour;
+  if (chosen) return chosen;
+  if (state.runs.filter(Boolean).length > 1) return RUNS[run % RUNS.length];
   return body.kind === "ground" ? GROUND : PALETTE[index % PALETTE.length];
 }
 
@@ -53,7 +57,7 @@ export function appearance(state: Readonly<State>, paint: Paint, run: number, in
   const selected = state.selection?.run === run && state.selection.body === index;
   return {
     visible: state.runs[run] !== false && !look.hidden && (state.isolated === null || state.isolated === name),
-    colour: raw(look.colour ?? (several ? RUNS[run % RUNS.length] : bodyColour(body, index))),
+    colour: raw(bodyColour(state, run, index, body)),
     opacity: look.transparent ? 0.22 : over ? 0.45 : 1,
     glow: selected && state.measure === null ? paint.accent : null,
     edges: state.edges,

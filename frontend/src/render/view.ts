@@ -6,7 +6,6 @@ import type { Player } from "../motion/player";
 import type { Vec3 } from "../protocol";
 import type { Source } from "../source/source";
 import type { Place, State, Store } from "../state";
-import { key } from "../state";
 import type { Paint } from "./appearance";
 import { RUNS, bodyColour, readPaint } from "./appearance";
 import { Background } from "./background";
@@ -369,7 +368,7 @@ export class View {
   /** CSS colour of a body as long as colours mean nothing else. */
   bodyColour(run: number, body: number): string {
     const { scene } = this.machines[run].run;
-    return this.store.state.looks[key(run, body)]?.colour ?? bodyColour(scene.bodies[body], body);
+    return bodyColour(this.store.state, run, body, scene.bodies[body]);
   }
 
   // ---- pictures ----
