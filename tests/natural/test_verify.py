@@ -140,3 +140,13 @@ def test_numbers_that_make_no_sense() -> None:
     with pytest.raises(jo.InputError) as error:
         verify(machine(), 0.0, step=-1.0)
     assert len(error.value.problems) == 2
+
+
+@pytest.mark.filterwarnings("ignore:.*nothing will move")
+def test_a_machine_that_does_not_move_is_said_not_to() -> None:
+    body = jo.RigidBody("body", 1.0, (1, 1, 1))
+    guide = jo.Prismatic("guide", jo.ground["origin"], body["origin"], axis=(1, 0, 0))
+    found = verify(jo.Mechanism(body, guide), 0.02, step=1e-3)
+    assert "nothing moved in the run" in found.verdict
+    pull = jo.Force("pull", body["origin"], (1, 0, 0))
+    assert "nothing moved" not in verify(jo.Mechanism(body, guide, pull), 0.02, step=1e-3).verdict

@@ -222,3 +222,10 @@ def test_indefinite_between_nodes_is_found() -> None:
     M[0, 6] = M[6, 0] = 10.0 * M[0, 0]
     with pytest.raises(InputError, match="its lowest eigenvalue"):
         Part.from_matrices(M, BEAM.K, BEAM.nodes)
+
+
+def test_swapped_matrices_are_told_to_be() -> None:
+    part = Part.beam(1.0, Circle(0.01), 4, Material(E=210e9, nu=0.3, rho=7850))
+    with pytest.raises(InputError, match="K and M seem to be swapped"):
+        Part.from_matrices(part.K, part.M, part.nodes)
+    Part.from_matrices(part.M, part.K, part.nodes)

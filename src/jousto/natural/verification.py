@@ -16,6 +16,7 @@ SAME = 1e-6
 velocity, the second formulation by iteration."""
 CLOSE = 1e-3
 """Share of its size by which the runs may differ in any case."""
+IDLE = "give it loads, drives or velocities, or what they do is not compared"
 FALLING = 1.5
 """Order with which differences of runs fall at the least, if they are larger."""
 
@@ -149,6 +150,8 @@ class Verification:
     unknown : tuple of str
         What the moving frame does not know of the mechanism. If there is anything, `rows` are the
         differences of two methods of the engine.
+    still : bool
+        Whether nothing moved in the run, so that terms of the motion are not compared.
     """
 
     name: str
@@ -162,6 +165,7 @@ class Verification:
     left_out: tuple[str, ...] = ()
     ways: tuple[Way, ...] = ()
     unknown: tuple[str, ...] = ()
+    still: bool = False
 
     @property
     def different(self) -> tuple[Compared, ...]:
@@ -194,6 +198,11 @@ class Verification:
 
     @property
     def verdict(self) -> str:
+        """The result in one sentence, and whether anything moved."""
+        return self._result + ("; but nothing moved in the run: " + IDLE if self.still else "")
+
+    @property
+    def _result(self) -> str:
         """The result in one sentence."""
         if self.unknown:
             return self._of_methods()

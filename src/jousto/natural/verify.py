@@ -36,6 +36,7 @@ from jousto.simulation.state import State, put
 
 OUTPUTS, EVERY = 200, 10
 OPEN = 1e-8  # of the size of the mechanism: joints that are not closed
+STILL = 1e-12  # of the largest position: a change that is round-off
 DONE = ("dissipated", "friction", "work")
 
 
@@ -155,6 +156,7 @@ def verify(
         left_out=left_out,
         ways=ways,
         unknown=unknown,
+        still=is_still(runs[1], every),
     )
     if unknown:
         return kept
@@ -180,6 +182,12 @@ def verify(
         residual=float(frames[1].position_residual.max()),
         iterations=float(np.mean(frames[0].iterations[1:])),
     )
+
+
+def is_still(run: Solution, every: int) -> bool:
+    """Return whether positions, whose Euler parameters have the size 1, only round off in a run."""
+    q = np.array([run.state(float(t)).q for t in run.time[::every]])
+    return bool(np.abs(q - q[0]).max(initial=0.0) <= STILL * np.abs(q).max(initial=0.0))
 
 
 def not_known(mechanism: Mechanism) -> tuple[str, ...]:

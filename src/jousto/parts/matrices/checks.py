@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, Sparse, as_csr, node_dofs, scatter, skew, some, times
-from jousto.base.errors import Problems, warn
+from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.mesh.sets import node_graph, pieces
 from jousto.parts.mass import MassPoints, second_moment
 
@@ -15,6 +15,8 @@ from jousto.parts.mass import MassPoints, second_moment
 DENSE_UP_TO = 1200
 # strain energy of a rigid motion relative to the energies that cancel in it
 RIGID_TOLERANCE = 1e-10
+# largest nodal force of a rigid motion relative to those that cancel in it: a matrix that is free
+RIGID_FORCE = 1e-6
 MOTIONS = tuple(f"{kind} {x}" for kind in ("translation along", "rotation about") for x in "xyz")
 
 
@@ -67,6 +69,13 @@ def check_matrices(
     problems.raise_if_any()
 
     # physics
+    R = rigid_modes(xyz - xyz.mean(axis=0), dofs)
+    if _is_free(mass, R) and not _is_free(stiff, R):
+        message = (
+            "K and M seem to be swapped: M resists no rigid motion, as a stiffness matrix does, "
+            "and K does; the order is from_matrices(M, K, nodes)"
+        )
+        raise InputError(Problem(where, message))
     empty = np.flatnonzero(_node_weight(mass, dofs) + _node_weight(stiff, dofs) == 0.0)
     if len(empty):
         names = some([f"node{i + 1}" for i in empty])
@@ -75,7 +84,6 @@ def check_matrices(
         pieces(problems, where, xyz, node_graph(stiff, dofs))
     _check_definite(problems, where, "M", mass, dofs)
     _check_definite(problems, where, "K", stiff, dofs)
-    R = rigid_modes(xyz - xyz.mean(axis=0), dofs)
     if np.trace((R.T @ times(mass, R))[:3, :3]) <= 0.0:
         problems.add(where, "M holds no mass: a rigid translation has no kinetic energy")
     problems.raise_if_any()
@@ -196,6 +204,13 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
                 f"{name} is not positive semidefinite: its lowest eigenvalue is {values[0]:.6g},"
                 f" its highest {values[-1]:.6g}",
             )
+
+
+def _is_free(matrix: Any, R: Array) -> bool:
+    """Return whether a matrix leaves rigid translations free but for round-off."""
+    moved = R[:, :3]
+    forces = abs(times(matrix, moved)).max(initial=0.0)
+    return bool(forces <= RIGID_FORCE * (abs(matrix) @ abs(moved)).max(initial=0.0))
 
 
 def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
