@@ -114,3 +114,21 @@ def test_each_kind_of_force_has_a_file_and_a_row():
     assert sorted(files) == sorted(f"force_{name}.c" for name in forces(texts))
     assert all(found == [f"jo_{name[:-2]}"] for name, found in files.items())
     assert "table[] = {JO_FORCES(" in texts["force.c"]
+
+
+# keywords of C++ that are names in C; bool is a type of the interface of FMI 3.0
+CPP = (
+    "class delete explicit export friend mutable namespace new operator private protected public "
+    "template this throw try typename using virtual"
+)
+
+
+def test_no_name_is_a_keyword_of_cpp():
+    """The benchmarks compile the engine as C++, with a scalar that counts operations."""
+    words = re.compile(rf"\b({'|'.join(CPP.split())})\b")
+    apart = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|^\s*#[^\n]*', re.S | re.M)
+    found = {
+        path.name: sorted(set(words.findall(apart.sub(" ", path.read_text()))))
+        for path in ENGINE.rglob("*.[ch]")
+    }
+    assert not {name: names for name, names in found.items() if names}
