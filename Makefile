@@ -115,8 +115,12 @@ lint: $(VENV)/.dev
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 
+# the package strictly, then what users write, as the editor shows it to them (pyright is Pylance's checker)
 types: $(VENV)/.dev
 	@$(BIN)/mypy
+	@$(PY) frontend/build.py --probe >/dev/null 2>&1 || $(MAKE) $(VENV)/.page
+	@rm -rf build/types && $(PY) tools/pages.py build/types
+	@$(PY) frontend/build.py --types
 
 layers: $(VENV)/.dev
 	@$(BIN)/lint-imports

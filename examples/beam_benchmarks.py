@@ -15,6 +15,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipkinc
 
@@ -90,7 +91,7 @@ def princeton() -> np.ndarray:
     return np.array(ends) - (0.508, 0.0, 0.0)
 
 
-def draw(rolled: np.ndarray, error: dict, shapes: np.ndarray, strip: np.ndarray) -> plt.Figure:
+def draw(rolled: np.ndarray, error: dict, shapes: np.ndarray, strip: np.ndarray) -> Figure:
     """The four classics side by side."""
     bold = {"loc": "left", "fontweight": "bold", "fontsize": 10.5, "pad": 8}
     figure, axes = plt.subplots(1, 4, figsize=(14.0, 3.5), layout="constrained")

@@ -85,7 +85,7 @@ def main(out: Path) -> int:
         )
 
     rest, start, rolling = worst(1.5, 1.99), worst(0.0, 1.0), worst(6.0, 8.99)
-    total = sum(wheels.values())
+    total = np.sum(list(wheels.values()), axis=0)
     loaded = (t > 6.0) & (t < 8.9)
     sums = np.abs(total[loaded] / (G * (weight + TROLLEY)) - 1).max()
     passing = (t > 1.9) & (t < 2.5)

@@ -80,6 +80,7 @@ def as_one() -> jo.Mechanism:
     """Crane, shaft and drive in one machine."""
     crane = jo.read_model(CRANE).mechanism
     ring = next(joint for joint in crane.joints if joint.name == "slew ring")
+    assert isinstance(ring, jo.Revolute)
     body, bearing, motor = rotor()
     column = next(one for one in crane.bodies if one.name == "column")
     twist = jo.Angle(body["origin"], column["origin"])

@@ -26,9 +26,8 @@ def mechanism() -> jo.Mechanism:
     bar = jo.FlexibleBody("bar", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=4)),
                           damping=0.02)  # fmt: skip
     sweep = 0.6 * jo.Harmonic(frequency=1.3) + 0.4 * jo.Harmonic(frequency=3.7, phase=0.8)
-    grid = {"length": 0.006, "transverse": 0.002}
-    top = jo.gauges.Gauge("top", bar, (AT, 0, HEIGHT / 2), **grid)
-    bottom = jo.gauges.Gauge("bottom", bar, (AT, 0, -HEIGHT / 2), **grid)
+    top = jo.gauges.Gauge("top", bar, (AT, 0, HEIGHT / 2), length=0.006, transverse=0.002)
+    bottom = jo.gauges.Gauge("bottom", bar, (AT, 0, -HEIGHT / 2), length=0.006, transverse=0.002)
     return jo.Mechanism(
         bar,
         jo.Fixed("clamp", jo.ground["origin"], bar["start"]),
@@ -66,6 +65,7 @@ def main(out: Path) -> int:
     state = jo.gauges.rosette_state(run["rosette"][k], E=210e9, nu=0.3, noise=NOISE)
     print(f"the rosette at {run.time[k]:.3f} s")
     print(state)
+    assert found.alignment is not None
     good = abs(found.alignment.shift - LATE) < 1e-3 and abs(found.pairs[0].scale - GAIN) < 0.01
     along, across = sorted(np.abs([state.s1, state.s2]), reverse=True)
     good = good and across < 1e-3 * along  # uniaxial

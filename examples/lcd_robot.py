@@ -117,7 +117,7 @@ def main(out: Path) -> int:
     ]
     run = runs[0]
     still, hand_made = run["root"][-100:, 0].mean(), root_stress(made)
-    rubbed = jo.recovery.friction_stress(*runs, "upper arm", start=1.0)
+    rubbed = jo.recovery.friction_stress(run, runs[1], "upper arm", start=1.0)
     spots = jo.hot_spots(run, count=3, separation=0.2)
     cycles = jo.fatigue.rainflow(run["root"][:, 0], residue="repeat")
     offline, counted = jo.fatigue.damage(cycles, WELD), run["life"][-1, 0]

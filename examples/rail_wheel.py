@@ -47,7 +47,7 @@ def wheel(web: float) -> jo.Part:
     number = number[at[..., 0], at[..., 1], at[..., 2] % (2 * SECTORS)]
     cells = jo.mesh.Cells("hexahedron20", number)
     bore = jo.Interface("bore", np.flatnonzero(np.isclose(r, RINGS[0])))
-    return jo.Part.solid(jo.Mesh("wheel", nodes, cells), STEEL, interfaces=(bore,))
+    return jo.Part.solid(jo.Mesh("wheel", nodes, (cells,)), STEEL, interfaces=(bore,))
 
 
 def tread_loads(part: jo.Part) -> Array:

@@ -65,7 +65,9 @@ def analyse(study: design.Study, limit: design.LimitState, samples: int) -> tupl
     found = show(design.form(limit))
     close = show(design.importance_sampling(found, samples=samples, confidence=0.99, seed=1))
     plain = show(design.monte_carlo(limit, samples=samples, confidence=0.99, seed=1))
-    cost, bounds = (lambda d: 1e3 * d["wall"]), {"wall": study.parameters[0].bounds}
+    between = study.parameters[0].bounds
+    assert between is not None
+    cost, bounds = (lambda d: 1e3 * d["wall"]), {"wall": between}
     better = show(design.rbdo(cost, [limit], bounds=bounds, beta=TARGET, tolerance=1e-3))
     print("importance:", ", ".join(f"{k} {100 * v:.0f} %" for k, v in found.importance.items()))
     # tangents leave some of the index; the intervals of both samplings must have common values

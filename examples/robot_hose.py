@@ -41,7 +41,7 @@ def arc(elements: int) -> np.ndarray:
     )
 
 
-def foot(pipe: jo.BeamBody, end: int) -> jo.Marker:
+def foot(pipe: jo.BeamBody, end: int) -> jo.mechanism.Marker:
     """Where a fitting stands on an arm, 60 mm below the end of the hose, rigidly joined to it."""
     return pipe.node(end, at=pipe.frames[end].T @ np.array([0.0, 0.0, -0.06]))
 

@@ -14,6 +14,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -86,7 +87,7 @@ def rod() -> MachineProblem:
     )
 
 
-def lightest(**how: str | int) -> Optimum:
+def lightest(**how: Any) -> Optimum:
     """The lightest rod by a method; prints its line of the table."""
     start = perf_counter()
     found = optimise(rod(), tolerance=1e-4, **how)
@@ -129,7 +130,7 @@ def draw(before: np.ndarray, after: np.ndarray, heights: Mapping[str, float], pa
 def main(out: Path) -> int:
     """Optimise by three methods; return 0 if they agree and the first rod pulls as it must."""
     out.mkdir(parents=True, exist_ok=True)
-    uniform = dict.fromkeys(PIECES, START)
+    uniform: dict[str, float] = dict.fromkeys(PIECES, START)
     before = jo.stress_field(rod().solutions(uniform)[""], "rod")
     pull, rigid = before.history("e1.a.web", slice(0, 1))[0, 0], dead_centre()
     print(f"by the crank pin in dead centre {pull / 1e6:.2f} MPa, rigid {rigid / 1e6:.2f} MPa\n")

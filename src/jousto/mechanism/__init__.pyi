@@ -1,6 +1,7 @@
 # names of jo.mechanism; they are loaded from here when they are first used
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
+from .bodies.marker import Marker as Marker
 from .event import Event as Event
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.line_load import LineLoad as LineLoad

@@ -68,8 +68,8 @@ class Cells:
     """
 
     kind: str
-    nodes: Ints
-    ids: Ints = ()  # type: ignore[assignment]
+    nodes: Ints | Any
+    ids: Ints | Any = ()
     material: str = ""
     formulation: str = "full"
 

@@ -25,7 +25,7 @@ class Grid:
 
     name: str
     nodes: Array
-    cells: tuple[Cells, ...]
+    cells: tuple[Cells, ...] | Any
     node_ids: Ints = ()  # type: ignore[assignment]
     node_sets: Sets = field(default_factory=dict)
     element_sets: Sets = field(default_factory=dict)

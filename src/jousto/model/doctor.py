@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +73,7 @@ class Diagnosis:
     driven: tuple[str, ...] = ()
     still: tuple[str, ...] = ()
     dead: tuple[str, ...] = ()
-    redundancy: Redundancy | None = None
+    redundancy: Redundancy | Any = None
     problems: tuple[Problem, ...] = ()
     warnings: tuple[str, ...] = ()
     core: str = ""

@@ -93,7 +93,7 @@ class Part(Geometry):
     M: Sparse
     K: Sparse
     mass_points: MassPoints | None = None
-    stress: StressOperator | SolidStress | None = None
+    stress: StressOperator | SolidStress | Any = None
     second_order: SecondOrder | SolidSecondOrder | None = None
     interfaces: Sequence[Interface] = ()
     solids: SolidModel | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
@@ -19,8 +19,8 @@ class Method(Protocol):
     """
 
     @property
-    def step(self) -> float:
-        """Step, s."""
+    def step(self) -> Any:
+        """Step, s; a float."""
 
     @property
     def weights(self) -> tuple[float, float, float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ class Content:
     rotations: Array | None
     frequencies: Array
     invariants: Invariants
-    stress: StressModes | None = None
+    stress: StressModes | Any = None
     interfaces: tuple[str, ...] = ()
     provenance: Mapping[str, str] = field(default_factory=dict)
     stiffening: Stiffening | None = None

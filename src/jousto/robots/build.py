@@ -48,7 +48,7 @@ class Built:
     """
 
     bodies: Mapping[str, RigidBody]
-    joints: Mapping[str, Joint]
+    joints: Mapping[str, Any]
     coordinates: Mapping[str, Coordinate]
     items: tuple[Any, ...]
 

@@ -16,7 +16,6 @@ from jousto.mechanism.assembly import Assembly
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.bodies.posed import ZERO3, Orientation
-from jousto.mechanism.joints.base import Joint
 from jousto.robots.actuators import with_actuators
 from jousto.robots.build import built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
@@ -167,7 +166,7 @@ class Mounted(Assembly, section="robots"):
         kw_only=True,
     )
     bodies: Mapping[str, RigidBody] = kept()
-    joints: Mapping[str, Joint] = kept()
+    joints: Mapping[str, Any] = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Build the bodies and joints, note joints that are not there and starts that cannot be."""

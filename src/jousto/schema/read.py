@@ -79,7 +79,7 @@ class ModelFile:
     """
 
     mechanism: Mechanism
-    simulation: Simulation | None = None
+    simulation: Simulation | Any = None
     text: str = ""
     fatigue: Fatigue | None = None
     monitor: Any = None

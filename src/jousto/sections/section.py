@@ -108,7 +108,7 @@ class Section(Protocol):
         ...
 
     @property
-    def points(self) -> tuple[SectionPoint, ...]:
+    def points(self) -> Any:
         """Where stress is recovered."""
         ...
 

@@ -45,26 +45,29 @@ class TheoryField(Nested[Theory | None, Theory | None]):
     noun = "EulerBernoulli or Timoshenko"
 
 
-class BeamOptions(PartForm, kw_only=True):
+class BeamOptions(PartForm):
     """How the beams of a part are modelled, and what is fixed to them."""
 
     lumped: Flag = field(
         "Half of each element's mass at each of its ends, instead of the consistent mass",
         default=False,
+        kw_only=True,
     )
     rotary_inertia: Flag = field(
         "Whether sections have rotary inertia (torsion and bending). Without it and with lumped "
         "mass the rotations have no mass at all unless offsets or point masses give it",
         default=True,
+        kw_only=True,
     )
-    theory: TheoryField = field("Timoshenko() if not given", default=None)
+    theory: TheoryField = field("Timoshenko() if not given", default=None, kw_only=True)
     point_masses: AnyField = field(
         "Rigid masses on nodes",
         form="point masses",
         noun="PointMass or sequence of PointMass",
         default=(),
+        kw_only=True,
     )
-    name: Label = field("Name of the part", file=False, default="frame")
+    name: Label = field("Name of the part", file=False, default="frame", kw_only=True)
 
 
 class FrameArrays(BeamOptions):

@@ -13,7 +13,7 @@ from jousto.parts.form import Dictionary, PartForm
 from jousto.parts.matrices.checks import check_matrices, points_from_blocks
 
 
-class ForeignMatrices(PartForm, kw_only=True):
+class ForeignMatrices(PartForm):
     """What matrices in memory and in files have in common."""
 
     node_sets: Dictionary = field(
@@ -22,12 +22,14 @@ class ForeignMatrices(PartForm, kw_only=True):
         form="node sets",
         noun="mapping of str to nodes",
         default=None,
+        kw_only=True,
     )
     interfaces: AnyField = field(
         "Surfaces that follow a node with six directions",
         form="set interfaces",
         noun="sequence of Interface",
         default=(),
+        kw_only=True,
     )
 
     def judge(self, part: Any) -> None:

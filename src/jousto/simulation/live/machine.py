@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
@@ -142,7 +143,7 @@ class LiveMachine:
         self._wanted[name] = number
 
     def pull(
-        self, body: int, point: Array, target: Array | None = None, *, speed: float = 1.0
+        self, body: int, point: Array, target: ArrayLike | None = None, *, speed: float = 1.0
     ) -> Grip:
         """Grip a point (undeformed, body frame, m) and pull it towards a target in the world, m.
 
@@ -154,9 +155,9 @@ class LiveMachine:
         self.aim(placed(self.model, state.q, body, np.asarray(point)) if target is None else target)
         return grip
 
-    def aim(self, target: Array) -> None:
+    def aim(self, target: ArrayLike) -> None:
         """Move the target of the hand, m in the world."""
-        for name, value in zip(TARGET, target, strict=True):
+        for name, value in zip(TARGET, np.asarray(target).tolist(), strict=True):
             self.set(name, value)
 
     def release(self) -> None:

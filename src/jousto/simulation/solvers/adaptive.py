@@ -40,8 +40,6 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
     order: ClassVar[int] = 5
     evaluations: ClassVar[int] = 6
     adaptive: ClassVar[bool] = True
-    projection: ClassVar[bool] = True
-    baumgarte: ClassVar[None] = None
     most: ClassVar[int] = 100_000  # steps between two outputs
     tolerance: Number = field(
         "Largest error of a step: of positions, as a share of the size of the mechanism; of "
@@ -76,6 +74,15 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
     output: Duration = field(
         "Time between stored instants, unless `simulate` is given an `output_step`", default=1e-2
     )
+
+    @property
+    def projection(self) -> bool:
+        """Positions and velocities are projected onto the constraints after every step."""
+        return True
+
+    @property
+    def baumgarte(self) -> None:
+        """No stabilisation besides."""
 
     @property
     def step(self) -> float:

@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 
 
 class Solver(Protocol):
-    """What `simulate` needs to know of a method."""
+    """What `simulate` needs to know of a method.
+
+    ``step`` is a float, ``projection`` a bool, ``baumgarte`` a `Baumgarte` or None; they stand here
+    as Any since type checkers of editors do not look through the fields of a declared class.
+    """
 
     method: ClassVar[str]
     order: ClassVar[int]
@@ -26,7 +30,7 @@ class Solver(Protocol):
     adaptive: ClassVar[bool]
 
     @property
-    def step(self) -> float:
+    def step(self) -> Any:
         """Step size, s; of an adaptive method the time between outputs."""
 
     @property
@@ -34,11 +38,11 @@ class Solver(Protocol):
         """Further fields of the engine's jo_solver."""
 
     @property
-    def projection(self) -> bool:
+    def projection(self) -> Any:
         """Whether positions and velocities are projected after every step."""
 
     @property
-    def baumgarte(self) -> Baumgarte | None:
+    def baumgarte(self) -> Any:
         """Stabilisation of the acceleration equations, if any."""
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:

@@ -47,7 +47,10 @@ class Newton(Declared, section="solvers", by_value=True):
     order: ClassVar[int] = 2
     evaluations: ClassVar[int] = 3
     adaptive: ClassVar[bool] = False
-    baumgarte: ClassVar[None] = None
+
+    @property
+    def baumgarte(self) -> None:
+        """No stabilisation: the constraints are solved for."""
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
