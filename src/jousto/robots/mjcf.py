@@ -109,9 +109,9 @@ def weigh(found: Collected, total: float) -> None:
 
 def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
     """Note once that geoms of different bodies that can touch do not."""
-    for one in models:
-        for pair in (pair for section in one.root.all("contact") for pair in section.all("pair")):
-            if not {"contact", "constraint"} & one.settings.off:
+    for model in models:
+        for pair in (pair for section in model.root.all("contact") for pair in section.all("pair")):
+            if not {"contact", "constraint"} & model.settings.off:
                 reading.effect(pair, "<pair>", CONTACT)
     above = {joint.child: joint for joint in found.joints}
 
