@@ -319,3 +319,25 @@ def test_a_page_shows_the_run_that_takes_the_place_of_its_file(
         jo.simulate(jo.compile(mechanism()), 0.02, output_step=2e-3, path=path)
         page.get_by_text(re.compile(r"run.h5: was written anew: the page shows what")).wait_for()
         assert page.evaluate(frames) == 11
+
+
+def test_sliders_of_a_machine_that_stands_still_turn_its_joints(browser: Any) -> None:
+    """A hinge at x = 0.3 turns 90 degrees about -y: the end at (1, 0, 0) gets to (0.3, 0, 0.7)."""
+    arm = jo.RigidBody.box("arm", (0.7, 0.05, 0.05), mass=1.0, position=(0.65, 0, 0))
+    pin = jo.ground.at((0.3, 0, 0))
+    hinge = jo.Revolute("hinge", pin, arm.at((-0.35, 0, 0)), axis=(0, -1, 0))
+    still = jo.Mechanism(arm, hinge, name="still")
+    with jo_view(still) as view, opened(browser, view.address) as p:
+        slider = p.get_by_label("hinge", exact=True)
+        slider.fill("90")
+        found = p.evaluate(
+            """() => { const app = window.jousto.app, k = 0;
+            app.view.drawNow();
+            const x = app.runs[0].scene.bodies[k].positions.data, n = x.length / 3;
+            return [...Array(n).keys()].map((v) => app.view.position(0, k, v)); }"""
+        )
+        # corners of the box, 32-bit numbers near 1 m
+        assert np.max(found, axis=0) == pytest.approx([0.325, 0.025, 0.7], abs=1e-6)
+        assert np.min(found, axis=0) == pytest.approx([0.275, -0.025, 0.0], abs=1e-6)
+        p.get_by_text("Back to the pose of the model").click()
+        assert slider.input_value() == "0"

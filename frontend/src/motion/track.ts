@@ -1,6 +1,8 @@
 /** Rows of a run by time: stored frames that are loaded in pieces, modes, or a running machine. */
 
 import type { Mode, Scene } from "../protocol";
+import type { Freedom } from "./joints";
+import { setFreedoms } from "./joints";
 import type { Source } from "../source/source";
 
 export interface Track {
@@ -64,17 +66,31 @@ class Listeners {
   }
 }
 
+/** What stands still; joints of a machine can be set. */
 export class StillTrack extends Listeners implements Track {
   readonly times: ArrayLike<number> = [];
   readonly start = 0;
   readonly end = 0;
+  private shown: Float64Array;
 
   constructor(private scene: Scene) {
     super();
+    this.shown = scene.still.data;
+  }
+
+  /** Set freedoms to values, rad or m from the pose of the model. */
+  pose(all: readonly Freedom[], values: readonly number[]): void {
+    this.shown = setFreedoms(all, values, Float64Array.from(this.scene.still.data));
+    this.changed();
+  }
+
+  /** Whether joints were set. */
+  get moved(): boolean {
+    return this.shown !== this.scene.still.data;
   }
 
   row(): Float64Array {
-    return this.scene.still.data;
+    return this.shown;
   }
 
   async ready(): Promise<void> {}

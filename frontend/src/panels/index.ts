@@ -4,6 +4,7 @@ import type { App } from "../app";
 import { mountColours } from "./colours";
 import { mountCompare } from "./compare";
 import { mountDisplay } from "./display";
+import { mountJoints } from "./joints";
 import { mountKeys } from "./keys";
 import type { Kit } from "./kit";
 import { placeName } from "./kit";
@@ -31,6 +32,7 @@ export function mountPanels(app: App): Say {
   mountToolbar(kit, mountKeys(kit));
   mountTree(kit);
   mountModes(kit);
+  mountJoints(kit);
   mountCompare(kit);
   mountColours(kit);
   mountSelection(kit);

@@ -1,6 +1,9 @@
 /** What panels share beside the app: messages, plots and what is chosen. */
 
 import type { App } from "../app";
+import { StillTrack } from "../motion/track";
+import { position } from "../motion/pose";
+import type { Probe, Vec3 } from "../protocol";
 import type { Place } from "../state";
 import type { Plots } from "./plots";
 import type { Say } from "./toasts";
@@ -19,6 +22,14 @@ export function placeName(app: App, place: Place): string {
   const node = body.nodes ? body.nodes.data[place.vertex] : null;
   const run = app.runs.length > 1 ? `${app.runs[place.run].title}: ` : "";
   return `${run}${body.name}, ${node ? `node ${node}` : `point ${place.vertex + 1}`}`;
+}
+
+/** Numbers at a place; where joints were set, its position is that of the picture. */
+export async function probed(app: App, place: Place, time: number): Promise<Probe> {
+  const found = await app.source.probe(place.run, place.body, place.vertex, time);
+  const { track } = app.runs[place.run];
+  if (!(track instanceof StillTrack) || !track.moved) return found;
+  return { ...found, position: [...position(bodyOf(app, place), place.vertex, track.row())] as Vec3 };
 }
 
 /** What the frames of the first run are apart on average, s. */

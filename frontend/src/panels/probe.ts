@@ -5,7 +5,7 @@ import { fixed, quantity } from "../format/units";
 import type { Place } from "../state";
 import { debounced, h } from "./dom";
 import type { Kit } from "./kit";
-import { placeName } from "./kit";
+import { placeName, probed } from "./kit";
 
 export function mountProbe(kit: Kit): void {
   const { app } = kit;
@@ -20,7 +20,7 @@ export function mountProbe(kit: Kit): void {
   const ask = debounced(80, async (place: Place, time: number) => {
     const number = ++asked;
     try {
-      const found = await source.probe(place.run, place.body, place.vertex, time);
+      const found = await probed(app, place, time);
       if (number !== asked || store.state.hover?.vertex !== place.vertex) return;
       const shift = Math.hypot(...found.displacement);
       const lines: [string, string][] = [];

@@ -7,7 +7,7 @@ import type { Place } from "../state";
 import { key } from "../state";
 import { button, debounced, h, hint, press, section, select } from "./dom";
 import type { Kit } from "./kit";
-import { bodyOf, placeName, tried } from "./kit";
+import { bodyOf, placeName, probed, tried } from "./kit";
 
 const STRESSES = ["von-mises", "signed-von-mises", "principal-max", "principal-min", "s11", "s22", "s33", "s12", "s23", "s13"];
 
@@ -46,7 +46,7 @@ export function mountSelection(kit: Kit): void {
   let asked = 0;
   const ask = debounced(60, async (place: Place, time: number) => {
     const number = ++asked;
-    const found = await tried(kit, source.probe(place.run, place.body, place.vertex, time));
+    const found = await tried(kit, probed(app, place, time));
     if (found && number === asked) figures.replaceChildren(...lines(found));
   });
   let shown: Place | null = null;
