@@ -332,6 +332,7 @@ def reliability(_: Objects, __: Path) -> Objects:
         "sampled": design.monte_carlo(safe, pair, samples=200, seed=1),
         "linearisation": design.check_linearisation(found, samples=200),
         "limit state": design.LimitState(safe, name="safe"),
+        "system": design.system([safe, lambda x: x["a"] - 2.0], pair, samples=200),
         "reliable": design.rbdo(
             lambda d: d["a"], [safe], pair, {"a": (1.0, 20.0)}, 2.0, start={"a": 10.0}
         ),

@@ -42,8 +42,8 @@ def test_parts_go_to_other_programs(suffix: str, tmp_path: Path) -> None:
 
 def test_refuses_clearly(tmp_path: Path) -> None:
     run = swing()
-    code, text = call("export", run.path, "-o", tmp_path / "a.vtu")
-    assert (code, "must end with .csv to export results" in text) == (2, True)
+    code, text = call("export", run.path, "-o", tmp_path / "a.sid")
+    assert (code, "to export results" in text) == (2, True)
     code, text = call("export", run.path, "tipp", "-o", tmp_path / "a.csv")
     assert (code, "no sensor 'tipp'; did you mean 'tip'?" in text) == (2, True)
     code, text = call("export", tmp_path / "none.h5", "-o", tmp_path / "a.csv")

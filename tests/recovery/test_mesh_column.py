@@ -70,7 +70,7 @@ def hit(path: Path) -> tuple[jo.Part, jo.ReducedPart, jo.Solution]:
     end = int(np.argmax(coarse.nodes @ [1.0, 1.0, 1.0]))
     part = solid(coarse, jo.material("S355"), {"end": [end]})
     part = part.with_interfaces(jo.Interface("clamp", root))
-    reduced = jo.reduce(part, jo.CraigBampton(("clamp",), modes=4))
+    reduced = jo.reduce(part, jo.CraigBampton(("clamp",), modes=8))
     body = jo.FlexibleBody("bar", reduced)
     load = jo.Force("load", body["end"], (0.0, 100.0, 200.0), signal=jo.SCurve([0.0, 2e-3], [0, 1]))
     fixed = jo.Fixed("root", jo.ground.at(part.ties[0].at), body["clamp"])
