@@ -273,6 +273,25 @@ def test_two_runs_are_compared(browser: Any) -> None:
         titles = page.evaluate("() => window.jousto.app.runs.map(r => r.scene.title)")
         assert len(titles) == 2
         assert page.evaluate("() => window.jousto.app.runs[0].scene.runs") == ["swing 1", "swing 2"]
+        # curves have the colours of their runs, and the difference of equal runs is zero
+        page.get_by_role("button", name="ball", exact=True).last.click()
+        page.get_by_role("button", name="Difference").click()
+        keys = page.locator(".key")
+        shown = keys.evaluate_all(
+            """all => all.map(key => [key.querySelector(".what").textContent,
+            key.querySelector("output").textContent,
+            getComputedStyle(key.querySelector(".dot")).backgroundColor])"""
+        )
+        swatch = page.locator(".run .dot").evaluate_all(
+            "all => all.map(dot => getComputedStyle(dot).backgroundColor)"
+        )
+        assert len(set(swatch)) == 2
+        assert len(shown) == 9, shown
+        for label, value, colour in shown:
+            assert colour == swatch[label.startswith("swing 2")]
+            if label.endswith("− swing 1"):
+                assert float(value) == 0
+        assert not page.get_by_text("another machine").count()
 
 
 def test_a_name_is_no_html(browser: Any) -> None:

@@ -11,6 +11,8 @@ import type { Curve } from "./plots";
 const LIGHT = ["#1c5fa8", "#d9542b", "#2a9d78", "#8a56b0", "#a9780a", "#2f8fc0", "#b0426b", "#6b7280"];
 const DARK = ["#6fb0f2", "#ff8f66", "#58cfa6", "#c79aed", "#e5b94e", "#7fd0f5", "#ef86ac", "#a5adb8"];
 
+const DASHES = [[], [8, 4], [3, 3], [10, 3, 3, 3]]; // pixels, of the components of a thing
+
 const variable = (name: string): string => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const dark = (): boolean => document.documentElement.dataset["theme"] === "dark";
 
@@ -105,17 +107,19 @@ export class Chart {
     return uPlot.join(scaled);
   }
 
-  private colours(): string[] {
-    return dark() ? DARK : LIGHT;
+  /** Colour of a curve: that of its run where runs are compared. */
+  private colour(k: number): string {
+    const own = dark() ? DARK : LIGHT;
+    const { run } = this.curves[k];
+    return run === undefined ? own[k % own.length] : this.app.view.runColours[run % this.app.view.runColours.length];
   }
 
   private legend(): void {
-    const colours = this.colours();
     this.outputs = this.curves.map(() => h("output"));
     this.keys.replaceChildren(
       ...this.curves.map((curve, k) => {
         const dot = h("i", "dot");
-        dot.style.background = colours[k % colours.length];
+        dot.style.background = this.colour(k);
         return h(
           "span",
           { class: "key", title: curve.label },
@@ -130,7 +134,6 @@ export class Chart {
   }
 
   private options(): uPlot.Options {
-    const colours = this.colours();
     const [muted, line] = [variable("--muted"), variable("--line")];
     const font = `11px ${getComputedStyle(document.body).fontFamily}`;
     const axis: uPlot.Axis = {
@@ -173,8 +176,9 @@ export class Chart {
         {},
         ...this.curves.map((curve, k) => ({
           label: curve.label,
-          stroke: colours[k % colours.length],
-          width: 1.5,
+          stroke: this.colour(k),
+          width: curve.subtracted ? 1 : 1.5,
+          ...dashes(curve),
           spanGaps: true,
           points: { show: false },
         })),
@@ -194,12 +198,20 @@ export class Chart {
     ctx.strokeStyle = variable("--ink");
     ctx.globalAlpha = 0.75;
     ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash([]); // those of the last curve
     ctx.beginPath();
     ctx.moveTo(x, top);
     ctx.lineTo(x, top + height);
     ctx.stroke();
     ctx.restore();
   }
+}
+
+/** Components of one run, and differences, have one colour: dashes tell them apart. */
+function dashes({ run, component, subtracted }: Curve): { dash?: number[] } {
+  if (run === undefined) return {};
+  const dash = DASHES[(component ?? 0) % DASHES.length];
+  return subtracted ? { dash: [1, 3, ...dash] } : dash.length ? { dash } : {};
 }
 
 function extremes(values: ArrayLike<number>): number[] {

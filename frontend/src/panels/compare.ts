@@ -1,5 +1,6 @@
 /** Several runs over one another: which are shown, and how far apart. */
 
+import { unlike } from "../format/compare";
 import { quantity } from "../format/units";
 import type { Vec3 } from "../protocol";
 import { choice, h, hint, section, slider } from "./dom";
@@ -9,6 +10,8 @@ export function mountCompare(kit: Kit): void {
   const { app } = kit;
   const { store, runs } = app;
   if (runs.length < 2) return;
+  const warnings = runs.slice(1).flatMap(({ scene, title }) => unlike(runs[0].scene, scene, [runs[0].title, title]) || []);
+  for (const warning of warnings) kit.say(warning, "error");
   const list = h("div", "rows");
   runs.forEach((run, k) => {
     const input = h("input", { attrs: { type: "checkbox" } });
@@ -39,6 +42,6 @@ export function mountCompare(kit: Kit): void {
   });
   along.set("1");
   app.slots.right.append(
-    section("Compare", true, hint("Runs are drawn over one another at the same time."), list, place.element, h("div", "field", h("span", { text: "Along" }), along.element)),
+    section("Compare", true, hint("Runs are drawn over one another at the same time."), ...warnings.map((text) => h("p", { class: "hint wrong", text })), list, place.element, h("div", "field", h("span", { text: "Along" }), along.element)),
   );
 }

@@ -1,6 +1,7 @@
 /** Curves over time above the time line: charts with a common time cursor, one for each unit. */
 
 import type { Column } from "../format/csv";
+import { difference } from "../format/compare";
 import { csv } from "../format/csv";
 import { measure } from "../format/measures";
 import { reading } from "../format/units";
@@ -8,12 +9,20 @@ import type { App } from "../app";
 import type { History } from "../protocol";
 import type { Place } from "../state";
 import { Chart } from "./chart";
-import { button, download, fileName, h, paced } from "./dom";
+import { button, download, fileName, h, paced, press } from "./dom";
 import type { Say } from "./toasts";
 
 export interface Curve extends Column {
   /** What the curve is, so that it is there once. */
   id: string;
+  /** The run that it is of, if several are compared. */
+  run?: number;
+  /** What is one thing in several runs, so that their curves can be subtracted. */
+  of?: string;
+  /** Which component of a thing, told apart by its dashes where the run has the colour. */
+  component?: number;
+  /** Whether it is the difference of two. */
+  subtracted?: boolean;
   /** Of the chosen place: the next choice replaces it. */
   fleeting?: boolean;
   /** What values of a stream must exceed to be more than rounding. */
@@ -29,6 +38,8 @@ export class Plots {
   private body = h("div", "charts");
   private element: HTMLElement;
   private keep: HTMLButtonElement;
+  private subtract: HTMLButtonElement;
+  private subtracts = false;
   private asked = 0;
 
   constructor(
@@ -37,6 +48,13 @@ export class Plots {
     private name: (place: Place) => string,
   ) {
     this.keep = button("Keep these curves", () => this.pin(), { text: true });
+    this.subtract = button("Difference", () => {
+      this.subtracts = !this.subtracts;
+      press(this.subtract, this.subtracts);
+      this.draw();
+    }, { text: true });
+    this.subtract.title = "Curves of the other runs minus that of the first";
+    press(this.subtract, false);
     const table = button("CSV", () => this.save(), { icon: "save", text: true });
     table.title = "Save all curves as a table (CSV, SI units, full precision)";
     const close = button("Close all curves", () => this.clear(), { icon: "close" });
@@ -49,7 +67,7 @@ export class Plots {
       "section",
       { class: "plots", attrs: { "aria-label": "Curves over time" } },
       handle,
-      h("div", "plots-head", h("strong", { text: "Curves" }), h("span", "grow"), this.keep, table, close),
+      h("div", "plots-head", h("strong", { text: "Curves" }), h("span", "grow"), this.subtract, this.keep, table, close),
       this.body,
     );
     this.element.hidden = true;
@@ -178,6 +196,7 @@ export class Plots {
       unit,
       time: answer.time.data,
       values: row(answer, k).map((value) => reading(value, floors[k] ?? 0)),
+      ...(title ? { run, of: `${name} ${k}`, component: k } : {}),
     }));
   }
 
@@ -196,21 +215,39 @@ export class Plots {
   }
 
   private remove(id: string): void {
-    this.curves = this.curves.filter((curve) => curve.id !== id);
+    const known = this.curves.some((curve) => curve.id === id);
+    if (known) this.curves = this.curves.filter((curve) => curve.id !== id);
+    else press(this.subtract, (this.subtracts = false));
     this.draw();
   }
 
   private save(): void {
     const name = fileName(`${this.app.runs[0].title} curves`, "csv");
-    download(name, new Blob([csv(this.curves)], { type: "text/csv" }));
+    download(name, new Blob([csv(this.all())], { type: "text/csv" }));
+  }
+
+  /** Curves of other runs minus those of the first that are shown of the same thing. */
+  private differences(): Curve[] {
+    return this.curves.flatMap((curve) => {
+      const first = this.curves.find(({ run, of }) => run !== undefined && of === curve.of && run < curve.run!);
+      if (!first || curve.of === undefined) return [];
+      const made = difference(first, curve);
+      if (!made.time.length) return [];
+      return [{ ...curve, ...made, id: `difference ${curve.id}`, label: `${curve.label} − ${this.app.runs[first.run!].title}`, subtracted: true }];
+    });
+  }
+
+  private all(): Curve[] {
+    return this.subtracts ? [...this.curves, ...this.differences()] : this.curves;
   }
 
   /** Make the charts what the curves are. */
   private draw(): void {
     this.element.hidden = !this.curves.length;
     this.keep.hidden = !this.curves.some((curve) => curve.fleeting);
+    this.subtract.hidden = !this.differences().length;
     const groups = new Map<string, Curve[]>();
-    for (const curve of this.curves) {
+    for (const curve of this.all()) {
       const name = groupOf(curve);
       groups.set(name, [...(groups.get(name) ?? []), curve]);
     }
@@ -253,7 +290,8 @@ export class Plots {
 }
 
 /** Curves of one unit share a chart; numbers without a unit only if they are of one kind. */
-const groupOf = ({ unit, label }: Curve): string => (unit === "1" || unit === "" ? `1 ${label.split(",")[0]}` : unit);
+const groupOf = ({ unit, label, of }: Curve): string =>
+  unit === "1" || unit === "" ? `1 ${of?.replace(/ \d+$/, "") ?? label.split(",")[0]}` : unit;
 
 function row(answer: History, k: number): Float64Array {
   const n = answer.time.data.length;
