@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -333,10 +332,7 @@ def check_starts(problems: Problems, mechanism: Members) -> None:
     for drive in mechanism.couplings:
         if not isinstance(drive, Drive) or id(drive.coordinate.joint) not in carried:
             continue
-        begins, stands = float(drive.signal(0.0)), drive.coordinate.initial
-        gap = begins - stands
-        if drive.coordinate.unit == "rad":
-            gap = math.remainder(gap, math.tau)
+        begins, stands, gap = drive.beginning
         if abs(gap) > BEGINS:
             problems.add(
                 where(drive),

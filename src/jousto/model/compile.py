@@ -20,6 +20,7 @@ from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.frame_record import frame_shape
 from jousto.model.model import BodyModel, Model, Shape
+from jousto.model.moved import warn_moved
 from jousto.model.native.native import Engine, SingularJoints
 from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
@@ -79,9 +80,10 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     Warns
     -----
     JoustoWarning
-        If initial velocities contradict the joints and had to be changed, joints repeat one
-        another, so that their reactions are not unique, or the mass of a flexible body lies so
-        nearly on a line that its modes cannot follow how bending turns it.
+        If a drive begins elsewhere than its coordinate stands, so that bodies are moved; initial
+        velocities contradict the joints and had to be changed, joints repeat one another, so that
+        their reactions are not unique, or the mass of a flexible body lies so nearly on a line that
+        its modes cannot follow how bending turns it.
     """
     if not is_stepping():
         warn_beams(mechanism)
@@ -141,11 +143,15 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         fmus=fmu_models(mechanism, sensors),
     )
 
+    placed = q0.copy()
+
     def finished(model: Model) -> Model:
         begun = started(model, mechanism.initials, builder) if mechanism.initials else model
         return _consistent(begun)
 
     made = with_start(model, finished, mechanism.initials) if is_stepping() else finished(model)
+    if not is_stepping():
+        warn_moved(mechanism, made, placed)
     made = with_core(made, mechanism.core if core is None else core)
     log.info(
         "%s: %d velocities, %d constraint rows%s",

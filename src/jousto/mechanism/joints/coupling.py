@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -165,6 +166,17 @@ class Drive(Coupler, tag="drive"):
     def lines(self) -> tuple[Line]:
         """``s = signal(t)``."""
         return (Line((self.coordinate,), (1.0,), 0.0, self.signal),)
+
+    @property
+    def beginning(self) -> tuple[float, float, float]:
+        """Where the signal begins, where the coordinate stands, and how far apart they are.
+
+        In m or rad; full turns do not count.
+        """
+        begins, stands = float(self.signal(0.0)), float(self.coordinate.initial)
+        gap = begins - stands
+        turned = self.coordinate.unit == "rad"
+        return begins, stands, math.remainder(gap, math.tau) if turned else gap
 
 
 def linked(a: Coordinate, b: Coordinate, ratio: float) -> tuple[Line]:

@@ -1,0 +1,59 @@
+"""Bodies that were moved at the start since a drive begins elsewhere: told, not passed over."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.arrays import Array, some
+from jousto.base.errors import warn
+from jousto.mechanism.checks import GAP_TOLERANCE, drives_of, where
+from jousto.mechanism.mechanism import Mechanism
+from jousto.model.model import Model
+
+
+def warn_moved(mechanism: Mechanism, model: Model, placed: Array) -> None:
+    """Warn about drives that begin elsewhere than their coordinates stand, and what they moved.
+
+    A gap that is closed at joints without a word is none here either: 1e-6 of the size of the
+    mechanism, or rad.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    model : Model
+        At its start.
+    placed : (nq,) array
+        Positions [R e p] in which the bodies are given.
+    """
+    found = []
+    for drive in drives_of(mechanism):
+        begins, stands, gap = drive.beginning
+        unit = drive.coordinate.unit
+        if abs(gap) > GAP_TOLERANCE * (mechanism.size if unit == "m" else 1.0):
+            found.append(
+                f"{where(drive)} begins at {begins:.6g} {unit}, but {drive.coordinate.name} stands "
+                f"at {stands:.6g} {unit}"
+            )
+    if found:
+        warn(
+            f"mechanism {mechanism.name!r}",
+            f"{some(found, 4)}; the start fits the drives, which moved {_moved(model, placed)}; "
+            "let signals begin where bodies stand, or place the bodies where signals begin",
+        )
+
+
+def _moved(model: Model, placed: Array) -> str:
+    """Return which bodies stand elsewhere than they were placed and how far, the farthest first."""
+    ways = []
+    for body in model.bodies:
+        old, new = (np.asarray(q)[body.iq : body.iq + 7] for q in (placed, model.q0))
+        away = float(np.linalg.norm(new[:3] - old[:3]))
+        (s, x), (t, y) = (old[3], old[4:]), (new[3], new[4:])
+        vector = s * y - t * x - np.cross(x, y)  # of the quaternion from the old to the new
+        turned = 2.0 * float(np.arctan2(np.linalg.norm(vector), abs(s * t + x @ y)))
+        far, wide = away > GAP_TOLERANCE * model.size, turned > GAP_TOLERANCE
+        how = [f"by {away:.4g} m"] * far + [f"by {np.degrees(turned):.4g} degrees"] * wide
+        if how:
+            ways.append((max(away / model.size, turned), f"'{body.name}' {' and '.join(how)}"))
+    ways.sort(key=lambda way: -way[0])
+    return some([text for _, text in ways], 4) or "modes alone"
