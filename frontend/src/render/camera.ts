@@ -85,7 +85,7 @@ export class Rig {
     this.parallel.updateProjectionMatrix();
   }
 
-  /** Let the corners of a box fill the picture, seen as now. */
+  /** Let points fill the picture, seen as now. */
   fit(corners: THREE.Vector3[]): void {
     const right = this.rightward, up = this.upward, back = this.backward;
     const room = 0.88; // of the picture
@@ -99,12 +99,21 @@ export class Rig {
     for (const [v, at] of [[right, (left + far) / 2], [up, (low + high) / 2], [back, (behind + front) / 2]] as const) {
       this.target.addScaledVector(v, at);
     }
-    // each corner asks for a distance at which it is still within the picture
-    this.distance = 1e-9;
-    for (const corner of corners) {
-      const x = corner.clone().sub(this.target);
-      const near = this.usesPerspective ? x.dot(back) : 0;
-      this.distance = Math.max(this.distance, near + Math.abs(x.dot(right)) / tanRight, near + Math.abs(x.dot(up)) / tanUp);
+    // each corner asks for a distance at which it is still within the picture; what is nearer looks
+    // larger, so that the middle of the picture is another one than that of the box
+    for (let pass = 0; pass < 8; pass++) {
+      const at = corners.map((corner) => {
+        const x = corner.clone().sub(this.target);
+        return { near: this.usesPerspective ? x.dot(back) : 0, x: x.dot(right), y: x.dot(up) };
+      });
+      this.distance = Math.max(
+        1e-9,
+        ...at.map(({ near, x, y }) => near + Math.max(0.05 * Math.abs(near), Math.abs(x) / tanRight, Math.abs(y) / tanUp)),
+      );
+      for (const [axis, of] of [[right, "x"], [up, "y"]] as const) {
+        const seen = at.map((point) => point[of] / (this.distance - point.near));
+        this.target.addScaledVector(axis, (this.distance * (Math.min(...seen) + Math.max(...seen))) / 2);
+      }
     }
   }
 

@@ -3,6 +3,8 @@
 import * as THREE from "three";
 import type { Run } from "../app";
 import type { Player } from "../motion/player";
+import { position } from "../motion/pose";
+import { StillTrack } from "../motion/track";
 import type { Vec3 } from "../protocol";
 import type { Source } from "../source/source";
 import type { Place, State, Store } from "../state";
@@ -32,6 +34,8 @@ export interface Hit extends Place {
   /** Number of the symbol in the scene; then body and vertex are -1. */
   symbol?: number;
 }
+
+const OUTLINE = 5000; // vertices by which the picture is filled
 
 export class View {
   readonly canvas: HTMLCanvasElement;
@@ -338,10 +342,27 @@ export class View {
     this.rig.usesPerspective = perspective;
     // runs that stand beside the first
     const last = new THREE.Vector3(...offset).multiplyScalar(Math.max(0, runs.lastIndexOf(true)));
-    this.rig.fit(last.lengthSq() ? [...this.corners, ...this.corners.map((at) => at.clone().add(last))] : this.corners);
+    const points = this.outline();
+    this.rig.fit(last.lengthSq() ? [...points, ...points.map((at) => at.clone().add(last))] : points);
     this.fitted = true;
     this.followed = null;
     this.redraw();
+  }
+
+  /** What must be in the picture: the box of all that moves, or the shapes of what stands still. */
+  private outline(): THREE.Vector3[] {
+    const runs = this.machines.map(({ run }) => run);
+    if (!runs.every(({ track, scene }) => track instanceof StillTrack && scene.bodies.length)) return this.corners;
+    const count = runs.flatMap(({ scene }) => scene.bodies).reduce((sum, body) => sum + body.positions.shape[0], 0);
+    const every = Math.ceil(count / OUTLINE);
+    const found = runs.flatMap(({ scene, track }) =>
+      scene.bodies.flatMap((body) =>
+        Array.from({ length: Math.ceil(body.positions.shape[0] / every) }, (_, k) => new THREE.Vector3(...position(body, k * every, track.row(0)))),
+      ),
+    );
+    // a few points may be of no size beside symbols and what they join
+    const size = new THREE.Box3().setFromPoints(found).getSize(new THREE.Vector3()).length();
+    return size > 0.1 * this.radius ? found : this.corners;
   }
 
   look(direction: Direction): void {
