@@ -30,6 +30,8 @@ export interface Rings {
   share: Block<Float64Array>;
   vertex_ring: Block<Uint32Array>;
   yz: Block<Float32Array>;
+  /** `yz` as they are, m, where thin sections are drawn thicker. */
+  section?: Float32Array;
   forces: number;
   corner: Block<Uint16Array>;
   rows: Block<Float64Array>;

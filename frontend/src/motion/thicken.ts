@@ -8,6 +8,7 @@ export function thicken(scene: Scene): void {
   const extent = Math.max(...[0, 1, 2].map((i) => high[i] - low[i]));
   for (const { rings } of scene.bodies) {
     if (!rings) continue;
+    rings.section ??= rings.yz.data.slice();
     const yz = rings.yz.data, count = rings.element.data.length;
     const ends = Array.from({ length: count }, () => [Infinity, -Infinity, Infinity, -Infinity]);
     rings.vertex_ring.data.forEach((ring, v) => {

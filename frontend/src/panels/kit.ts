@@ -1,6 +1,7 @@
 /** What panels share beside the app: messages, plots and what is chosen. */
 
 import type { App } from "../app";
+import { number, quantity } from "../format/units";
 import { StillTrack } from "../motion/track";
 import { position } from "../motion/pose";
 import type { Probe, Vec3 } from "../protocol";
@@ -16,11 +17,17 @@ export interface Kit {
 
 export const bodyOf = (app: App, place: Place) => app.runs[place.run].scene.bodies[place.body];
 
-/** Name of a place for people: `boom, node 1203`. */
+/** Name of a place for people: `boom, node 1203`, or `cable, element 3 at 50.0 %, y 5 mm, z 0 mm`. */
 export function placeName(app: App, place: Place): string {
   const body = bodyOf(app, place);
   const node = body.nodes ? body.nodes.data[place.vertex] : null;
   const run = app.runs.length > 1 ? `${app.runs[place.run].title}: ` : "";
+  const { rings } = body;
+  if (rings) {
+    const ring = rings.vertex_ring.data[place.vertex], yz = rings.section ?? rings.yz.data;
+    const [y, z] = [0, 1].map((i) => quantity(yz[2 * place.vertex + i], "m", 3));
+    return `${run}${body.name}, element ${rings.element.data[ring] + 1} at ${number(100 * rings.share.data[ring], 3)} %, y ${y}, z ${z}`;
+  }
   return `${run}${body.name}, ${node ? `node ${node}` : `point ${place.vertex + 1}`}`;
 }
 
