@@ -150,3 +150,58 @@ def test_a_machine_that_does_not_move_is_said_not_to() -> None:
     assert "nothing moved in the run" in found.verdict
     pull = jo.Force("pull", body["origin"], (1, 0, 0))
     assert "nothing moved" not in verify(jo.Mechanism(body, guide, pull), 0.02, step=1e-3).verdict
+
+
+def test_friction_of_reactions_that_are_not_unique_is_not_compared() -> None:
+    """Two hinges on one axis hold five motions twice; friction in one follows its share of them."""
+    body = jo.RigidBody("door", 1.0, (0.01, 0.02, 0.03), center=(0.1, -0.5, 0.2))
+    low, high = (
+        jo.Revolute(name, jo.ground.at((0, 0, z)), body.at((0, 0, z)), axis=(0, 0, 1))
+        for name, z in (("low", 0), ("high", 1))
+    )
+    law = jo.mechanism.Regularised()
+    rub = jo.Friction("rub", low, 0.3, radius=0.05, bearing_length=0.1, law=law)
+    place = jo.PositionSensor("place", body["center"])
+    weight = jo.Gravity((0, -9.81, 0))
+    with pytest.warns(jo.JoustoWarning, match="not unique"):
+        result = verify(jo.Mechanism(body, low, high, rub, place, weight), 0.02)
+    assert result.shared == ("rub",)
+    open_ended = {row.name for row in result.rows if not row.unique}
+    assert {"force of rub", "reaction of low", "acceleration of door.center"} <= open_ended
+    assert "place" not in open_ended
+    assert "the friction 'rub' follows from reactions that are not unique" in result.verdict
+    assert "DISAGREE" not in result.verdict
+
+
+def rattling(stiffness: float) -> jo.natural.Verification:
+    """A kilogram dropped onto a bushing, beside an event, which leaves two methods to judge."""
+    body = jo.RigidBody("body", 1.0, (0.01, 0.01, 0.01), center=(0.05, 0.03, 0))
+    stiff = (*(stiffness,) * 3, *(0.1 * stiffness,) * 3)
+    bushing = jo.Bushing("bushing", jo.ground["origin"], body["origin"], stiffness=stiff)
+    place = jo.PositionSensor("place", body["origin"])
+    far = jo.mechanism.Event("far", place, 100.0, component=0, stop=True)
+    return verify(jo.Mechanism(body, bushing, place, far, jo.Gravity((3, 0, -9.81))), 0.05)
+
+
+def test_a_step_that_resolves_nothing_decides_nothing() -> None:
+    """3e7 N/m under 1 kg vibrates 0.4 times in half a step, 1e3 N/m 2.5e-3 times."""
+    result = rattling(3e7)
+    assert result.undecided
+    assert not result.agrees
+    assert "nothing is decided" in result.verdict
+    assert "'force of bushing'" in result.verdict
+    assert rattling(1e3).agrees
+
+
+def test_a_state_of_another_model_is_refused() -> None:
+    """The model that is verified reads more, and counts more angles, than that of the mechanism."""
+    body = jo.RigidBody("body", 1.0, (0.01, 0.02, 0.03), center=(0.1, -0.5, 0))
+    hinge = jo.Revolute("hinge", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    bare = jo.Mechanism(body, hinge, jo.Gravity((0, -9.81, 0)))
+    spring = jo.Spring("spring", hinge.angle, stiffness=1.0)
+    other = jo.simulate(jo.compile(jo.Mechanism(*bare.items, spring)), 0.01).state(0.0)
+    with pytest.raises(jo.InputError, match="begin returned a state of another model; make it"):
+        verify(bare, 0.02, begin=lambda model: other)
+    late = jo.simulate(jo.compile(bare), 0.01)
+    with pytest.raises(jo.InputError, match=r"a state at 0\.01 s, and runs start at 0"):
+        verify(bare, 0.02, begin=lambda model: late.state())

@@ -337,7 +337,8 @@ def _consistent(model: Model) -> Model:
         if not (found := repeated_rows(model)):
             raise  # rows differ, but masses differ by more than the numbers hold
         every = tuple(joint.name for joint in model.joints)
-        flagged = flag_reactions(model.sensors, every, found.joints)
+        rubbing = tuple(friction.joint for friction in model.frictions)
+        flagged = flag_reactions(model.sensors, every, found.joints, rubbing)
         model = replace(model, redundant=True, sensors=flagged)
         engine = Engine(model)
         engine.assemble()

@@ -26,13 +26,13 @@ from jousto.natural.measured import largest_of, measured, typical_sizes
 from jousto.natural.moving_frame import moving_frame
 from jousto.natural.run import NaturalRun
 from jousto.natural.verification import Compared, Verification, sizes
-from jousto.natural.ways import FOLLOWING, Course, by_other_method, others
+from jousto.natural.ways import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import Solver
-from jousto.simulation.state import State, put
+from jousto.simulation.state import MEMORY, State, put
 
 OUTPUTS, EVERY = 200, 10
 OPEN = 1e-8  # of the size of the mechanism: joints that are not closed
@@ -121,7 +121,7 @@ def verify(
     left_out = tuple(s.name for s in mechanism.sensors if not is_read(s)) if not unknown else ()
     whole = measured(mechanism, every=bool(unknown))
     model = compile(whole)
-    state = None if begin is None else begin(model)
+    state = None if begin is None else begun_by(begin, model)
     each = max(1, int(np.ceil(t_end / step / OUTPUTS * (1 - 1e-9))))
     outputs = max(1, round(t_end / step / each))
     every = max(1, outputs * EVERY // OUTPUTS)
@@ -157,6 +157,7 @@ def verify(
         ways=ways,
         unknown=unknown,
         still=is_still(runs[1], every),
+        shared=shared(whole, model),
     )
     if unknown:
         return kept
@@ -170,6 +171,9 @@ def verify(
         compared(s, runs, frames, (engine[s.name], found.readings[s.name]), every, typical)
         for s in whole.sensors
     )
+    if kept.shared:
+        kinds = {s.name: s.reading.kind for s in whole.sensors}
+        rows = tuple(of_position(row, kinds[row.name]) for row in rows)
     return replace(
         kept,
         rows=rows,
@@ -182,6 +186,46 @@ def verify(
         residual=float(frames[1].position_residual.max()),
         iterations=float(np.mean(frames[0].iterations[1:])),
     )
+
+
+def begun_by(begin: Callable[[Model], State | None], model: Model) -> State | None:
+    """Return where both start; InputError if that is none of the model, or not at time 0."""
+    state = begin(model)
+    if state is None:
+        return None
+    problems, engine = Problems(), Engine(model)
+    rooms = ("q", "v", *(name for name in MEMORY if name not in ("input", "joint")))
+    given = {name: getattr(state, name) for name in rooms}
+    if any(x is not None and np.shape(x) != getattr(engine, n).shape for n, x in given.items()):
+        problems.add(
+            "verify",
+            "begin returned a state of another model; make it of the model that begin is given, "
+            "which has further sensors, as begin=jo.equilibrium does",
+        )
+    if state.time != 0.0:
+        problems.add(
+            "verify",
+            f"begin returned a state at {state.time:g} s, and runs start at 0; give it "
+            "dataclasses.replace(state, time=0.0)",
+        )
+    problems.raise_if_any()
+    return state
+
+
+def shared(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
+    """Return the friction that follows from reactions which are not unique."""
+    open_ended = {s.name for s in model.sensors if s.description.endswith(NOT_UNIQUE)}
+    return tuple(
+        s.reading.of.name
+        for s in mechanism.sensors
+        if s.reading.kind == "friction" and s.name in open_ended
+    )
+
+
+def of_position(row: Compared, kind: str) -> Compared:
+    """Return a row where friction is not unique: what follows from it is not compared."""
+    row = replace(row, coarse=np.nan, fine=np.nan)
+    return replace(row, unique=False) if kind in SHAKY else row
 
 
 def is_still(run: Solution, every: int) -> bool:

@@ -106,6 +106,7 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
         unique=not str(about["description"]).endswith(NOT_UNIQUE),
         direct=kind not in FOLLOWING,
         settles=kind not in SHAKY,
+        own=min(off(a[0], a[1]), off(b[0], b[1])) if len(a) > 1 else 0.0,
     )
 
 

@@ -111,9 +111,12 @@ def meter_models(mechanism: Mechanism, models: tuple[SensorModel, ...]) -> tuple
 
 
 def flag_reactions(
-    sensors: tuple[SensorModel, ...], joints: tuple[str, ...], names: tuple[str, ...]
+    sensors: tuple[SensorModel, ...],
+    joints: tuple[str, ...],
+    names: tuple[str, ...],
+    rubbing: tuple[int, ...],
 ) -> tuple[SensorModel, ...]:
-    """Return the sensors, with a note on those of reactions that are not unique.
+    """Return the sensors, with a note on those of reactions and friction that are not unique.
 
     Parameters
     ----------
@@ -123,10 +126,16 @@ def flag_reactions(
         Names of all joints, couplings and drives of the model.
     names : tuple of str
         Those whose rows repeat others.
+    rubbing : tuple of int
+        The joint of each friction, which follows its reactions.
     """
+
+    def shared(sensor: SensorModel) -> bool:
+        if sensor.kind == "friction":
+            return joints[rubbing[sensor.object]] in names
+        return sensor.kind in ("reaction", "multiplier") and joints[sensor.object] in names
+
     return tuple(
-        replace(sensor, description=sensor.description + NOT_UNIQUE)
-        if sensor.kind in ("reaction", "multiplier") and joints[sensor.object] in names
-        else sensor
+        replace(sensor, description=sensor.description + NOT_UNIQUE) if shared(sensor) else sensor
         for sensor in sensors
     )
