@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from jousto.base.rounding import Scales
 from jousto.model.model import Model
 
@@ -12,12 +14,15 @@ def scales_of(model: Model) -> Scales:
     The elastic stress of a modal body is ``m omega^2 / size`` with its highest frequency, that of a
     rod up to a factor of order one; of exact beams it is Young's modulus.
     """
-    mass = sum(float(body.mass[0].real) for body in model.bodies)
-    stress = [
-        float(body.mass[0].real) * float(body.K.real.max()) / model.size
-        for body in model.bodies
-        if body.n
-    ]
+    # complex steps: a derivative has no scale
+    mass = sum(real(body.mass[0]) for body in model.bodies)
+    size = real(model.size)
+    stress = [real(body.mass[0]) * real(body.K.max()) / size for body in model.bodies if body.n]
     sections = (section for beam in model.beam_shapes for section in beam.sections)
-    stress += [float(s.elasticity[0]) for s in sections if s.elasticity is not None]
-    return Scales(mass, model.size, max(stress, default=0.0))
+    stress += [real(s.elasticity[0]) for s in sections if s.elasticity is not None]
+    return Scales(mass, size, max(stress, default=0.0))
+
+
+def real(x: complex) -> float:
+    """Return the real part of a number."""
+    return float(np.real(x))
