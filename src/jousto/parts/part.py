@@ -171,8 +171,11 @@ class Part(Geometry):
     @property
     def ties(self) -> tuple[Tie, ...]:
         """The interfaces with their nodes, reference points and averages found."""
-        ties: tuple[Tie, ...] = self.__dict__["_ties"]
-        return ties
+        known: tuple[Tie, ...] | None = self.__dict__.get("_ties")
+        if known is None:  # made of other parts, number by number: not by the constructor
+            known = resolve(Problems(), f"part '{self.name}'", self, self.interfaces)
+            object.__setattr__(self, "_ties", known)
+        return known
 
     def node(self, name: str) -> int:
         """Return the index of the node of a one-node set.

@@ -10,6 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problems, warn
 from jousto.base.rotations import exp_rotation
+from jousto.base.rounding import SHARE
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.model.compile import half_inertia_rate
 from jousto.model.model import BodyModel, MarkerModel, Model, Shape
@@ -91,10 +92,15 @@ def where_noticed(model: Model, state: State | None, where: str) -> Model:
     return made
 
 
-def as_in(model: Model, other: Model) -> Model:
-    """Return a model with second order in the bodies in which another one has it."""
+def as_in(model: Model, other: Model, state: State) -> Model:
+    """Return a model with second order in the bodies in which another one has it.
+
+    Those that nothing loads at a state of the other one stay as they are: it makes no difference.
+    """
     parts = linear_bodies(model)
-    return _second_order(model, {k: x for k, x in parts.items() if other.bodies[k].stiffening})[0]
+    both = {k for k in parts if other.bodies[k].stiffening}
+    shares = stiffness_shares(other, state, both) if both else {}
+    return _second_order(model, {k: parts[k] for k, x in shares.items() if x > SHARE})[0]
 
 
 def linear_bodies(model: Model) -> dict[int, ReducedPart]:

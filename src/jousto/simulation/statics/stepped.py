@@ -66,7 +66,7 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
         about = State(q.real.copy(), zero, np.zeros(model.nrow))
         found = modes(plain, about)
         loaded = where_noticed(plain, about, "modes")
-    model = as_in(model, loaded)
+    model = as_in(model, loaded, about)
     if number > len(found.frequencies):
         raise NotAnalytic(f"there are {len(found.frequencies)} modes only")
     squares = -(found.eigenvalues**2)
