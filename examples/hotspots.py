@@ -39,7 +39,6 @@ def main(out: Path) -> int:
     """Lift, search, check against brute force and draw; return 0 if the proof holds."""
     out.mkdir(parents=True, exist_ok=True)
     arm = reduced_arm()[1]
-    assert arm.stress is not None
     run = lift(arm, arm.stress.nearest((0.5 * LENGTH, 0.09, 0.0)))
     good = True
     for criterion in ("von-mises", "principal-1"):

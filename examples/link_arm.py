@@ -107,7 +107,6 @@ def main(out: Path) -> int:
     print(str(jo.reduction.certify(part, arm)).partition("\nsix rigid")[0])
     jo.draw(part, out / "link_arm_mesh.png")
     jo.draw(arm, out / "link_arm_mode.png", mode=1)
-    assert arm.stress is not None
     run = lift(arm, arm.stress.nearest((0.5 * LENGTH, 0.5 * DEPTH, 0.0)))  # upper flange, half-way
     theory = rigid_torque(run.time, arm)
     torque, stress = run["torque"][:, 0], run["flange"][:, 0]

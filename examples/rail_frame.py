@@ -79,14 +79,12 @@ def places(reduced: jo.ReducedPart, member: str, where: Callable) -> list[int]:
         for end, node in zip("ab", nodes, strict=True)
         if where(*reduced.nodes[node]) and any(set(nodes) <= some for some in sets)
     }
-    assert reduced.stress is not None
     return [i for i, s in enumerate(reduced.stress.labels) if s[: s.rindex(".") + 1] in labels]
 
 
 def truncation(part: jo.Part, reduced: jo.ReducedPart, sites: list[int]) -> float:
     """Largest error of stress under wheels at rest, against all degrees of freedom."""
     dofs = np.flatnonzero(np.repeat(part.nodes[:, 2] > 1e-9, 6))
-    assert part.stress is not None and reduced.stress is not None
     K, worst = part.K[dofs][:, dofs].tocsc(), [0.0]
     for at in (0.25, 1.0, 2.25, 3.75):
         F, d = np.zeros((2, 6 * len(part.nodes)))
@@ -101,7 +99,6 @@ def truncation(part: jo.Part, reduced: jo.ReducedPart, sites: list[int]) -> floa
 
 def draw(run: jo.Solution, reduced: jo.ReducedPart, rows: list, path: Path) -> None:
     """The frame with the worst weld of each kind, stress there and what the gauges show."""
-    assert reduced.stress is not None
     oblique = np.array([[1.0, 0.0], [0.5, 0.4], [0.0, 1.0]])
     with plt.style.context(STYLE):
         figure, (above, below) = plt.subplots(2, 1, figsize=(9.5, 6.4), layout="constrained")

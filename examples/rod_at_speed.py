@@ -14,7 +14,6 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -87,7 +86,7 @@ def rod() -> MachineProblem:
     )
 
 
-def lightest(**how: Any) -> Optimum:
+def lightest(**how) -> Optimum:
     """The lightest rod by a method; prints its line of the table."""
     start = perf_counter()
     found = optimise(rod(), tolerance=1e-4, **how)

@@ -9,6 +9,7 @@ sign anywhere in the equations of motion would leave an error that does not fall
 from __future__ import annotations
 
 import sys
+import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -77,6 +78,8 @@ def draw(errors: dict[str, tuple[tuple[float, ...], list[float], float]], path: 
 
 def main(out: Path) -> int:
     """Run with both methods and four steps each; return 0 if the orders are right."""
+    # link2 bends by 0.32 rad; here methods are compared, all on the same linear modes
+    warnings.filterwarnings("ignore", ".*bends by 0.3. rad", jo.JoustoWarning)
     out.mkdir(parents=True, exist_ok=True)
     model = jo.compile(chain())
     errors = {}

@@ -673,6 +673,16 @@ forces: [{type: spring, name: spring, coordinate: rail.displacement, stiffness: 
         (design.limit_state, {"study": some, "limit": "m <= 3 kg", "step": 1e-4}),
         (design.form, {**state, "method": "hlrf", "start": {"a": 5.0, "b": 5.0}, "far": 9.0}),
         (design.sorm, {**state, "step": 0.1}),
+        (
+            design.system,
+            {
+                "limits": [state["limit"], lambda x: x["a"] - 2.0],
+                "variables": pair,
+                "kind": "parallel",
+                "samples": 50,
+                "seed": 1,
+            },
+        ),
         (design.pma, {**state, "beta": 2.0, "method": "hmv", "start": {"a": 5.0, "b": 5.0}}),
         (design.ria, {**state, "beta": 2.0}),
         (design.monte_carlo, {**state, "samples": 50, "seed": 1, "confidence": 0.9}),

@@ -20,7 +20,9 @@ BALL = """<mujoco><option gravity="2 -1 -9.81"><flag contact="disable"/></option
 @pytest.mark.parametrize(
     ("damping", "more"), [(0.2, ""), (1.5, ""), (0.2, 'stiffness="1.5"')], ids=str
 )
-def test_a_damped_ball_swings_beyond_a_right_angle(damping: float, more: str, tmp_path: Path) -> None:
+def test_a_damped_ball_swings_beyond_a_right_angle(
+    damping: float, more: str, tmp_path: Path
+) -> None:
     mujoco = pytest.importorskip("mujoco")
     path = peers.write(tmp_path, BALL.format(damping=damping, more=more))
     model = peers.peer(path)

@@ -25,7 +25,7 @@ class Grid:
 
     name: str
     nodes: Array
-    cells: tuple[Cells, ...] | Any
+    cells: tuple[Cells, ...]
     node_ids: Ints = ()  # type: ignore[assignment]
     node_sets: Sets = field(default_factory=dict)
     element_sets: Sets = field(default_factory=dict)
