@@ -119,11 +119,14 @@ def test_several_runs_have_names_of_their_own(tmp_path: Path) -> None:
 def test_a_page_has_rows_sensors_and_worst_places(tmp_path: Path) -> None:
     run = swing()
     found = contents(jo.view(run, open=False, embed=True).save(tmp_path / "run.html", frames=20))
-    every = -(-run.nt // 20)
-    np.testing.assert_array_equal(found["time"], run.time[::every])
+    # instants of the run, those of the worst places among them
+    at = np.searchsorted(run.time, found["time"])
+    np.testing.assert_array_equal(found["time"], run.time[at])
     np.testing.assert_array_equal(found["scene"]["frames"], found["time"])
-    assert found["scene"]["thinned"] == every and len(found["time"]) <= 20
-    np.testing.assert_array_equal(found["rows"][:, : run.q.shape[1]], run.q[::every].astype("f4"))
+    every = found["scene"]["thinned"]
+    assert len(run.time[::every]) <= 20 and {*run.time[::every]} <= {*found["time"]}
+    assert jo.hot_spots(run, count=1)[0].time in found["time"]
+    np.testing.assert_array_equal(found["rows"][:, : run.q.shape[1]], run.q[at].astype("f4"))
     sensors = found["sensors"]
     assert set(sensors["values"]) == set(run.sensors)
     assert sensors["values"]["ball"].shape == (3, len(sensors["time"]))
@@ -247,7 +250,7 @@ def test_the_command_writes_a_page_and_says_what_was_left_out(tmp_path: Path) ->
     assert code == 0, text
     size = page.stat().st_size / 1e6
     assert f"page in {page}, {size:.1f} MB; one of 6 instants, --frames 251 takes all" in text
-    assert len(contents(page)["time"]) == 42
+    assert 42 <= len(contents(page)["time"]) <= 50  # those of the worst places besides
     code, text = call("view", file, "-o", page)
     assert code == 0 and "one of" not in text and FRAMES >= 251
 

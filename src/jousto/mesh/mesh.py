@@ -63,6 +63,7 @@ class Mesh(Grid):
 
     Examples
     --------
+    >>> from jousto.mesh.cells import Cells
     >>> corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
     >>> mesh = Mesh("wedge", corners, Cells("tetra", [(0, 1, 2, 3)]))
     >>> mesh.volume  # a sixth of a cube
