@@ -139,6 +139,8 @@ def check_types(node: str) -> None:
         "venv": ".venv",
         "pythonVersion": "3.11",
         "include": ["../../examples", "../types"],
+        # editors find a neighbour of an example below their folder; this file's is another one
+        "extraPaths": ["../../examples"],
     }
     (WORK / "pyrightconfig.json").write_text(json.dumps(settings))
     pyright = WORK / "node_modules" / "pyright" / "index.js"
