@@ -21,7 +21,7 @@ STEPS, START = 15_000, 100
 
 
 def main() -> None:
-    part = jo.Part.beam(2.0, jo.Box(0.08, 0.12, 0.004, 0.004), 40, STEEL)
+    part = jo.Part.beam(2.0, jo.Box(0.08, 0.12, web=0.004, flange=0.004), 40, STEEL)
     rng = np.random.default_rng(1)
     print("modes  gauges  loads  states  forming, us  constant, us  surface with bands, us (sites)")
     for modes, gauges in ((2, 4), (6, 8), (14, 16), (24, 32)):

@@ -32,7 +32,7 @@ def parts(heights: Mapping[str, float], wall: float = WALL) -> dict[str, jo.Part
         jo.Member(
             (PIECE * i, 0, 0),
             (PIECE * (i + 1), 0, 0),
-            jo.Box(0.6 * height, height, wall),
+            jo.Box(0.6 * height, height, web=wall),
             STEEL,
             elements=2,
             name=name,

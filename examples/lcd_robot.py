@@ -22,7 +22,7 @@ from jousto.output.style import COLORS, STYLE
 
 ALU = jo.Material(E=70e9, nu=0.33, rho=2700, name="aluminium")
 CARBON = jo.Material(E=110e9, nu=0.3, rho=1600, name="carbon fibre")
-ARM = jo.Box(0.16, 0.09, 0.006)
+ARM = jo.Box(0.16, 0.09, web=0.006)
 LINK, FOLDED, OUT = 1.0, np.radians(75.0), np.radians(20.0)  # m, angle of the upper arm
 GLASS = 2.5  # kg, 1100 x 1300 x 0.7 mm
 SITE, WELD = "e1.a.top", jo.fatigue.fat_class(28)  # fillet weld at the root, aluminium
@@ -34,7 +34,7 @@ OUTLINE = [[0, -0.65, 0], [1.1, -0.65, 0], [1.1, 0.65, 0], [0, 0.65, 0], [0, -0.
 def parts() -> dict[str, jo.Part]:
     """Two equal arms, with gear and bearings at the end, and the fork."""
     link = jo.Part.beam(LINK, ARM, 6, ALU, point_masses=jo.parts.PointMass("end", 5.0))
-    palm, tine = jo.Box(0.08, 0.05, 0.004), jo.Box(0.05, 0.025, 0.002)
+    palm, tine = jo.Box(0.08, 0.05, web=0.004), jo.Box(0.05, 0.025, web=0.002)
     fork = [jo.Member((0, 0, 0), (0.2, 0, 0), palm, ALU, name="wrist")]
     for a, b in zip((-0.45, -0.15, 0.0, 0.15), (-0.15, 0.0, 0.15, 0.45), strict=True):
         fork.append(jo.Member((0.2, a, 0), (0.2, b, 0), palm, ALU))

@@ -20,7 +20,11 @@ from jousto.output.style import COLORS, STYLE
 
 STEEL = jo.material("S355")
 BAYS, BAY, TRACK, HEIGHT = 3, 2.0, 0.8, 1.2  # m
-RAIL, LEG, CROSS = jo.Box(0.06, 0.08, 0.004), jo.Box(0.06, 0.06, 0.003), jo.Box(0.05, 0.05, 0.003)
+RAIL, LEG, CROSS = (
+    jo.Box(0.06, 0.08, web=0.004),
+    jo.Box(0.06, 0.06, web=0.003),
+    jo.Box(0.05, 0.05, web=0.003),
+)
 WHEEL, EMPTY = 1500.0, 0.25  # N; share of it without the load
 SIZES = (11, 9.5, 8, 6.5, 5)  # of dots, so that none hides another
 BASE, PASS, REST = 0.5, 4.5, 0.5  # m between axles, s one way, s at the ends

@@ -51,7 +51,10 @@ def machine(elements: int, *, hose: bool = True) -> jo.Mechanism:
     arms = []
     for name, start, length in (("arm", 0.0, 0.8), ("forearm", 0.8, 0.7)):
         part = jo.Part.beam(
-            length=length, section=jo.Box(0.1, 0.1, 0.005, 0.005), elements=8, material=ALUMINIUM
+            length=length,
+            section=jo.Box(0.1, 0.1, web=0.005, flange=0.005),
+            elements=8,
+            material=ALUMINIUM,
         )
         reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "node5", "end"), modes=4))
         arms.append(

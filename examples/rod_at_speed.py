@@ -38,7 +38,7 @@ def parts(heights: Mapping[str, float]) -> dict[str, jo.Part]:
         jo.Member(
             (a, 0, 0),
             (b, 0, 0),
-            jo.IBeam(heights[name], WIDTH, WEB, FLANGE),
+            jo.IBeam(height=heights[name], width=WIDTH, web=WEB, flange=FLANGE),
             STEEL,
             elements=2,
             orientation=(0, 1, 0),
@@ -99,7 +99,7 @@ def lightest(**how) -> Optimum:
 
 def dead_centre() -> float:
     """Stress in the first element of a rigid uniform rod in top dead centre, Pa."""
-    area, ratio = jo.IBeam(START, WIDTH, WEB, FLANGE).A, CRANK / ROD
+    area, ratio = jo.IBeam(height=START, width=WIDTH, web=WEB, flange=FLANGE).A, CRANK / ROD
     x = ROD / len(PIECES) / 4  # m, its middle
     beyond = STEEL.rho * area * (ROD - x + ratio * (ROD**2 - x**2) / (2 * ROD))
     return float(CRANK * SPEED**2 * (PISTON * (1 + ratio) + beyond) / area)

@@ -34,7 +34,7 @@ def jib(flexible: bool) -> jo.FlexibleBody | jo.RigidBody:
             markers={"start": (0, 0, 0), "end": (LENGTH, 0, 0)},
         )
     steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
-    box = jo.Box(0.4, 0.4, 0.01, 0.01)
+    box = jo.Box(0.4, 0.4, web=0.01, flange=0.01)
     part = jo.Part.beam(length=LENGTH, section=box, elements=8, material=steel)
     reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start",), modes=12))
     return jo.FlexibleBody("jib", reduced.keep(reduced.in_plane("xy")), damping=0.01)

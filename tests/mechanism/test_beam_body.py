@@ -189,7 +189,10 @@ def test_a_beam_that_is_missing_is_named_as_such():
         ({"elements": 0}, "whole number from 1"),
         ({"points": [(0, 0, 0), (1, 0, 0), (2, 0, 0)]}, "3 points make 2 elements"),
         ({"material": None}, "must be a Material"),
-        ({"section": jo.sections.GeneralSection(1e-4, 1e-9, 1e-9, 1e-9)}, "ky is missing"),
+        (
+            {"section": jo.sections.GeneralSection(A=1e-4, Iy=1e-9, Iz=1e-9, J=1e-9)},
+            "ky is missing",
+        ),
         ({"material": jo.Material(210e9, 0.3, 0.0)}, "needs mass"),
         ({"mass": "heavy"}, "from 0"),
         ({"mass": 1.5}, "must be from 0"),

@@ -22,7 +22,7 @@ from jousto.sections.profiles import IBeam
 from jousto.sections.section import Rectangle
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)
-SECTION = IBeam(0.2, 0.1, 0.0056, 0.0085, 0.012)
+SECTION = IBeam(height=0.2, width=0.1, web=0.0056, flange=0.0085, fillet=0.012)
 STUBBY = Rectangle(0.2, 0.3)
 THEORIES = (EulerBernoulli(), Timoshenko())
 

@@ -135,7 +135,7 @@ BAD: tuple[tuple[Callable[[], object], tuple[str, ...]], ...] = (
     (lambda: frame(materials=[STEEL, STEEL, "steel"]), ("materials[2] is 'steel'",)),
     (lambda: frame(theory="timoshenko"), ("theory is 'timoshenko'", "Timoshenko()")),
     (
-        lambda: frame(sections=GeneralSection(1e-3, 1e-6, 1e-6, 1e-6)),
+        lambda: frame(sections=GeneralSection(A=1e-3, Iy=1e-6, Iz=1e-6, J=1e-6)),
         ("section of element 1 has no shear coefficients", "EulerBernoulli()"),
     ),
     (

@@ -47,8 +47,8 @@ def solve(part: Part, load: np.ndarray) -> np.ndarray:
         Rectangle(0.06, 0.1),
         Circle(0.08),
         Tube(0.08, 0.01),
-        IBeam(0.2, 0.1, 0.0056, 0.0085),
-        Box(0.06, 0.1, 0.004),
+        IBeam(height=0.2, width=0.1, web=0.0056, flange=0.0085),
+        Box(0.06, 0.1, web=0.004),
     ],
 )
 def test_cantilever(section: Section, seed: int | None, theory: Theory) -> None:
@@ -154,9 +154,9 @@ def test_section_forces_of_the_beams_balance() -> None:
 
 
 def test_mixed_sections_and_selection() -> None:
-    bare = GeneralSection(1e-3, 1e-6, 1e-6, 1e-6, ky=0.8, kz=0.8)
+    bare = GeneralSection(A=1e-3, Iy=1e-6, Iz=1e-6, J=1e-6, ky=0.8, kz=0.8)
     marked = GeneralSection(
-        1e-3, 1e-6, 1e-6, 1e-6, ky=0.8, kz=0.8, points=(SectionPoint("rib", 0.01, 0.02),)
+        A=1e-3, Iy=1e-6, Iz=1e-6, J=1e-6, ky=0.8, kz=0.8, points=(SectionPoint("rib", 0.01, 0.02),)
     )
     part = Part.frame(
         [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)],
@@ -195,7 +195,7 @@ def test_a_round_beam_bent_in_any_plane(section: Section) -> None:
 
 def test_both_faces_of_a_web() -> None:
     """Shear of the force and of torsion add on one face of the web and subtract on the other."""
-    points = {p.name: p for p in IBeam(0.2, 0.1, 0.006, 0.009).points}
+    points = {p.name: p for p in IBeam(height=0.2, width=0.1, web=0.006, flange=0.009).points}
     for name in ("web", "web_top", "web_bottom"):
         left, right = points[name], points.get(f"{name}_right")
         assert right is not None

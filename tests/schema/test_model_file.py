@@ -90,7 +90,10 @@ def everything() -> Mechanism:
                 orientation=(0, 1, 0), end_offset=(-0.01, 0, 0), name="leg",
             ),
             Member(
-                (1, 0, 0), (1, 1, 0), IBeam(0.1, 0.05, 0.005, 0.006, fillet=0.002), metal
+                (1, 0, 0),
+                (1, 1, 0),
+                IBeam(height=0.1, width=0.05, web=0.005, flange=0.006, fillet=0.002),
+                metal,
             ),
         ],
         points={"tip": (1, 1, 0)},
@@ -103,7 +106,7 @@ def everything() -> Mechanism:
     plane = Part.frame(
         [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
         [[0, 1], [1, 2]],
-        sections=[Circle(0.03), Box(0.04, 0.03, 0.002, flange=0.003)],
+        sections=[Circle(0.03), Box(0.04, 0.03, web=0.002, flange=0.003)],
         materials=metal,
         orientations=[[0, 0, 1], [0, 1, 0]],
         offsets=[[[0, 0, 0], [0, 0, 0.01]], [[0, 0, 0.01], [0, 0, 0]]],
@@ -116,7 +119,7 @@ def everything() -> Mechanism:
         SectionPoint("top", 0.0, 0.01, ((1, 2, 3), (4, 5, 6))),
         SectionPoint("side", 1.0, 0.0),
     )
-    general = GeneralSection(2e-4, 1e-8, 2e-8, 1.5e-8, ky=0.8, kz=0.8, points=points)
+    general = GeneralSection(A=2e-4, Iy=1e-8, Iz=2e-8, J=1.5e-8, ky=0.8, kz=0.8, points=points)
     flat = Part.beam(1.0, general, 3, metal, orientation=(0, 1, 0), name="flat")
     method = CraigBampton("start", modes=6)
     flat = reduce(flat, method, stiffening=True, residual_stress=True)

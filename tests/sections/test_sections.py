@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,10 +27,10 @@ WIDE = Rectangle(0.12, 0.05)
 TALL = Rectangle(0.05, 0.12)
 TUBE = Tube(0.1, 0.012)
 ROD = Circle(0.06)
-WELDED = IBeam(0.3, 0.15, 0.008, 0.012)
-HOLLOW = Box(0.1, 0.2, 0.006, 0.01)
+WELDED = IBeam(height=0.3, width=0.15, web=0.008, flange=0.012)
+HOLLOW = Box(0.1, 0.2, web=0.006, flange=0.01)
 GENERAL = GeneralSection(
-    1e-3, 2e-6, 1e-6, 5e-7, ky=0.8, kz=0.7, points=(SectionPoint("top", 0.0, 0.05),)
+    A=1e-3, Iy=2e-6, Iz=1e-6, J=5e-7, ky=0.8, kz=0.7, points=(SectionPoint("top", 0.0, 0.05),)
 )
 SECTIONS = (WIDE, TALL, TUBE, ROD, WELDED, HOLLOW, GENERAL)
 
@@ -101,7 +102,7 @@ def test_turned_sections_exchange_their_axes() -> None:
 
 def test_fillets_by_quadrature() -> None:
     h, b, tw, tf, r = 0.2, 0.1, 0.0056, 0.0085, 0.012
-    s = IBeam(h, b, tw, tf, r)
+    s = IBeam(height=h, width=b, web=tw, flange=tf, fillet=r)
 
     def width(z: float) -> float:
         below = 0.5 * h - tf - z
@@ -227,8 +228,8 @@ def test_thin_walled_shear_coefficients_are_those_of_cowper() -> None:
     h, b = 0.2 - 0.01, 0.1 - 0.006
     assert_allclose(HOLLOW.kz, cowper(b * 0.01 / (h * 0.006), b / h), rtol=1e-12)
     # web alone, flanges alone: the rectangle's 5/6
-    assert_allclose(IBeam(1.0, 1.0, 1e-9, 0.01).ky, 5 / 6, rtol=1e-6)
-    assert_allclose(IBeam(1.0, 1e-9, 1e-9, 1e-9).kz, 5 / 6, rtol=1e-6)
+    assert_allclose(IBeam(height=1.0, width=1.0, web=1e-9, flange=0.01).ky, 5 / 6, rtol=1e-6)
+    assert_allclose(IBeam(height=1.0, width=1e-9, web=1e-9, flange=1e-9).kz, 5 / 6, rtol=1e-6)
 
 
 def test_shear_flow_carries_the_whole_force() -> None:
@@ -237,7 +238,7 @@ def test_shear_flow_carries_the_whole_force() -> None:
     share = 2 * (2 / 3) * top.shear[0][0] * 0.15 * 0.012
     assert_allclose(share, (2 * 0.012 * 0.15**3 / 12) / WELDED.Iz, rtol=1e-13)
     # thin box: the two webs carry Vz, parabola on top of the value at their ends
-    thin = Box(0.1, 0.2, 1e-6)
+    thin = Box(0.1, 0.2, web=1e-6)
     at = {p.name: p for p in thin.points}
     end, middle = at["top_left"].shear[1][1], at["left"].shear[1][1]
     assert_allclose(2 * 1e-6 * 0.2 * (end + (middle - end) * 2 / 3), 1.0, rtol=1e-4)
@@ -255,15 +256,15 @@ def test_shear_flow_carries_the_whole_force() -> None:
 
 
 def test_box_torsion_is_bredt_for_thin_walls() -> None:
-    thin = Box(0.1, 0.2, 1e-6)
+    thin = Box(0.1, 0.2, web=1e-6)
     assert_allclose(thin.J, 4 * 0.02**2 * 1e-6 / 0.6, rtol=1e-4)
     for p in thin.points:
         assert_allclose(np.hypot(p.shear[0][2], p.shear[1][2]), 1 / (2 * 0.02 * 1e-6), rtol=1e-4)
     # EN 10210-2:2006: t^3 h/3 + 2 K Ah with K = 2 Ah t/h; here without corner radius
     t, h, Ah = 0.02, 2 * (0.08 + 0.18), 0.08 * 0.18
-    assert_allclose(Box(0.1, 0.2, t).J, t**3 * h / 3 + 2 * (2 * Ah * t / h) * Ah, rtol=1e-12)
+    assert_allclose(Box(0.1, 0.2, web=t).J, t**3 * h / 3 + 2 * (2 * Ah * t / h) * Ah, rtol=1e-12)
     # EN 10210-2:2006, 200 x 100 x 8 hollow section: It = 1804 cm4 with rounded corners, A 44.8 cm2
-    s = Box(0.1, 0.2, 0.008)
+    s = Box(0.1, 0.2, web=0.008)
     assert_allclose(s.J * 1e8, 1804, rtol=0.03)
     assert_allclose(s.A * 1e4, 44.8, rtol=0.02)
 
@@ -280,18 +281,25 @@ BAD = (
     (lambda: Rectangle(-1.0, float("nan")), ["width is -1 m", "height is nan m"]),
     (lambda: Circle(float("inf")), ["diameter is inf m"]),
     (lambda: Tube(0.1, 0.06), ["wall 0.06 m is thicker than the radius 0.05 m"]),
-    (lambda: IBeam(0.1, 0.1, 0.005, 0.05), ["fill the whole height"]),
-    (lambda: IBeam(0.1, 0.01, 0.02, 0.005), ["wider than the width"]),
-    (lambda: IBeam(0.1, 0.1, 0.005, 0.005, -1.0), ["fillet is -1 m"]),
-    (lambda: Box(0.1, 0.1, 0.06, 0.05), ["webs (2 x 0.06 m)", "flanges (2 x 0.05 m)"]),
-    (lambda: GeneralSection(1e-3, 1e-6, 1e-6, 3e-6), ["J = 3e-06 m^4 is above Iy + Iz"]),
+    (lambda: IBeam(height=0.1, width=0.1, web=0.005, flange=0.05), ["fill the whole height"]),
+    (lambda: IBeam(height=0.1, width=0.01, web=0.02, flange=0.005), ["wider than the width"]),
     (
-        lambda: GeneralSection(0.0, 1e-6, -1e-6, 1e-6, ky=-1.0),
+        lambda: IBeam(height=0.1, width=0.1, web=0.005, flange=0.005, fillet=-1.0),
+        ["fillet is -1 m"],
+    ),
+    (lambda: Box(0.1, 0.1, web=0.06, flange=0.05), ["webs (2 x 0.06 m)", "flanges (2 x 0.05 m)"]),
+    (lambda: GeneralSection(A=1e-3, Iy=1e-6, Iz=1e-6, J=3e-6), ["J = 3e-06 m^4 is above Iy + Iz"]),
+    (
+        lambda: GeneralSection(A=0.0, Iy=1e-6, Iz=-1e-6, J=1e-6, ky=-1.0),
         ["A is 0", "Iz is -1e-06", "ky is -1"],
     ),
     (
         lambda: GeneralSection(
-            1e-3, 1e-6, 1e-6, 1e-6, points=(SectionPoint("a", 0, 0), SectionPoint("a", 1, 0))
+            A=1e-3,
+            Iy=1e-6,
+            Iz=1e-6,
+            J=1e-6,
+            points=(SectionPoint("a", 0, 0), SectionPoint("a", 1, 0)),
         ),
         ["two points are named 'a'"],
     ),
@@ -305,3 +313,27 @@ def test_bad_sections(make: Callable[[], Section], messages: list[str]) -> None:
     for message in messages:
         assert message in str(caught.value)
     assert len(caught.value.problems) == len(messages)
+
+
+@pytest.mark.parametrize(
+    ("make", "written"),
+    [
+        (
+            # an IPE 200 and its width and height exchanged are sections alike
+            lambda: IBeam(0.2, 0.1, 0.0056, 0.0085),  # type: ignore[misc]
+            "IBeam(height=..., width=..., web=..., flange=..., fillet=...)",
+        ),
+        (
+            lambda: Box(0.1, 0.2, 0.006, 0.01),  # type: ignore[misc]
+            "Box(width, height, web=..., flange=...)",
+        ),
+        (
+            lambda: GeneralSection(1e-3, 1e-6, 2e-6, 1e-6),  # type: ignore[misc]
+            "GeneralSection(A=..., Iy=..., Iz=..., J=..., ky=..., kz=..., points=...)",
+        ),
+    ],
+)
+def test_dimensions_whose_order_differs_are_given_by_name(make: Any, written: str) -> None:
+    with pytest.raises(InputError, match="4 arguments without a name are too many") as error:
+        make()
+    assert str(error.value).endswith(f"it is called {written}")

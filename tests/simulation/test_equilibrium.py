@@ -12,7 +12,7 @@ from jousto.simulation.statics.balance import Balance
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 G, PAYLOAD, ROPE = 9.81, 2000.0, 2.0
 LINKS = ((2.0, 90.0), (4.0, 40.0), (3.0, 0.0), (2.0, -40.0))  # m, degrees above the horizon
-SECTION = jo.Box(0.16, 0.2, 0.006, 0.006)
+SECTION = jo.Box(0.16, 0.2, web=0.006, flange=0.006)
 
 
 def crane(*extra: object) -> jo.Model:

@@ -137,7 +137,7 @@ def test_exact_beams_are_refused() -> None:
 def chain_below_a_boom(mass: float) -> jo.Model:
     """Three links below an elastic boom, the last of a given mass, which bends it."""
     steel = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
-    boom = jo.Part.beam(length=4.0, section=jo.Box(0.1, 0.1, 0.005), elements=8, material=steel)
+    boom = jo.Part.beam(length=4.0, section=jo.Box(0.1, 0.1, web=0.005), elements=8, material=steel)
     reduced = jo.reduce(boom, jo.CraigBampton(interfaces=("start", "end"), modes=4))
     body = jo.FlexibleBody("boom", reduced, orientation=jo.Rotate((0, 1, 0), degrees=-30))
     items = [body, jo.Fixed("clamp", jo.ground["origin"], body["start"])]

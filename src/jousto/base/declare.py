@@ -184,7 +184,8 @@ def _refused(cls: Any, error: TypeError, given: Any, named: Mapping[str, Any]) -
     where = (
         f"{cls.kind or cls.__name__} {name!r}" if isinstance(name, str) and name else cls.__name__
     )
-    names = list(inspect.signature(cls).parameters)
+    parameters = inspect.signature(cls).parameters
+    names = list(parameters)
     unknown = [key for key in named if key not in names]
     said = [f"there is no argument {key!r}{suggest(key, names)}" for key in unknown]
     if not said:
@@ -192,7 +193,11 @@ def _refused(cls: Any, error: TypeError, given: Any, named: Mapping[str, Any]) -
         text = re.sub(
             r"takes .* given", f"{len(given)} arguments without a name are too many", text
         )
-        usage = cls.usage or f"{cls.__name__}({', '.join(names)})"
+        written = (
+            f"{key}=..." if one.kind is inspect.Parameter.KEYWORD_ONLY else key
+            for key, one in parameters.items()
+        )
+        usage = cls.usage or f"{cls.__name__}({', '.join(written)})"
         said = [f"{text}; it is called {usage}"]
     return CallError([Problem(where, one) for one in said])
 

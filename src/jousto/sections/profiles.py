@@ -61,16 +61,17 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
     '28.5 1943 142 6.98'
     """
 
-    height: Positive = field("Overall size along z", unit="m")
-    width: Positive = field("Overall size along y", unit="m")
-    web: Positive = field("Thickness of the web", unit="m")
-    flange: Positive = field("Thickness of the flanges", unit="m")
+    height: Positive = field("Overall size along z", unit="m", kw_only=True)
+    width: Positive = field("Overall size along y", unit="m", kw_only=True)
+    web: Positive = field("Thickness of the web", unit="m", kw_only=True)
+    flange: Positive = field("Thickness of the flanges", unit="m", kw_only=True)
     fillet: Number = field(
         "Root radius, zero for a welded section",
         unit="m",
         least=0,
         wanted="zero or positive",
         default=0.0,
+        kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
@@ -192,9 +193,12 @@ class Box(Declared, section="sections", tag="box", by_value=True):
 
     width: Positive = field("Outer size along y", unit="m")
     height: Positive = field("Outer size along z", unit="m")
-    web: Positive = field("Thickness of the two walls along z", unit="m")
+    web: Positive = field("Thickness of the two walls along z", unit="m", kw_only=True)
     flange: OptionalPositive = field(
-        "Thickness of the two walls along y; as the web if not given", unit="m", default=None
+        "Thickness of the two walls along y; as the web if not given",
+        unit="m",
+        default=None,
+        kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:

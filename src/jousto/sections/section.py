@@ -351,15 +351,19 @@ class GeneralSection(Declared, section="sections", tag="general", by_value=True)
     True
     """
 
-    A: Positive = field("Area", unit="m^2")
-    Iy: Positive = field("Second moment for bending about y", unit="m^4")
-    Iz: Positive = field("Second moment for bending about z", unit="m^4")
-    J: Positive = field("Saint-Venant torsion constant", unit="m^4")
+    A: Positive = field("Area", unit="m^2", kw_only=True)
+    Iy: Positive = field("Second moment for bending about y", unit="m^4", kw_only=True)
+    Iz: Positive = field("Second moment for bending about z", unit="m^4", kw_only=True)
+    J: Positive = field("Saint-Venant torsion constant", unit="m^4", kw_only=True)
     ky: OptionalPositive = field(
-        "Shear coefficient along y; needed by :class:`Timoshenko` only", default=None
+        "Shear coefficient along y; needed by :class:`Timoshenko` only",
+        default=None,
+        kw_only=True,
     )
-    kz: OptionalPositive = field("Shear coefficient along z", default=None)
-    points: Items[SectionPoint] = field("Where stress is recovered; none by default", default=())
+    kz: OptionalPositive = field("Shear coefficient along z", default=None, kw_only=True)
+    points: Items[SectionPoint] = field(
+        "Where stress is recovered; none by default", default=(), kw_only=True
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note a torsion constant that no section has, and points of one name."""

@@ -9,7 +9,7 @@ import numpy as np
 import jousto as jo
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
-BOOM, JIB = jo.Box(0.16, 0.22, 0.006, 0.006), jo.Box(0.12, 0.18, 0.005, 0.005)
+BOOM, JIB = jo.Box(0.16, 0.22, web=0.006, flange=0.006), jo.Box(0.12, 0.18, web=0.005, flange=0.005)
 ALONG = [[0.96, 0, 0.28], [0, 1, 0], [-0.28, 0, 0.96]]
 RISE = [[0.8, 0, -0.6], [0, 1, 0], [0.6, 0, 0.8]]
 DRIVES = {
