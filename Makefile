@@ -108,7 +108,7 @@ docs: $(VENV)/.docs $(PAGE)  ## documentation in build/docs, warnings are errors
 
 # ---- checks ----------------------------------------------------------------------------------------
 
-.PHONY: test quick lint types layers sanitize page-test unit slow cores kernels old-processor format
+.PHONY: test quick lint types layers sanitize page-test unit slow cores kernels old-processor tables format
 test: lint types layers sanitize page-test unit  ## every check except the slow verification runs
 
 lint: $(VENV)/.dev
@@ -171,6 +171,10 @@ old-processor: export OPENBLAS_CORETYPE := Nehalem
 old-processor: $(VENV)/.dev  ## the same as a processor without AVX computes
 	@echo "a processor without AVX: kernels Nehalem, NumPy without its own"
 	@NPY_DISABLE_CPU_FEATURES="$$($(PY) -c '$(DISPATCHED)')" $(PYTEST) $(PYTEST_ARGS) $(FILES) $(ROOMS)
+
+tables: $(VENV)/.made  ## the parts of docs/ that are made of the declarations: tables of joints, words of robots
+	@$(PY) tools/tables.py
+	@$(PY) tools/robot_words.py
 
 format: $(VENV)/.dev  ## reformat and repair what can be repaired
 	@$(BIN)/ruff check --fix .

@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from importlib.metadata import version as installed_version
-from operator import attrgetter
 from pathlib import Path
-from typing import Any
-
-import jousto as jo
-from jousto.base.rooms import public_names
 
 sys.path.insert(0, str(Path(__file__).parent))
-from tables import filled
-
 project = "jousto"
 author = "jousto contributors"
 copyright = "jousto contributors"
@@ -51,28 +43,3 @@ suppress_warnings = ["ref.python"]
 html_theme = "furo"
 html_title = f"jousto {release}"
 html_copy_source = False
-
-
-def entries_of_rooms(app: Any, page: str, source: list[str]) -> None:
-    """Replace ``PUBLIC rooms`` in a page by the help of their public names, fill its tables."""
-
-    def entries(match: re.Match[str]) -> str:
-        rooms = tuple(f"jousto.{room}." for room in match[1].split())
-        lines = []
-        for place in sorted(public_names(), key=lambda place: (place.count("."), place)):
-            thing = attrgetter(place.removeprefix("jo."))(jo)
-            module = getattr(thing, "__module__", "")
-            if f"{module}.".startswith(rooms):
-                kind = "class" if isinstance(thing, type) else "function"
-                if not callable(thing):
-                    kind = "data"
-                lines.append(f"``{place}``")
-                lines.append(f".. auto{kind}:: {module}.{place.rpartition('.')[2]}")
-        return "\n\n".join(lines)
-
-    source[0] = filled(re.sub(r"^PUBLIC (.+)$", entries, source[0], flags=re.M))
-
-
-def setup(app: Any) -> None:
-    """Connect what this project adds to Sphinx."""
-    app.connect("source-read", entries_of_rooms)

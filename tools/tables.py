@@ -1,30 +1,47 @@
-"""Tables of the documentation that are made of the declarations."""
+"""Fill in the parts of the pages in docs/ that are made of the declarations.
+
+    python tools/tables.py
+
+They stand between a line ``<!-- tools/tables.py WHAT WORDS -->`` and a line ``<!-- end -->``:
+
+* ``kinds SECTION ROOM``: the kinds of a section of model files, such as joints, and their keys;
+* ``keys MODULE CLASS``: the keys of a class that stands alone in its section;
+* ``public ROOM ...``: the public names of rooms, with the place of the help of each.
+"""
 
 from __future__ import annotations
 
 import importlib
 import inspect
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
+import jousto as jo
 from jousto.base.declare import kinds
+from jousto.base.rooms import public_names
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.schema.entries.declared import entry_of
 from jousto.schema.entries.model import ModelEntry
 
 assert ModelEntry  # the files of the entries say how model files write each form
+DOCS = Path(__file__).resolve().parents[1] / "docs"
 PLACED = ("name", "a", "b", "as_placed")  # keys that the page says of all joints
+PART = re.compile(
+    r"(?<=^<!-- tools/tables\.py )(\w+) (.+?)( -->\n).*?(?=^<!-- end -->$)", re.M | re.S
+)
 
 
 def filled(text: str) -> str:
-    """Replace lines ``KINDS section room`` and ``KEYS module class`` of a page by tables."""
-    text = re.sub(
-        r"^KEYS (\S+) (\S+)$", lambda match: "\n".join(keys(*match.groups())), text, flags=re.M
-    )
-    return re.sub(
-        r"^KINDS (\S+) (\S+)$", lambda match: "\n".join(table(*match.groups())), text, flags=re.M
-    )
+    """Return the text of a page with each of its parts as the declarations give it."""
+
+    def part(match: re.Match[str]) -> str:
+        made = "\n".join(MAKERS[match[1]](*match[2].split()))
+        return f"{match[1]} {match[2]}{match[3]}\n{made}\n\n"
+
+    return PART.sub(part, text)
 
 
 def table(section: str, room: str) -> Iterator[str]:
@@ -35,7 +52,13 @@ def table(section: str, room: str) -> Iterator[str]:
     section, room : str
         As for `kinds`.
     """
-    classes = kinds(section, room)
+    # in the order of the files, whatever was imported first, without what others have declared
+    inside = [
+        one
+        for one in kinds(section, room).items()
+        if f"{one[1].__module__}.".startswith(f"{room}.")
+    ]
+    classes = dict(sorted(inside, key=lambda one: one[1].__module__))
     left_out = PLACED if section == "joints" else ("name",) * (section != "signals")
     meanings: dict[tuple[str, str], list[str]] = {}
     more = [" coordinates |", "---|"] if section == "joints" else ["", ""]
@@ -72,6 +95,18 @@ def keys(module: str, name: str) -> Iterator[str]:
         yield line([f"{needed}`{key}`{needed}", plain(field.description or "")])
 
 
+def public(*rooms: str) -> Iterator[str]:
+    """Yield what places the help of the public names that files of some rooms define."""
+    yield "```{eval-rst}"
+    for place in sorted(public_names(), key=lambda place: (place.count("."), place)):
+        thing = attrgetter(place.removeprefix("jo."))(jo)
+        module = getattr(thing, "__module__", "")
+        if f"{module}.".startswith(tuple(f"jousto.{room}." for room in rooms)):
+            kind = "class" if isinstance(thing, type) else "function" if callable(thing) else "data"
+            yield f"``{place}``\n\n.. auto{kind}:: {module}.{place.rpartition('.')[2]}\n"
+    yield "```"
+
+
 def coordinates(cls: Any) -> Iterator[str]:
     """Yield the names of the coordinates that a joint gives."""
     names = {kind.__name__ for kind in (Coordinate, *Coordinate.__subclasses__())}
@@ -94,3 +129,13 @@ def coded(words: Any) -> str:
 def line(cells: list[str]) -> str:
     """Return a row of a table."""
     return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+
+
+MAKERS: dict[str, Callable[..., Iterator[str]]] = {"kinds": table, "keys": keys, "public": public}
+
+if __name__ == "__main__":
+    for path in DOCS.rglob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        if (new := filled(text)) != text:
+            path.write_text(new, encoding="utf-8")
+            print(f"filled in docs/{path.relative_to(DOCS)}")
