@@ -137,6 +137,7 @@ static void lay_newton(const jo_model *m, arena *a, jo_data *d)
 {
     d->N = reals(a, m->nnewton + JO_PAD);
     d->x = reals(a, m->nv + m->nrow);
+    d->whole = reals(a, m->nv + m->nrow);
     d->base = reals(a, m->nv);
     d->base_lam = reals(a, m->nrow);
     d->stiff = reals(a, JO_BEAM_KEPT * m->nbeam);

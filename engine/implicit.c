@@ -14,6 +14,8 @@
 #define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
 #define JO_AGED 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
 #define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
+#define JO_HALVINGS 40    /* of an increment that leaps over a kink */
+#define JO_PATIENCE 5     /* times the iterations of a step are allowed where they are shortened */
 #define JO_DIGITS 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
 
 #ifdef JO_COMPLEX
@@ -186,12 +188,51 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
     return d->x + m->node[m->place[item].node].at + m->place[item].local;
 }
 
-/* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
-static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage)
+/* the unknowns move by `share` of x, laid out as d->x */
+static void advance(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
 {
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *y = x + (solution_of(m, d, i) - d->x);
+        const int iv = m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) {
+            d->rate[iv + j] += share * y[j];
+            d->a[iv + j] += share * c->a * y[j];
+        }
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *y = x + (solution_of(m, d, m->nbody + i) - d->x);
+        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += share * y[r];
+    }
+}
+
+/* Kinks of force laws throw Newton's method from one branch to the other and back. The increment that was made, of norm
+ * `size`, is halved until the one that would follow by the same factors is shorter (natural monotonicity test: Deuflhard,
+ * Newton Methods for Nonlinear Problems, 2011, ch. 3). Returns the share that is left; 0: there is none */
+static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, double size)
+{
+    double share = 1.0;
+    for (int i = 0; i < m->nv + m->nrow; i++) d->whole[i] = d->x[i];
+    for (int k = 0; k < JO_HALVINGS; k++, share *= 0.5) {
+        if (k) advance(m, d, &stage->weights, d->whole, -share);
+        move(m, d, s);
+        d->counts.evaluations++;
+        if (jo_residual(m, d, d->acc) != JO_OK) continue;   /* so far away that an element folds */
+        right_hand_side(m, d, &stage->weights, 0);
+        jo_newton_solve(m, d);
+        double next = 0.0;
+        for (int i = 0; i < m->nbody; i++) next += size_of(m, d, i, solution_of(m, d, i));
+        if (sqrt(next) <= (1.0 - 0.5 * share) * size) return share;
+    }
+    return 0.0;
+}
+
+/* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
+static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
+{
+    const int most_iterations = (damped ? JO_PATIENCE : 1) * s->iterations + JO_AFTER;
     double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
     int after = -1;
-    for (int k = 0; k < s->iterations + JO_AFTER; k++) {
+    for (int k = 0; k < most_iterations; k++) {
         move(m, d, s);
         int status = jo_residual(m, d, d->acc);
         if (status != JO_OK) return status;
@@ -206,21 +247,12 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         double size = 0.0, most = -1.0;
         int rounding = renewed;   /* all increments are those of rounding */
         for (int i = 0; i < m->nbody; i++) {
-            const jo_real *x = solution_of(m, d, i);
-            const double part = size_of(m, d, i, x);
-            const int iv = m->body[i].iv;
+            const double part = size_of(m, d, i, solution_of(m, d, i));
             size += part;
             if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
-            for (int j = 0; j < 6 + m->body[i].n; j++) {
-                d->rate[iv + j] += x[j];
-                d->a[iv + j] += stage->weights.a * x[j];
-            }
         }
-        for (int i = 0; i < m->njoint; i++) {
-            const jo_real *x = solution_of(m, d, m->nbody + i);
-            for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += x[r];
-        }
+        advance(m, d, &stage->weights, d->x, 1.0);
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
         double pull = 0.0;
@@ -238,6 +270,11 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         }
         if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
         before = size;
+        if (damped && after < 0) {
+            const double share = shorten(m, d, s, stage, size);
+            if (share == 0.0) return JO_NO_CONVERGENCE;
+            if (share < 1.0) before = 0.0;   /* what it gains says nothing of the next one */
+        }
     }
     return JO_NO_CONVERGENCE;
 }
@@ -362,13 +399,15 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     d->aged += h * fastest_turn(m, d);
     predict(m, d, s);
     const long long passed = d->counts.singular;
-    int status = newton(m, d, s, &stage);
-    if (status != JO_OK && s->modified) {   /* kept factors were too old: once more with those of every iteration */
+    int status = newton(m, d, s, &stage, 0);
+    /* kept factors were too old: once more with those of every iteration; these leap over a kink: with shorter increments */
+    const int tries = s->tolerance > 0.0 ? 2 : 1;
+    for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
         jo_solver exact = *s;
         exact.modified = d->factored = 0;
         d->counts.singular = passed;   /* singular positions of a path that is not taken */
         predict(m, d, s);
-        status = newton(m, d, &exact, &stage);
+        status = newton(m, d, &exact, &stage, damped);
     }
     if (status == JO_OK) {
         move(m, d, s);

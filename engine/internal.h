@@ -315,6 +315,7 @@ struct jo_data {
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */
     jo_real *end_time;      /* (1) */
     jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
+    jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     int *pivot;             /* (nv + nrow) */
     int current;            /* bodies and active markers stand at the present q, v */
     int fresh;              /* a and lam belong to the present time, q, v and set 0 */

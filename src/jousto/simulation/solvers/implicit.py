@@ -22,7 +22,13 @@ TOLERANCE: Any = field(
     plain=True,
     default=1e-10,
 )
-MOST: Any = field("Most iterations of a step", least=1, most=1000, default=10)
+MOST: Any = field(
+    "Most iterations of a step. Where they do not converge, as at kinks of force laws, it is tried "
+    "again with increments that are shortened until the next one shrinks, five times as many",
+    least=1,
+    most=1000,
+    default=10,
+)
 TANGENT: Any = field(
     "Keep the factors, over many steps, as long as the iteration converges fast (a step where it "
     "does not converge is tried again with the exact matrix), or factorise the exact matrix at "
