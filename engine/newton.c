@@ -6,7 +6,7 @@
  */
 #include "internal.h"
 
-#define JO_REGULAR 1e-9       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
+#define JO_REGULAR 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
 #define JO_VANISHED 1e-14     /* a pivot below this, relative to its column, belongs to rows that repeat one another */
 
 /* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
@@ -245,7 +245,9 @@ static void subtract_product(jo_real *T, const int target, const jo_real *X, con
         for (int k = 0; k < n; k++) subtract_row(T + i * target, X[i * stride + k], Y + k * padded, padded);
 }
 
-/* the diagonal of S = Cq M^-1 Cq^T were the mass matrix diagonal, to measure what is small in the rows of a joint */
+/* The diagonal of S = Cq M^-1 Cq^T were the mass matrix diagonal, to measure what is small in the rows of a joint. A slender
+ * body turns so easily about its own axis that this rotation alone, which other joints hold, made other rows look small: its
+ * moments count by their geometric mean with the largest, halfway between what is left of a row and the rounding of it */
 static double row_size(const jo_model *m, jo_data *d, int joint, int row)
 {
     const jo_joint *k = &m->joint[joint];
@@ -254,9 +256,11 @@ static double row_size(const jo_model *m, jo_data *d, int joint, int row)
         const int body = m->marker[k->side[side]].body;
         if (body < 0) continue;
         const jo_block C = jo_newton_find(m, d, m->nbody + joint, body), M = jo_newton_find(m, d, body, body);
+        double turn = 0.0;
+        for (int j = 3; j < 6; j++) turn = jo_larger(turn, fabs(JO_RE(M.at[j * (M.stride + 1)])));
         for (int j = 0; j < 6 + m->body[body].n; j++) {
             const double c = fabs(JO_RE(C.at[row * C.stride + j])), x = fabs(JO_RE(M.at[j * (M.stride + 1)]));
-            if (x > 0.0) sum += c * c / x;
+            if (x > 0.0) sum += c * c / (j < 3 || j > 5 ? x : sqrt(x * turn));
         }
     }
     return sum;

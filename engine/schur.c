@@ -4,7 +4,7 @@
  */
 #include "internal.h"
 
-#define JO_REGULAR 1e-9    /* added to the diagonal of S, relative, where rows repeat one another */
+#define JO_REGULAR 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
 enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the addition left open */
 
 /* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
@@ -332,13 +332,34 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 
+/* A slender body turns so easily about its own axis that this alone makes the diagonal of S, although another joint may hold
+ * the body: what is then left of a row lies this far below, by the geometric mean of its moments halfway to the rounding */
+static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *joint)
+{
+    double least = 1.0;
+    for (int i = 0; i < joint->nside; i++) {
+        const int body = m->marker[joint->side[i]].body;
+        if (body < 0) continue;
+        const jo_real *J = d->body[body].J;
+        const double x = jo_most(J[0]), y = jo_most(J[1]), z = jo_most(J[2]);
+        const double low = x < y ? (x < z ? x : z) : (y < z ? y : z), high = jo_larger(jo_larger(x, y), z);
+        if (low > 0.0 && low < least * high) least = low / high;
+    }
+    return sqrt(least);
+}
+
 /* S + eps diag(S), which is regular; S itself is kept for the refinement */
 static void regularise(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
     for (int c = first_column(d); c < m->ncolumn; c++) {
-        const int n = m->joint[m->column[c].joint].nrow, ld = jo_padded(n);
-        for (int r = 0; r < n; r++) d->S[JO_BLOCK * c + (ld + 1) * r] *= 1.0 + JO_REGULAR;
+        const jo_joint *joint = &m->joint[m->column[c].joint];
+        const int step = jo_padded(joint->nrow) + 1;
+        const double share = slenderness(m, d, joint);
+        for (int r = 0; r < joint->nrow; r++) {
+            d->columns[c].scale[r] *= share;
+            d->S[JO_BLOCK * c + step * r] += JO_REGULAR * d->columns[c].scale[r];
+        }
     }
 }
 

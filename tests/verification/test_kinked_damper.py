@@ -65,7 +65,9 @@ TOLERANCE = FORCE * STEP**2 / MASS
     ],
     ids=["alpha", "exact", "index 3", "newmark"],
 )
-def test_a_brake_that_saturates(solver: jo.GeneralizedAlpha | jo.simulation.Newmark, slope: float) -> None:
+def test_a_brake_that_saturates(
+    solver: jo.GeneralizedAlpha | jo.simulation.Newmark, slope: float
+) -> None:
     run = jo.simulate(sled(slope), 0.2, solver=solver)
     assert abs(run["place0"][-1, 0] - path(slope)) < TOLERANCE
 

@@ -16,7 +16,7 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.dependency import dependencies, joint_fronts
 
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
-WEAK = 2e-4
+WEAK = 2e-7  # as small with 1e-12 of the largest moment of inertia about an axis: digits are lost
 """The same, of rows that are independent, below which solving with repeated rows loses digits: the
 diagonal is raised by 1e-9, and three steps leave ``(1e-9 / (1e-9 + s^2))^3`` of a multiplier."""
 SHARE = 1e-6  # share of a row in a dependency that counts

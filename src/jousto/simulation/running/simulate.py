@@ -18,7 +18,7 @@ from jousto.base.errors import JoustoError, SimulationError, warn
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
-from jousto.model.rank.redundancy import is_drive
+from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.simulation.foreign.coupling import Coupling
 from jousto.simulation.foreign.process import FmuFailed
 from jousto.simulation.foreign.requirements import check_coupling, check_trust
@@ -437,10 +437,12 @@ def cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: 
     """Return why the run cannot go on, and which body shows it."""
     if status == "no convergence":
         body = model.bodies[engine.error_index].name
-        return Ending(
-            f"{engine.problem(status)}; the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s",
-            body,
-        )
+        text = f"{engine.problem(status)}; "
+        text += f"the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s"
+        found = repeated_rows(model) if model.redundant else None
+        if found and found.weak:
+            text += f"; rows of the joints repeat one another, and {found.weak}"
+        return Ending(text, body)
     if status not in ("not finite", "singular body", "singular joint"):
         return Ending(str(engine.problem(status)))
     sentence = stability_warning(model, solver, plan.step)
