@@ -161,7 +161,8 @@ def test_slender_bars_move_as_they_should(ratio, core):
     exact = iftomm.bricard_frames(q)[0][:, 3]
     for solver in (jo.RK4(step=1e-3), jo.ROS2(step=1e-3), jo.GeneralizedAlpha(step=1e-3)):
         run = jo.simulate(model, 1.0, solver=solver, output_step=0.1)
-        # at order 2 this step errs by 6e-7 m with moments of any size; digits lost at 1e-12 are as many
+        # at order 2 this step errs by 6e-7 m with moments of any size; at 1e-12 digits lost are as
+        # many
         np.testing.assert_allclose(run["P3"], exact, rtol=0, atol=1e-6)
 
 

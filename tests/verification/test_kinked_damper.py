@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -20,7 +22,7 @@ def sled(slope: float, beam: str = "none", sleds: int = 1) -> jo.Model:
     """
     saturated = FORCE / slope
     law = jo.Table((-10.0, -saturated, saturated, 10.0), (FORCE, FORCE, -FORCE, -FORCE))
-    items: list[jo.mechanism.Item] = []
+    items: list[Any] = []
     for i in range(sleds):
         body = jo.RigidBody(
             f"sled{i}", MASS, (1, 1, 1), position=(0, i, 0), velocity=(SPEED * (1 + i), 0, 0)
