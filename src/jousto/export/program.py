@@ -17,6 +17,7 @@ from jousto.export.ports import Named, Port, Ports, identifier, ports, refuse
 from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.solvers.explicit import ROS2, Solver, prepared
 from jousto.simulation.state import State, put
 
@@ -169,8 +170,8 @@ def program(
     if chosen.method == "alpha":
         model = replace(model, tree=())  # implicit methods run in q and v
     engine = Engine(model)
-    if state is not None:
-        put(engine, state, "export")
+    if (begun := beginning(model, state)) is not None:
+        put(engine, begun, "export")
         model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
     native = prepared(engine, chosen, chosen.step)
     fields = {key: getattr(native, key) for key in FIELDS}

@@ -15,7 +15,7 @@ from jousto.mechanism import checks
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.checks import where as where
-from jousto.mechanism.members import Members, core_problem
+from jousto.mechanism.members import CORES, STARTS, Members, word_problem
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -31,6 +31,9 @@ class Mechanism(Members):
     core : str
         What runs it, unless `compile` is told otherwise: "joint" for joint coordinates, "maximal"
         for the positions of all bodies, "auto" for the faster of them.
+    start : str
+        Where runs start that are given no state: in the "initial" pose, at "rest" (`equilibrium`)
+        or "settled", with elastic bodies bent as the motion bends them.
 
     Attributes
     ----------
@@ -69,8 +72,10 @@ class Mechanism(Members):
     <Mechanism 'pendulum': 1 body, 1 joint, 0 forces, 0 sensors>
     """
 
-    def __init__(self, *items: Any, name: str = "mechanism", core: str = "auto") -> None:
-        super().__init__(*items, name=name, core=core)
+    def __init__(
+        self, *items: Any, name: str = "mechanism", core: str = "auto", start: str = "initial"
+    ) -> None:
+        super().__init__(*items, name=name, core=core, start=start)
         if not is_stepping():  # the machine was checked with the values alone
             self.check()
 
@@ -113,8 +118,9 @@ class Mechanism(Members):
         """Raise InputError with all problems and warn about what is probably not meant."""
         problems = Problems()
         check_name(problems, "mechanism", self.name)
-        if problem := core_problem(self.core):
-            problems.add(f"mechanism {self.name!r}", problem)
+        for option, words in (("core", CORES), ("start", STARTS)):
+            if problem := word_problem(option, getattr(self, option), words):
+                problems.add(f"mechanism {self.name!r}", problem)
         checks.check_items(problems, self.items)
         checks.check_assemblies(problems, self)
         checks.check_starts(problems, self)

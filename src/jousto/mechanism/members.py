@@ -28,14 +28,16 @@ from jousto.mechanism.sensors.base import Sensor
 
 CORES = ("auto", "joint", "maximal")
 """What may run a mechanism, see `compile`."""
+STARTS = ("initial", "rest", "settled")
+"""Where runs may start: in the initial pose, where it rests, or bent as the motion bends."""
 
 
-def core_problem(core: Any) -> str | None:
-    """Return what is wrong with the name of a core, None if it is one."""
-    if core in CORES:
+def word_problem(name: str, word: Any, words: tuple[str, ...]) -> str | None:
+    """Return what is wrong with an option, None if it is one of the words."""
+    if word in words:
         return None
-    known = ", ".join(repr(name) for name in CORES[:-1])
-    return f"core is {core!r}, must be {known} or {CORES[-1]!r}"
+    known = ", ".join(repr(one) for one in words[:-1])
+    return f"{name} is {word!r}, must be {known} or {words[-1]!r}"
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -44,6 +46,7 @@ class Members:
 
     name: str
     core: str
+    start: str
     items: tuple[Any, ...]
     bodies: tuple[MovingBody, ...]
     beams: tuple[BeamBody, ...]
@@ -58,7 +61,9 @@ class Members:
     assemblies: tuple[Assembly, ...]
     gravity: Array
 
-    def __init__(self, *items: Any, name: str = "mechanism", core: str = "auto") -> None:
+    def __init__(
+        self, *items: Any, name: str = "mechanism", core: str = "auto", start: str = "initial"
+    ) -> None:
         assemblies = tuple(x for x in items if isinstance(x, Assembly))
         items = tuple(unpacked(items)) if assemblies else items
         fmus = tuple(x for x in items if isinstance(x, Fmu))
@@ -83,6 +88,7 @@ class Members:
             self,
             name=name,
             core=core,
+            start=start,
             items=items,
             gravity=gravity[0] if gravity else read_only(np.zeros(3)),
             **fields,

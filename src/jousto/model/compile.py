@@ -141,6 +141,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         beam_shapes=beam_shapes(mechanism, index),
         symbols=() if is_stepping() else symbols(mechanism, index),
         fmus=fmu_models(mechanism, sensors),
+        start=mechanism.start,
     )
 
     placed = q0.copy()

@@ -410,6 +410,8 @@ class Model:
         the rows of their joints and carry it; empty for what runs in q and v.
     tree_of : tuple
         The bodies, markers, joints and coordinates that the links were made for.
+    start : str
+        Where runs start that are given no state: "initial", "rest" or "settled".
     """
 
     name: str
@@ -437,6 +439,7 @@ class Model:
     fmus: tuple[FmuModel, ...] = ()
     tree: tuple[LinkModel, ...] = ()
     tree_of: tuple[Any, ...] = ()
+    start: str = "initial"
 
     @cached_property
     def nq(self) -> int:

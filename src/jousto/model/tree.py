@@ -11,7 +11,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
-from jousto.mechanism.members import core_problem
+from jousto.mechanism.members import CORES, word_problem
 from jousto.model.carried import bearers, carried_bodies, is_link, with_ports
 from jousto.model.loop import cut_joints, drawback, spanning
 from jousto.model.model import JointModel, LinkModel, Model
@@ -47,7 +47,7 @@ def with_core(model: Model, core: str) -> Model:
     InputError
         If it cannot run in joint coordinates but is to.
     """
-    if problem := core_problem(core):
+    if problem := word_problem("core", core, CORES):
         raise InputError(Problem(f"mechanism {model.name!r}", problem))
     if core == "maximal":
         return replace(model, tree=()) if model.tree else model

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from jousto.natural.verification import Compared, Verification, sizes
 from jousto.natural.ways import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import Solver
@@ -74,7 +76,7 @@ def verify(
         `step` if that is shorter.
     begin : callable, optional
         Returns the state of the compiled model where both start, such as `equilibrium` or
-        `settled`; None for the one that the bodies declare.
+        `settled`; None for the one that the mechanism says, else that the bodies declare.
     beside : mapping of str to Mechanism, optional
         The same machine made otherwise, such as with a finer mesh, by what is other: its sensors
         are compared with those of the same name.
@@ -116,6 +118,8 @@ def verify(
         problems.add("verify", "beside must be mechanisms by names, {'finer mesh': mechanism}")
     problems.raise_if_any()
     without_fmus(mechanism, "verify", "has no second formulation")
+    if begin is None and mechanism.start != "initial":
+        begin = partial(beginning, start=mechanism.start)
     mechanism = held(mechanism)
     unknown = not_known(mechanism)
     left_out = tuple(s.name for s in mechanism.sensors if not is_read(s)) if not unknown else ()

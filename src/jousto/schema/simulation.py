@@ -7,7 +7,7 @@ from typing import Any
 from jousto.base.declare import Declared
 from jousto.base.fields import Choice, Nested, field
 from jousto.base.numbers import Duration, OptionalDuration
-from jousto.mechanism.members import CORES
+from jousto.mechanism.members import CORES, STARTS
 
 
 class SolverField(Nested[Any, Any]):
@@ -29,7 +29,7 @@ class Simulation(Declared):
     start: Choice = field(
         "From the initial pose, from the position of rest near it (`equilibrium`), or with elastic "
         "bodies bent as the motion bends them (`settled`)",
-        words=("initial", "rest", "settled"),
+        words=STARTS,
         default="initial",
     )
 
@@ -54,12 +54,8 @@ class Simulation(Declared):
         With the compiled model they hold the state that the run starts from.
         """
         values = {"solver": self.solver, "output_step": self.output_step}
-        if model is not None and self.start == "rest":
-            from jousto.simulation.statics.equilibrium import equilibrium
+        if model is not None:
+            from jousto.simulation.running.beginning import beginning
 
-            values["state"] = equilibrium(model)
-        if model is not None and self.start == "settled":
-            from jousto.simulation.statics.settled import settled
-
-            values["state"] = settled(model)
+            values["state"] = beginning(model, start=self.start)
         return {key: value for key, value in values.items() if value is not None}

@@ -191,10 +191,10 @@ class ModelBuilder(Builder):
         gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
         name = entry.name or "mechanism"
         settings = {} if entry.simulation is None else entry.simulation.given()
-        return self.checked(items, gravity, name, settings.get("core", "auto"))
+        return self.checked(items, gravity, name, settings)
 
     def checked(
-        self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str, core: str
+        self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str, settings: Any
     ) -> Any:
         """Return the Mechanism; note its problems at the entries they belong to."""
         from jousto.mechanism.mechanism import where
@@ -210,7 +210,8 @@ class ModelBuilder(Builder):
                     *(item for _, item in items),
                     *gravity,
                     name=name,
-                    core=core,
+                    core=settings.get("core", "auto"),
+                    start=settings.get("start", "initial"),
                 )
             except InputError as error:
                 for problem in error.problems:

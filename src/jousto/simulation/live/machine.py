@@ -32,6 +32,7 @@ from jousto.simulation.live.hand import (
 )
 from jousto.simulation.live.pace import Pace
 from jousto.simulation.results.events import Chronicle
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.simulate import cause
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
@@ -95,7 +96,7 @@ class LiveMachine:
         self.every = max(1, round((interval or INTERVAL) / self.step_size))
         self.model = with_hand(model)
         self.stopped = ""
-        self._start = state
+        self._start = beginning(model, state)
         self.reset()
 
     # -- where it stands -----------------------------------------------------------------------

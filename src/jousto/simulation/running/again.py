@@ -21,6 +21,7 @@ from jousto.simulation.results.columns import columns
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
 from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.watch import Contradiction, RunWatch
 from jousto.simulation.solvers.choice import choose
@@ -62,7 +63,7 @@ class Repeated:
         self._plain_model = model
         self.t_end = float(t_end)
         self.how = {key: value for key, value in how.items() if value is not None}
-        self._state: State | None = self.how.get("state")
+        self._state: State | None = beginning(model, self.how.get("state"))
         start = 0.0 if self._state is None else self._state.time
         solver, output = self.how.get("solver"), self.how.get("output_step")
         reason = ""

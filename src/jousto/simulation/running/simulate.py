@@ -27,6 +27,7 @@ from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.coupled import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.watch import Contradiction, RunWatch
@@ -118,7 +119,7 @@ def simulate(
         Text of the model file, kept with the results.
     state : State, optional
         Where to start, at its own time: from `equilibrium`, or ``run.state()`` to continue a
-        run. None is the initial state of the model at time 0.
+        run. None starts where the mechanism says, else at its initial state, at time 0.
     inputs : dict, optional
         External inputs by name. A Signal is evaluated exactly, as if it stood in the model; a
         number is constant; a function of time, s, is asked at the start of every step and held
@@ -146,6 +147,7 @@ def simulate(
         Before the run if the step is too large for the highest mode or the velocities of the state
         do not fit the joints and drives, after it if the energy balance misses more than 5 %.
     """
+    state = beginning(model, state)
     start, reason = 0.0 if state is None else state.time, ""
     if solver is None:
         solver, reason = choose(model, t_end, output_step, start)

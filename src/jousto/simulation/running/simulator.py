@@ -20,6 +20,7 @@ from jousto.simulation.results.events import Chronicle, Happening, happenings, j
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 from jousto.simulation.state import State, put, take
 
@@ -107,8 +108,8 @@ class Simulator:
         self.events: tuple[Happening, ...] = ()
         self.stopped = ""
         self._engine = Engine(model)
-        if state is not None:
-            put(self._engine, state, "Simulator")
+        if (begun := beginning(model, state)) is not None:
+            put(self._engine, begun, "Simulator")
         self._native = prepared(self._engine, chosen, chosen.step)
         self._record = None if path is None else _Record(Path(path), self._engine, chosen, every)
         rows = 1 if self._record is None else ROWS

@@ -10,9 +10,9 @@ from jousto.mechanism.sensors.readings import ENERGIES
 from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.rank.redundancy import disagreement
+from jousto.simulation.bent import bends
 from jousto.simulation.results.diagnostics import FAIR, STEADY
-from jousto.simulation.running.bent import bends
-from jousto.simulation.running.spin import spins
+from jousto.simulation.spin import spins
 
 SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection

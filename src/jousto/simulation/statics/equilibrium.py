@@ -9,9 +9,9 @@ from jousto.base.errors import InputError, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.bent import warn_far
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
-from jousto.simulation.running.bent import warn_far
 from jousto.simulation.state import State
 from jousto.simulation.statics.left_out import check_second_order
 from jousto.simulation.statics.settle import settle
