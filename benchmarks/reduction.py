@@ -63,7 +63,7 @@ def link_arm(size: str, kind: str) -> tuple[Any, Any]:
     import jousto as jo
 
     length, circle = SIZES[size]
-    mesh = jo.mesh_step(STEP, size=length, per_circle=circle)
+    mesh = jo.mesh_cad(STEP, size=length, per_circle=circle)
     return mesh, part_of(mesh, kind)
 
 
@@ -86,11 +86,11 @@ def child(size: str, solver: str | None, kind: str) -> dict[str, Any]:
 
     stages = Stages()
     stages("imports", 0.0)
-    jo.mesh_step, jo.reduce, jo.Part, jo.Interface, jo.material  # noqa: B018
+    jo.mesh_cad, jo.reduce, jo.Part, jo.Interface, jo.material  # noqa: B018
     stages("imports", 1.0)
     length, circle = SIZES[size]
     stages("mesh", 0.0)
-    mesh = jo.mesh_step(STEP, size=length, per_circle=circle)
+    mesh = jo.mesh_cad(STEP, size=length, per_circle=circle)
     stages("mesh", 1.0)
     stages("matrices", 0.0)
     part = part_of(mesh, kind)

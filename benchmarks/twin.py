@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 import jousto as jo
-from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.estimates import Posterior
 
 STEEL = jo.Material(2.1e11, 0.3, 7850.0)
 STEPS, START = 15_000, 100

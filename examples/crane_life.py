@@ -44,7 +44,7 @@ def main(out: Path, samples: int, workers: Any) -> int:
         t_end=MOVE,
         solver=jo.ROS2(step=8e-3),
         output_step=0.04,
-        state=jo.simulation.settled,
+        state=jo.simulation.vibration_free_state,
     )
     text = f"life >= {MOVES * MOVE:.0f} s / scatter"
     limit = design.limit_state(study, text, parameters=[SCATTER], workers=workers)

@@ -108,7 +108,7 @@ def main(out: Path, samples: int, workers: Any) -> int:
         t_end=PERIOD,
         solver=jo.ROS2(step=4e-3),
         output_step=0.016,
-        state=jo.simulation.settled,
+        state=jo.simulation.vibration_free_state,
     )
     text = f"life >= {YEARS} years / scatter"
     limit = design.limit_state(study, text, parameters=[SCATTER], workers=workers)

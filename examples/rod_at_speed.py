@@ -82,7 +82,7 @@ def rod() -> MachineProblem:
         TURN,
         solver=jo.ROS2(step=TURN / 500),
         output_step=TURN / 100,
-        state=jo.simulation.settled,
+        state=jo.simulation.vibration_free_state,
     )
 
 

@@ -41,14 +41,14 @@ WRONG: dict[str, Any] = {
     "material": STEEL,
 }
 
-NO_FILE = {"mesh_step", "read_matrices", "reduce_superelement", "identify_payload"}
+NO_FILE = {"mesh_cad", "read_matrices", "reduce_superelement", "identify_payload"}
 """Calls that fail for want of a file of another program or of a moving twin."""
 NOT_CALLED = {"names", "sn_curves", "strain_lives", "solvers", "live"}
 """Public functions without arguments, and one that would run on: tests/viewer/live."""
 SPECIAL = {
-    *("arc_length", "inertia_share", "load_steps", "planar_frequencies", "rest", "simulate_planar"),
-    *("spinning", "equivalent_load", "external", "locate_load", "place_loads", "smooth"),
-    *("stress_blocks", "tune", "drive_part"),
+    *("arc_length", "inertia_share", "load_steps", "planar_frequencies", "planar_rest"),
+    *("planar_spinning", "simulate_planar", "equivalent_load", "external", "locate_load"),
+    *("place_loads", "sample_posterior", "smooth", "stress_blocks", "tune", "drive_part"),
     "realtime",  # compiles a program each time
     *("study", "read_distribution", "read_outcome"),  # see tests/design/studies
 }
@@ -227,14 +227,17 @@ def _robots(made: Made, folder: Path) -> list[Call]:
         (jo.robots.from_dh, {"rows": [(1.0, 0.0, 0.0, 0.0)], "convention": "standard"}),
         (jo.robots.DHRow, {"a": 1.0, "alpha": 0.0}),
         (jo.robots.mechanism, {"robot": robot}),
-        (jo.robots.Mounted, {"name": "arm", "robot": robot, "at": {"j": 0.1}, "prefix": "arm "}),
+        (
+            jo.robots.RobotInMechanism,
+            {"name": "arm", "robot": robot, "at": {"j": 0.1}, "prefix": "arm "},
+        ),
         (jo.robots.Tree, {"machine": robot}),
         (
             jo.robots.inverse_kinematics,
             {"tree": tree, "frame": "tip", "position": (0.0, 1.0, 0.0)},
         ),
         (
-            jo.robots.posed,
+            jo.robots.state_at,
             {"tree": tree, "model": jo.compile(jo.robots.mechanism(robot)), "q": [0.0]},
         ),
         (tree.coordinate, {"coordinate": "j.angle", "q": [0.0]}),
@@ -296,7 +299,7 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (mesh.with_set, {"name": "s", "nodes": [0, 1]}),
         (mesh.nearest, {"point": (0, 0, 0)}),
         (jo.read_mesh, {"path": jo.write(mesh, folder / "m.vtu")}),
-        (jo.mesh_step, {"path": "x.step", "size": 1.0}),
+        (jo.mesh_cad, {"path": "x.step", "size": 1.0}),
         (jo.parts.read_matrices, {"K": "x.mtx"}),
         (jo.reduce, {"part": beam, "method": jo.CraigBampton(("start",), modes=2)}),
         (jo.reduction.certify, {"part": beam, "reduced": made["reduced"]}),
@@ -356,7 +359,7 @@ def _analyses(made: Made, folder: Path) -> list[Call]:
         (jo.load, {"path": run.save(folder / "run.h5")}),
         (jo.read_model, {"path": EXAMPLES / "flexible_pendulum.yaml"}),
         (jo.equilibrium, {"model": beams}),
-        (jo.simulation.settled, {"model": model}),
+        (jo.simulation.vibration_free_state, {"model": model}),
         (jo.simulation.steady_rotation, {"model": beams, "axis": (0, 0, 1), "speed": 0.0}),
         (jo.modes, {"model": beams}),
         (jo.simulation.linearise, {"model": beams}),
@@ -482,7 +485,7 @@ def _fatigue(made: Made, _: Path) -> list[Call]:
         (jo.fatigue.multiaxial, {"stress": s, "criterion": jo.fatigue.Findley(0.3)}),
         (
             jo.fatigue.plane_damage,
-            {"stress": s, "criterion": jo.fatigue.Findley(0.3), "curve": curve, "residue": "half"},
+            {"stress": s, "criterion": jo.fatigue.Findley(0.3), "sn": curve, "residue": "half"},
         ),
         (jo.fatigue.local_cycles, {"series": history, "material": notch, "residue": "half"}),
         (jo.fatigue.local_path, {"series": history, "material": notch}),
@@ -600,7 +603,9 @@ def _studies(made: Made, folder: Path) -> list[Call]:
 def _design(made: Made, _: Path) -> list[Call]:
     design = jo.design
     mass = jo.Parameter("mass", 2.0, bounds=(1.0, 3.0), unit="kg")
-    pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
+    pair = [
+        design.Random(name, design.distribution_from_moments("normal", 5.0, 1.0)) for name in "ab"
+    ]
     chain = {
         "parameters": [jo.Parameter("k", 20.0, bounds=(5.0, 50.0))],
         "matrices": lambda v: (np.eye(1), np.array([[v["k"]]])),
@@ -664,7 +669,10 @@ forces: [{type: spring, name: spring, coordinate: rail.displacement, stiffness: 
         (design.Function, {"name": "seen", "function": lambda run: 1.0}),
         (design.Damage, {"name": "life", "check_name": "arm"}),
         (design.read_outcome, {"text": "max(place.y)"}),
-        (design.by_moments, {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0}),
+        (
+            design.distribution_from_moments,
+            {"kind": "normal", "mean": 1.0, "deviation": 1.0, "start": 0.0},
+        ),
         (design.Random, {"name": "a", "distribution": pair[0].distribution, "keep": "cov"}),
         (design.Conditional, {"name": "a", "distribution": lambda x: x}),
         (design.Nataf, {"variables": pair, "correlation": {("a", "b"): 0.1}, "measure": "normal"}),

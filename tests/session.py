@@ -114,7 +114,7 @@ def machine(found: Objects, folder: Path) -> Objects:
         "run": jo.simulate(model, 0.3, output_step=1e-3),
         "filed": jo.simulate(model, 0.1, output_step=1e-3, path=folder / "run.h5"),
         "simulator": jo.simulation.Simulator(model),
-        "settled": jo.simulation.settled(model),
+        "vibration free": jo.simulation.vibration_free_state(model),
         "fallen": jo.natural.moving_frame(falling(), 2e-3),
         "step times": jo.export.StepTimes(
             "machine", 1e-3, 1000, 2e-6, 9e-6, np.array([2e-6, 9e-6]), np.array([990, 10]), 4096
@@ -317,7 +317,9 @@ def studies(_: Objects, __: Path) -> Objects:
 def reliability(_: Objects, __: Path) -> Objects:
     """A strength against a load: indices, samples and a reliable design."""
     design = jo.design
-    pair = [design.Random(name, design.by_moments("normal", 5.0, 1.0)) for name in "ab"]
+    pair = [
+        design.Random(name, design.distribution_from_moments("normal", 5.0, 1.0)) for name in "ab"
+    ]
 
     def safe(x: Any) -> Any:
         return x["a"] + x["b"] - 6.0
@@ -371,9 +373,9 @@ def robots(_: Objects, folder: Path) -> Objects:
         "row": jo.robots.DHRow(1.0, 0.0),
         "mimic": jo.robots.Mimic("j"),
         "tree": tree,
-        "mounted": jo.robots.Mounted("arm", robot),
+        "mounted": jo.robots.RobotInMechanism("arm", robot),
         "frame": tree.pose("arm", [0.0]),
-        "posed": jo.robots.posed(tree, jo.compile(jo.robots.mechanism(robot)), [0.1]),
+        "state_at": jo.robots.state_at(tree, jo.compile(jo.robots.mechanism(robot)), [0.1]),
         "reached": jo.robots.inverse_kinematics(tree, "tip", (0.0, 1.0, 0.0)),
     }
 

@@ -17,13 +17,13 @@ VERBS = ("plot", "write")
 
 
 def _gone(name: str) -> str:
-    """Return where a name is now that was one of the package itself."""
+    """Return how a name that was one of the package itself is written now."""
     if name.startswith("_"):
         return ""
     verb = name.partition("_")[0]
     places = [f"jo.{verb}(...)"] if verb in VERBS else []
     places += (place for place in public_names() if place.endswith(f".{name}"))
-    return f"jousto.{name} is now {places[0]}" if places else ""
+    return places[0] if places else ""
 
 
 open_room(__name__, _gone)

@@ -108,7 +108,7 @@ from .mechanism.signals.piecewise import (
 )
 from .mesh.mesh import Mesh as Mesh
 from .mesh.readers.files import read_mesh as read_mesh
-from .mesh.readers.step import mesh_step as mesh_step
+from .mesh.readers.step import mesh_cad as mesh_cad
 from .model.compile import compile as compile
 from .model.doctor import doctor as doctor
 from .model.model import Model as Model

@@ -31,7 +31,7 @@ size 132735
 
 READERS: list[tuple[str, Callable[[Path], Any]]] = [
     *((f"mesh{suffix}", jo.read_mesh) for suffix in MESHES),
-    *((f"solid{suffix}", lambda path: jo.mesh_step(path, size=1e-2, unit="mm")) for suffix in CAD),
+    *((f"solid{suffix}", lambda path: jo.mesh_cad(path, size=1e-2, unit="mm")) for suffix in CAD),
     *(
         (f"shape{suffix}", lambda path: read_surface("s", path, "mm"))
         for suffix in (".stl", ".obj")

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import pydoc
 import re
 import subprocess
 import sys
+from operator import attrgetter
 from pathlib import Path
 
 import pytest
 
 import jousto as jo
 import session
-from jousto.base.rooms import Room
+from jousto.base.renamed import ARGUMENTS, RENAMED
+from jousto.base.rooms import Room, public_names
 
 ROOT = Path(__file__).parents[2]
 STUB = ROOT / "src" / "jousto" / "__init__.pyi"
@@ -81,6 +84,22 @@ def test_every_room_is_imported_by_its_public_name() -> None:
 def test_a_name_that_has_moved_says_where_to(old: str, new: str) -> None:
     with pytest.raises(AttributeError, match=re.escape(f"jousto.{old} is now jo.{new}")):
         getattr(jo, old)
+
+
+@pytest.mark.parametrize(("old", "new"), RENAMED.items())
+def test_a_name_that_has_changed_says_what_it_is_now(old: str, new: str) -> None:
+    room, _, name = old.rpartition(".")
+    with pytest.raises(AttributeError, match=f"^{re.escape(f'{old} is now {new}')}$"):
+        getattr(importlib.import_module(room), name)
+    assert new in public_names()
+
+
+@pytest.mark.parametrize("function", ARGUMENTS)
+def test_an_argument_that_has_changed_says_what_it_is_now(function: str) -> None:
+    (call,) = (place for place in public_names() if place.endswith(f".{function}"))
+    for old, new in ARGUMENTS[function].items():
+        with pytest.raises(jo.InputError, match=f"^{function}: {old}= is now {new}=$"):
+            attrgetter(call.removeprefix("jo."))(jo)(**{old: None})
 
 
 def test_a_name_that_never_was_is_not_there() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.stats import norm
 
 from jousto.design.reliability.inputs.random import Random
-from jousto.design.studies.parameters.distributions import by_moments
+from jousto.design.studies.parameters.distributions import distribution_from_moments
 
 
 def normal(name, mean, deviation):
@@ -25,7 +25,7 @@ def normal(name, mean, deviation):
 
 
 def lognormal(name, mean, deviation):
-    return Random(name, by_moments("lognormal", mean, deviation))
+    return Random(name, distribution_from_moments("lognormal", mean, deviation))
 
 
 def cantilever(x):

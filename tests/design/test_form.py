@@ -118,7 +118,9 @@ def test_sensitivities_are_those_of_an_analysis_repeated():
     def variables(**moved):
         moments = {"R": (300.0, 30.0), "F": (75e3, 5e3), "A": (314.0, 10.0)} | moved
         kinds = {"R": "lognormal", "F": "gumbel", "A": "weibull"}
-        made = [Random(n, jo.design.by_moments(kinds[n], *m)) for n, m in moments.items()]
+        made = [
+            Random(n, jo.design.distribution_from_moments(kinds[n], *m)) for n, m in moments.items()
+        ]
         return jo.design.Nataf(made, {("R", "A"): 0.4, ("R", "F"): -0.2})
 
     def g(x):
@@ -311,7 +313,9 @@ def test_a_start_outside_of_a_distribution():
 def test_openturns_joint_distributions_find_the_point_of_openturns(openturns):
     ot = openturns
     law = ot.JointDistribution([ot.Normal(5.0, 1.0), ot.Gumbel(0.5, 1.0)], ot.ClaytonCopula(2.0))
-    found = form(lambda x: x["R"] - x["S"], jo.design.Joint(("R", "S"), law), tolerance=1e-8)
+    found = form(
+        lambda x: x["R"] - x["S"], jo.design.JointDistribution(("R", "S"), law), tolerance=1e-8
+    )
     state = ot.SymbolicFunction(["R", "S"], ["R - S"])
     vector = ot.CompositeRandomVector(state, ot.RandomVector(law))
     solver = ot.AbdoRackwitz()

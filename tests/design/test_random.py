@@ -14,8 +14,12 @@ from jousto.design.reliability.inputs.correlation import normal_correlation
 from jousto.design.reliability.inputs.transform import transformation
 from jousto.design.studies.parameters.distributions import KINDS
 
-Random, by_moments, Nataf = jo.design.Random, jo.design.by_moments, jo.design.Nataf
-LAWS = [by_moments(kind, 10.0, 2.5) for kind in KINDS] + [
+Random, distribution_from_moments, Nataf = (
+    jo.design.Random,
+    jo.design.distribution_from_moments,
+    jo.design.Nataf,
+)
+LAWS = [distribution_from_moments(kind, 10.0, 2.5) for kind in KINDS] + [
     stats.expon(1.0, 2.0),
     stats.t(5, 1.0, 2.0),
     stats.truncnorm(-2, 3, 5.0, 1.0),
@@ -25,7 +29,7 @@ LAWS = [by_moments(kind, 10.0, 2.5) for kind in KINDS] + [
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_moments_are_those_asked_for(kind):
-    law = by_moments(kind, 10.0, 2.5)
+    law = distribution_from_moments(kind, 10.0, 2.5)
     # 1e-9: moments of scipy of closed forms, the Weibull exponent to 1e-14
     assert (law.mean(), law.std()) == pytest.approx((10.0, 2.5), rel=1e-9)
 
@@ -57,7 +61,10 @@ def test_distortion_has_its_closed_forms():
     """P.-L. Liu and A. Der Kiureghian, *Probab. Eng. Mech.* 1 (1986) 105-112."""
     uniform, normal = Random("u", stats.uniform(0, 1)), Random("n", stats.norm(3, 2))
     exponential = Random("e", stats.expon())
-    wide, narrow = (Random(n, by_moments("lognormal", 1.0, s)) for n, s in (("w", 0.5), ("s", 0.2)))
+    wide, narrow = (
+        Random(n, distribution_from_moments("lognormal", 1.0, s))
+        for n, s in (("w", 0.5), ("s", 0.2))
+    )
     # rho = (6 / pi) asin(rho_0 / 2); 1e-12: the sums of the series
     assert normal_correlation(uniform, uniform, 0.5)[0] == pytest.approx(
         2.0 * math.sin(math.pi / 12.0), abs=1e-12
@@ -68,7 +75,7 @@ def test_distortion_has_its_closed_forms():
     expected = math.log1p(0.3 * 0.5 * 0.2) / (s * z)
     assert normal_correlation(wide, narrow, 0.3)[0] == pytest.approx(expected, abs=1e-12)
     # their table 4: F = 1.001 - 0.007 d + 0.118 d^2 of a gamma variable with the ratio d
-    general = Random("g", by_moments("gamma", 1.0, 0.5))
+    general = Random("g", distribution_from_moments("gamma", 1.0, 0.5))
     assert normal_correlation(general, normal, 0.2)[0] == pytest.approx(0.2 * 1.027, rel=2e-3)
     # the least correlation of exponential variables is 1 - pi^2 / 6
     found, low, high = normal_correlation(exponential, exponential, -0.6)
@@ -79,9 +86,9 @@ def test_distortion_has_its_closed_forms():
 
 def test_samples_have_the_correlation(rng):
     variables = [
-        Random("g", by_moments("gumbel", 10.0, 3.0)),
-        Random("w", by_moments("weibull", 10.0, 3.0)),
-        Random("l", by_moments("lognormal", 5.0, 2.0)),
+        Random("g", distribution_from_moments("gumbel", 10.0, 3.0)),
+        Random("w", distribution_from_moments("weibull", 10.0, 3.0)),
+        Random("l", distribution_from_moments("lognormal", 5.0, 2.0)),
     ]
     joint = Nataf(variables, {("g", "w"): -0.5, ("g", "l"): 0.4})
     x = joint.to_x(rng.standard_normal((3, 200_000)))
@@ -129,7 +136,7 @@ def test_conditional_variables_that_take_one_point_at_a_time():
 
 def test_openturns_distributions_and_copulas(openturns):
     ot = openturns
-    ours = Random("R", by_moments("lognormal", 300.0, 30.0))
+    ours = Random("R", distribution_from_moments("lognormal", 300.0, 30.0))
     theirs = Random("R", ot.LogNormalMuSigma(300.0, 30.0, 0.0).getDistribution())
     assert (theirs.mean, theirs.deviation) == pytest.approx((300.0, 30.0))
     y = np.array([-5.0, 0.0, 5.0])
@@ -140,7 +147,7 @@ def test_openturns_distributions_and_copulas(openturns):
     pair = [Random("a", stats.norm(0, 1)), Random("b", stats.expon())]
     one = jo.design.Rosenblatt(pair, copula)
     law = ot.JointDistribution([ot.Normal(), ot.Exponential()], copula)
-    other = jo.design.Joint(("a", "b"), law)
+    other = jo.design.JointDistribution(("a", "b"), law)
     u = np.array([[0.3, -2.0], [1.2, 0.1]])
     np.testing.assert_allclose(one.to_x(u), other.to_x(u), rtol=1e-9)
     np.testing.assert_allclose(one.to_u(one.to_x(u)), u, atol=1e-8)
@@ -150,7 +157,7 @@ def test_openturns_distributions_and_copulas(openturns):
     with pytest.raises(jo.InputError, match="continuous"):
         Random("c", ot.Poisson(3.0))
     with pytest.raises(jo.InputError, match="1 names for a distribution of 2"):
-        jo.design.Joint(("a",), law)
+        jo.design.JointDistribution(("a",), law)
 
 
 # -- wrong input -----------------------------------------------------------------------------------
@@ -170,9 +177,9 @@ E = Random("e", stats.expon())
         (lambda: Random("", stats.norm()), "name must not be empty"),
         (lambda: Random("x", stats.norm([1, 2])), "arrays as parameters"),
         (lambda: Random("x", stats.norm(), "mean"), "keep is 'mean'"),
-        (lambda: by_moments("log-normal", 1, 1), "did you mean 'lognormal'"),
-        (lambda: by_moments("lognormal", -1, 1), "must be beyond 0"),
-        (lambda: by_moments("normal", 1, -1), "deviation is -1"),
+        (lambda: distribution_from_moments("log-normal", 1, 1), "did you mean 'lognormal'"),
+        (lambda: distribution_from_moments("lognormal", -1, 1), "must be beyond 0"),
+        (lambda: distribution_from_moments("normal", 1, -1), "deviation is -1"),
         (lambda: Nataf([A, A]), "'a' occurs twice"),
         (lambda: Nataf([]), "there are none"),
         (lambda: Nataf([A, B], {("a", "d"): 0.5}), "no random variable 'd'"),
@@ -190,7 +197,7 @@ E = Random("e", stats.expon())
         (lambda: jo.design.Rosenblatt(3.0), "must be a sequence of Random"),
         (lambda: jo.design.Rosenblatt([A, "b"]), r"variables\[1\] is 'b'"),
         (lambda: jo.design.Rosenblatt([A, B], copula=3.0), "must be a copula of OpenTURNS"),
-        (lambda: jo.design.Joint(("a",), 3.0), "must be one of OpenTURNS"),
+        (lambda: jo.design.JointDistribution(("a",), 3.0), "must be one of OpenTURNS"),
         (lambda: jo.design.Conditional("b", 3.0), "must be a function"),
     ],
 )
@@ -219,7 +226,7 @@ def test_form_with_a_beta_distribution_of_openturns():
 
 def test_what_openturns_cannot_do_is_a_sentence():
     ot = pytest.importorskip("openturns")
-    joint = jo.design.Joint(["a"], ot.JointDistribution([ot.Beta(2.0, 2.0, 0.0, 1.0)]))
+    joint = jo.design.JointDistribution(["a"], ot.JointDistribution([ot.Beta(2.0, 2.0, 0.0, 1.0)]))
 
     def fails(given):
         raise RuntimeError("Root finding evaluation exceeded 200 iterations, giving up now.")

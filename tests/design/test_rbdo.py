@@ -304,7 +304,10 @@ def test_wrong_input_is_told_in_sentences(named, said):
 
 
 def test_a_nested_optimisation_that_does_not_end_says_so():
-    pair = [jo.design.Random(name, jo.design.by_moments("normal", 5.0, 0.3)) for name in "ab"]
+    pair = [
+        jo.design.Random(name, jo.design.distribution_from_moments("normal", 5.0, 0.3))
+        for name in "ab"
+    ]
     with pytest.raises(
         jo.design.DesignPointError, match="not end in 1 step, raise cycles=; missed"
     ):

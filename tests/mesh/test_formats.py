@@ -49,7 +49,7 @@ def test_no_geometry(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"part{suffix}"
     path.write_text("no mesh")
     with pytest.raises(InputError, match=r"is a mesh, no geometry"):
-        jo.mesh_step(path, size=1e-2)
+        jo.mesh_cad(path, size=1e-2)
 
 
 def test_each_ending_has_one_format() -> None:

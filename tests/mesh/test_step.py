@@ -55,12 +55,12 @@ def cad(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def test_plate_with_a_hole(cad: Path) -> None:
-    mesh = jo.mesh_step(cad / "plate.step", size=4e-3)
+    mesh = jo.mesh_cad(cad / "plate.step", size=4e-3)
     assert mesh.check() == ()
     # parabolas round the hole: nearly the exact volume; the file's millimetres became metres
     assert mesh.volume == pytest.approx(PLATE, rel=1e-5)
-    straight = jo.mesh_step(cad / "plate.step", size=4e-3, curved=False)
-    linear = jo.mesh_step(cad / "plate.step", size=4e-3, order=1)
+    straight = jo.mesh_cad(cad / "plate.step", size=4e-3, curved=False)
+    linear = jo.mesh_cad(cad / "plate.step", size=4e-3, order=1)
     assert linear.solids[0].kind == "tetra"
     # chords: the hole is the polygon of 12 sides or more, 12/(2 pi) sin(2 pi/12) of the circle
     hole = np.pi * 25 * 10 * 1e-9
@@ -72,7 +72,7 @@ def test_plate_with_a_hole(cad: Path) -> None:
 
 
 def test_faces_keep_their_numbers(cad: Path) -> None:
-    mesh = jo.mesh_step(cad / "plate.step", size=6e-3)
+    mesh = jo.mesh_cad(cad / "plate.step", size=6e-3)
     assert set(mesh.surfaces) == {f"face{i}" for i in range(1, 8)}
     # together they are the outer surface, each face once, corners and midside nodes of the mesh
     every = np.concatenate([np.sort(f[:, :3], axis=1) for f in mesh.surfaces.values()])
@@ -91,19 +91,19 @@ def test_faces_keep_their_numbers(cad: Path) -> None:
 
 def test_holes(cad: Path) -> None:
     for order in (1, 2):
-        (hole,) = jo.mesh_step(cad / "plate.step", size=6e-3, order=order).holes()
+        (hole,) = jo.mesh_cad(cad / "plate.step", size=6e-3, order=order).holes()
         np.testing.assert_allclose(hole.point, (0.02, 0.01, 0.005), atol=1e-9)
         np.testing.assert_allclose(hole.axis, (0, 0, 1), atol=1e-9)
         assert hole.radius == pytest.approx(5e-3, rel=1e-9)
         assert hole.length == pytest.approx(10e-3, rel=1e-9)
         assert str(hole).startswith(f"{hole.name}: hole of 10 mm, 10 mm long, at (20, 10, 5) mm")
     # a pin is no hole
-    assert jo.mesh_step(cad / "pin.step", size=6e-3).holes() == ()
+    assert jo.mesh_cad(cad / "pin.step", size=6e-3).holes() == ()
 
 
 def test_link_arm() -> None:
     with pytest.warns(jo.JoustoWarning, match="would be folded between curved faces"):
-        mesh = jo.mesh_step(ARM, size=80e-3, per_circle=8)
+        mesh = jo.mesh_cad(ARM, size=80e-3, per_circle=8)
     assert mesh.volume * 7850 == pytest.approx(109.9, abs=0.2)
     assert not [finding for finding in mesh.check() if finding.severity == "error"]
     holes = mesh.holes()
@@ -119,31 +119,31 @@ def test_link_arm() -> None:
 
 
 def test_finer_near_a_face(cad: Path) -> None:
-    coarse = jo.mesh_step(cad / "plate.step", size=6e-3)
+    coarse = jo.mesh_cad(cad / "plate.step", size=6e-3)
     name = coarse.holes()[0].name
-    fine = jo.mesh_step(cad / "plate.step", size=6e-3, refine={name: 1.5e-3})
+    fine = jo.mesh_cad(cad / "plate.step", size=6e-3, refine={name: 1.5e-3})
     assert len(fine.surfaces[name]) > 2 * len(coarse.surfaces[name])
     far = [np.sum(mesh.nodes[:, 0] < 4e-3) for mesh in (coarse, fine)]
     assert far[1] < 2.5 * far[0]
     with pytest.raises(InputError, match="refine: no face 'face77'; did you mean 'face7'"):
-        jo.mesh_step(cad / "plate.step", size=6e-3, refine={"face77": 1e-3})
+        jo.mesh_cad(cad / "plate.step", size=6e-3, refine={"face77": 1e-3})
 
 
 def test_units(cad: Path, tmp_path: Path) -> None:
-    assert jo.mesh_step(cad / "plate.brep", size=6e-3, unit="mm").volume == pytest.approx(
+    assert jo.mesh_cad(cad / "plate.brep", size=6e-3, unit="mm").volume == pytest.approx(
         PLATE, rel=1e-3
     )
     with pytest.raises(InputError, match="does not say its unit"):
-        jo.mesh_step(cad / "plate.brep", size=6e-3)
+        jo.mesh_cad(cad / "plate.brep", size=6e-3)
     # the same numbers in another unit, said by the file or over its head
     inches = 25.4**3 * PLATE
-    over = jo.mesh_step(cad / "plate.step", size=0.15, unit="in")
+    over = jo.mesh_cad(cad / "plate.step", size=0.15, unit="in")
     assert over.volume == pytest.approx(inches, rel=1e-3)
     text = (cad / "plate.step").read_text()
     metres = tmp_path / "metres.step"
     metres.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
     assert metres.read_text() != text
-    assert jo.mesh_step(metres, size=6.0).volume == pytest.approx(1e9 * PLATE, rel=1e-3)
+    assert jo.mesh_cad(metres, size=6.0).volume == pytest.approx(1e9 * PLATE, rel=1e-3)
 
 
 def test_a_file_in_inches(cad: Path, tmp_path: Path) -> None:
@@ -160,9 +160,9 @@ def test_a_file_in_inches(cad: Path, tmp_path: Path) -> None:
     )
     path = tmp_path / "inches.step"
     path.write_text(text.replace(mm[0], inch))
-    assert jo.mesh_step(path, size=0.15).volume == pytest.approx(25.4**3 * PLATE, rel=1e-3)
+    assert jo.mesh_cad(path, size=0.15).volume == pytest.approx(25.4**3 * PLATE, rel=1e-3)
     # a file that says inches by mistake
-    assert jo.mesh_step(path, size=6e-3, unit="mm").volume == pytest.approx(PLATE, rel=1e-3)
+    assert jo.mesh_cad(path, size=6e-3, unit="mm").volume == pytest.approx(PLATE, rel=1e-3)
 
 
 def test_unit_of_step_files() -> None:
@@ -178,7 +178,7 @@ def test_solids_that_touch_hang_together(cad: Path, tmp_path: Path) -> None:
     path = tmp_path / "named.step"
     product = r"= PRODUCT\('[^']*',\s*'[^']*'"
     path.write_text(re.sub(product, lambda _: f"= PRODUCT('1','{next(names)}'", text))
-    mesh = jo.mesh_step(path, size=5e-3)
+    mesh = jo.mesh_cad(path, size=5e-3)
     assert mesh.check() == ()
     assert set(mesh.element_sets) == {"solid1", "solid2", "left cube", "right cube"}
     np.testing.assert_array_equal(mesh.element_sets["left cube"], mesh.element_sets["solid1"])
@@ -197,7 +197,7 @@ def test_wrong_cad_files_are_told(cad: Path, tmp_path: Path) -> None:
         path = tmp_path / name
         path.write_bytes(content)
         with pytest.raises(InputError) as caught:
-            jo.mesh_step(path, **{"size": 5e-3, **options})
+            jo.mesh_cad(path, **{"size": 5e-3, **options})
         assert name in str(caught.value)
         return str(caught.value)
 
@@ -219,13 +219,13 @@ def test_wrong_cad_files_are_told(cad: Path, tmp_path: Path) -> None:
     assert "order is 3" in text
     assert "per_circle is 2" in text
     with pytest.raises(InputError, match=r"no such file; did you mean 'a\.step'"):
-        jo.mesh_step(tmp_path / "aa.step", size=1e-3)
+        jo.mesh_cad(tmp_path / "aa.step", size=1e-3)
 
 
 def test_gmsh_is_named_when_it_is_missing(cad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gmsh", None)
     with pytest.raises(InputError, match=r"pip install gmsh"):
-        jo.mesh_step(cad / "plate.step", size=5e-3)
+        jo.mesh_cad(cad / "plate.step", size=5e-3)
 
 
 def test_an_open_session_stays_as_it_was(cad: Path) -> None:
@@ -234,7 +234,7 @@ def test_an_open_session_stays_as_it_was(cad: Path) -> None:
         gmsh.model.add("mine")
         gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
         gmsh.model.occ.synchronize()
-        jo.mesh_step(cad / "pin.step", size=8e-3)
+        jo.mesh_cad(cad / "pin.step", size=8e-3)
         assert gmsh.model.getCurrent() == "mine"
         assert len(gmsh.model.getEntities(3)) == 1
         assert gmsh.option.getNumber("Mesh.MeshSizeMax") == 0.7
@@ -259,27 +259,27 @@ def test_folded_elements_get_straighter_edges() -> None:
 def test_curved_elements_are_good_and_the_same_in_every_run() -> None:
     # edges along fillets fold a few elements of a coarse mesh or make them flat
     with pytest.warns(jo.JoustoWarning, match="would be folded"):
-        mesh = jo.mesh_step(ARM, size=70e-3)
+        mesh = jo.mesh_cad(ARM, size=70e-3)
     with pytest.warns(jo.JoustoWarning, match="would be folded"):
-        again = jo.mesh_step(ARM, size=70e-3)
+        again = jo.mesh_cad(ARM, size=70e-3)
     np.testing.assert_array_equal(mesh.nodes, again.nodes)
-    straight = jo.mesh_step(ARM, size=70e-3, curved=False)
+    straight = jo.mesh_cad(ARM, size=70e-3, curved=False)
     least = straight.quality().scaled_jacobian.min()
     assert mesh.quality().scaled_jacobian.min() > min(0.95 * least, 0.055)
 
 
 def test_a_finer_size_that_is_coarser_is_refused(cad: Path) -> None:
     with pytest.raises(InputError, match="2 m at 'face5' is no smaller than the size, 0.006 m"):
-        jo.mesh_step(cad / "plate.step", size=6e-3, refine={"face5": 2.0})
+        jo.mesh_cad(cad / "plate.step", size=6e-3, refine={"face5": 2.0})
 
 
 def test_what_is_written_after_a_mesh_is_in_millimetres(cad: Path, tmp_path: Path) -> None:
-    jo.mesh_step(cad / "pin.step", size=5e-3)
+    jo.mesh_cad(cad / "pin.step", size=5e-3)
     with opened(gmsh):
         gmsh.model.occ.addBox(0, 0, 0, 10, 20, 30)
         gmsh.model.occ.synchronize()
         gmsh.write(str(tmp_path / "later.step"))
-    mesh = jo.mesh_step(tmp_path / "later.step", size=10e-3)
+    mesh = jo.mesh_cad(tmp_path / "later.step", size=10e-3)
     np.testing.assert_allclose(np.ptp(mesh.nodes, axis=0), (0.01, 0.02, 0.03), rtol=1e-9)
 
 
@@ -287,7 +287,7 @@ def test_what_is_written_after_a_mesh_is_in_millimetres(cad: Path, tmp_path: Pat
 def test_a_broken_pipe_after_a_mesh_is_an_error_and_not_the_end(cad: Path) -> None:
     code = f"""if True:
         import os, jousto as jo
-        jo.mesh_step({str(cad / "pin.step")!r}, size=5e-3)
+        jo.mesh_cad({str(cad / "pin.step")!r}, size=5e-3)
         out, into = os.pipe()
         os.close(out)
         try:

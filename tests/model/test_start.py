@@ -137,7 +137,9 @@ def test_free_bodies_and_given_rates_stay() -> None:
 def test_a_mechanism_that_is_too_large_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     module = sys.modules["jousto.model.start"]
     monkeypatch.setattr(module, "MOST", 5)
-    with pytest.warns(jo.JoustoWarning, match="rows are more than 5.*jo.simulation.settled.model"):
+    with pytest.warns(
+        jo.JoustoWarning, match="rows are more than 5.*jo.simulation.vibration_free_state.model"
+    ):
         jo.compile(four_bar(True))
 
 
@@ -146,10 +148,10 @@ def test_a_driven_start_tells_what_removes_the_ringing(caplog: pytest.LogCapture
     with caplog.at_level("INFO", logger="jousto"):
         jo.simulate(model, 0.01)
         assert (
-            "state=jo.simulation.settled(model)" in caplog.text
+            "state=jo.simulation.vibration_free_state(model)" in caplog.text
             and "jo.simulation.steady_rotation" in caplog.text
         )
         caplog.clear()
-        jo.simulate(model, 0.01, state=jo.simulation.settled(model))
+        jo.simulate(model, 0.01, state=jo.simulation.vibration_free_state(model))
         jo.simulate(jo.compile(four_bar(False, speed=3.0)), 0.01)
-        assert "settled" not in caplog.text
+        assert "vibration_free_state" not in caplog.text

@@ -174,11 +174,14 @@ MACHINES: dict[str, Shown] = {
         returned("crane_boom", lambda m: m.crane(hs := dict.fromkeys(m.PIECES, 0.4), m.parts(hs))),
         2.0,
         1e-2,
-        jo.simulation.settled,
+        jo.simulation.vibration_free_state,
     ),
     "crane_drive": Shown(returned("crane_drive", lambda m: m.as_one()), 0.5, 4e-3),
     "crane_life": Shown(
-        returned("crane_life", lambda m: m.boom(6e-3, 5e3)), 1.0, 1e-2, jo.simulation.settled
+        returned("crane_life", lambda m: m.boom(6e-3, 5e3)),
+        1.0,
+        1e-2,
+        jo.simulation.vibration_free_state,
     ),
     "crane_trolley": Shown(returned("crane_trolley", lambda m: m.crane()), 2.0, 1e-2),
     "double_pendulum_split": Shown(
@@ -199,7 +202,10 @@ MACHINES: dict[str, Shown] = {
     "rail_frame": Shown(returned("rail_frame", rail_frame), 0.3, 2e-3, jo.equilibrium),
     "rail_wheel, the wheel": Shown(compiled("rail_wheel", rolled), 0.002, 2e-5),
     "robot_arm_life": Shown(
-        returned("robot_arm_life", lambda m: m.robot(3e-3, 10.0)), 1.0, 4e-3, jo.simulation.settled
+        returned("robot_arm_life", lambda m: m.robot(3e-3, 10.0)),
+        1.0,
+        4e-3,
+        jo.simulation.vibration_free_state,
     ),
     "robot_hose": Shown(returned("robot_hose", lambda m: m.machine(8)), 0.5, 2e-3),
     "robot_hose, bare": Shown(
@@ -212,7 +218,7 @@ MACHINES: dict[str, Shown] = {
         ),
         0.01,
         5e-5,
-        jo.simulation.settled,
+        jo.simulation.vibration_free_state,
     ),
     "shape_functions, shaft": Shown(strip("swung by a shaft"), 0.1, 5e-4),
     "shape_functions, pins": Shown(strip("between two pins"), 0.1, 5e-4),

@@ -149,7 +149,7 @@ def test_damaged_cad_files_leave_python_alive(seed: int, tmp_path: Path) -> None
         data[i] = ord("0") + int(rng.integers(10))
     (tmp_path / "bad.brep").write_bytes(data)
     try:
-        ended = f"{len(jo.mesh_step(tmp_path / 'bad.brep', size=10e-3, unit='mm').nodes)} nodes"
+        ended = f"{len(jo.mesh_cad(tmp_path / 'bad.brep', size=10e-3, unit='mm').nodes)} nodes"
     except InputError as error:
         ended = str(error)
     # which of both it is depends on what the CAD kernel can still make of it

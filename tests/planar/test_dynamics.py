@@ -21,7 +21,7 @@ from jousto.planar.items import (
     RigidLink,
 )
 from jousto.planar.methods import Convergence, Method, PlanarGeneralizedAlpha, PlanarNewmark
-from jousto.planar.results import PlanarRun, PlanarState, spinning
+from jousto.planar.results import PlanarRun, PlanarState, planar_spinning
 from jousto.planar.statics import load_steps, planar_frequencies
 from planar.frames import ROD, chain, everything
 
@@ -87,7 +87,7 @@ def test_rigid_pendulum_of_an_offset_beam() -> None:
 
 def flying() -> tuple[PlanarFrame, PlanarState]:
     frame = chain(5, supports=[], masses=[PlanarMass(2, 1.5, 0.3)])
-    start = spinning(frame, 6.0, (0.3, -0.2))
+    start = planar_spinning(frame, 6.0, (0.3, -0.2))
     start.v[3::6] += 1.0
     return frame, start
 
@@ -234,7 +234,7 @@ def test_tension_shear_instability_is_explained() -> None:
     # the stretched start has less than the limit, the speed takes it beyond
     soft = spun(2e4)
     with pytest.raises(jo.SimulationError) as error:
-        simulate_planar(soft, 1.0, PlanarNewmark(1e-3), start=spinning(soft, speed))
+        simulate_planar(soft, 1.0, PlanarNewmark(1e-3), start=planar_spinning(soft, speed))
     text = str(error.value)
     assert "beams[0] (0 to 1): its axial force is" in text
     assert "times the limit GA / (1 - GA/EA)" in text
@@ -243,13 +243,13 @@ def test_tension_shear_instability_is_explained() -> None:
     assert error.value.body == "beams[0] (0 to 1)"
     # the same spin where the law is stable
     hard = spun(1e5)
-    calm = simulate_planar(hard, 0.05, PlanarNewmark(1e-3), start=spinning(hard, speed))
+    calm = simulate_planar(hard, 0.05, PlanarNewmark(1e-3), start=planar_spinning(hard, speed))
     assert calm.complete and calm.unstable is None
 
 
 def test_an_instability_that_converges_warns() -> None:
     soft = spun(2e4)
-    start = spinning(soft, 300.0)
+    start = planar_spinning(soft, 300.0)
     with pytest.warns(jo.JoustoWarning, match=r"beams\[0\].*at t = .* s its axial force"):
         run = simulate_planar(soft, 0.006, PlanarNewmark(1e-4), start=start)
     assert isinstance(run, PlanarRun)

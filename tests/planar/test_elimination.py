@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from jousto.planar.elimination import Arms, Blocks, Chain, Elimination, Function, Linear, Map
+from jousto.planar.elimination import (
+    ArmCoupling,
+    BlockCoupling,
+    ChainCoupling,
+    Elimination,
+    FunctionCoupling,
+    LinearCoupling,
+    PlanarCoupling,
+)
 from planar.frames import slide
 
 Array = NDArray[Any]
@@ -45,24 +53,24 @@ def wild(q: Array) -> Array:
     )
 
 
-def maps() -> dict[str, Map]:
+def maps() -> dict[str, PlanarCoupling]:
     masters, arms = np.array([0, 1, 1]), np.array([(0.3, -0.2), (-0.1, 0.5), (0.2, 0.7)])
-    offset = Arms(2, masters, arms)
-    slider = Function(slide, 3, 7)
+    offset = ArmCoupling(2, masters, arms)
+    slider = FunctionCoupling(slide, 3, 7)
     return {
         "offset": offset,
-        "hinges": Arms(2, masters, arms, rotation=False),
-        "linear": Linear(rng.normal(size=(5, 3)), rng.normal(size=5)),
-        "function": Function(wild, 4, 3),
+        "hinges": ArmCoupling(2, masters, arms, rotation=False),
+        "linear": LinearCoupling(rng.normal(size=(5, 3)), rng.normal(size=5)),
+        "function": FunctionCoupling(wild, 4, 3),
         "slider": slider,
-        "blocks": Blocks(
+        "blocks": BlockCoupling(
             (12, 10),
             [
                 (np.array([0, 3, 1, 2, 5, 4, 11, 9, 10]), np.array([1, 3, 5, 0, 2, 9]), offset),
                 (np.array([8, 6, 7]), np.arange(7)[::-1], slider),
             ],
         ),
-        "chain": Chain(Arms(1, np.array([0]), np.array([(0.2, 0.4)])), slider),
+        "chain": ChainCoupling(ArmCoupling(1, np.array([0]), np.array([(0.2, 0.4)])), slider),
     }
 
 
@@ -122,7 +130,7 @@ def test_forces_stiffness_and_inertia(name: str) -> None:
 @pytest.mark.parametrize("rotation", [True, False])
 def test_a_function_gives_what_the_offset_gives(rotation: bool) -> None:
     name = "offset" if rotation else "hinges"
-    given, general = MAPS[name], Function(arms_function(rotation), *MAPS[name].shape)
+    given, general = MAPS[name], FunctionCoupling(arms_function(rotation), *MAPS[name].shape)
     q, v, a = rng.normal(size=(3, 6))
     F = rng.normal(size=given.shape[0])
     assert abs(given.f(q) - general.f(q)).max() < 1e-14
@@ -135,7 +143,7 @@ def test_a_function_gives_what_the_offset_gives(rotation: bool) -> None:
 def test_the_offset_as_the_paper_prints_it() -> None:
     """Eqs. 22 to 25, with the minus in B23'' that print lost."""
     X, Y, th, w, dw = 0.3, -0.2, 0.7, 1.3, -0.4
-    m = Arms(1, np.array([0]), np.array([(X, Y)]))
+    m = ArmCoupling(1, np.array([0]), np.array([(X, Y)]))
     q, v, a = (np.array([0.1, 0.2, x]) for x in (th, w, dw))
     c, s = np.cos(th), np.sin(th)
     B13, B23 = -X * s - Y * c, X * c - Y * s

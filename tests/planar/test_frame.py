@@ -22,7 +22,7 @@ from jousto.planar.items import (
     RigidLink,
 )
 from jousto.planar.methods import PlanarGeneralizedAlpha, PlanarNewmark
-from jousto.planar.results import spinning
+from jousto.planar.results import planar_spinning
 from planar.frames import ROD, chain
 
 
@@ -117,4 +117,4 @@ def test_spinning_needs_a_frame_without_links() -> None:
         [(0, 0), (1, 0), (2, 0)], [PlanarBeam(0, 1, ROD)], links=[RigidLink(1, (2,))]
     )
     with pytest.raises(jo.InputError, match="PlanarState"):
-        spinning(frame, 1.0)
+        planar_spinning(frame, 1.0)

@@ -14,7 +14,7 @@ from jousto.base.errors import InputError, JoustoWarning
 from jousto.materials.material import Material
 from jousto.mesh.cells import Cells
 from jousto.mesh.mesh import Mesh
-from jousto.mesh.readers.step import mesh_step
+from jousto.mesh.readers.step import mesh_cad
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
 from jousto.reduction.certificate.certificate import Check
@@ -569,7 +569,7 @@ def test_volume_against_cad(tmp_path: Path) -> None:
         gmsh.write(str(tmp_path / "plate.step"))
     exact = 1e-9 * 20 * (100**2 - 4 * np.pi * 22**2)
     for per_circle, curved, status in ((4, False, "fail"), (16, False, "warn"), (16, True, "ok")):
-        mesh = mesh_step(tmp_path / "plate.step", size=4e-2, per_circle=per_circle, curved=curved)
+        mesh = mesh_cad(tmp_path / "plate.step", size=4e-2, per_circle=per_circle, curved=curved)
         assert mesh.cad_volume == pytest.approx(exact, rel=1e-9)
         part = Part.solid(mesh, STEEL)
         check = certify(part)["volume against CAD"]

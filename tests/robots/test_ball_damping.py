@@ -31,7 +31,7 @@ def test_a_damped_ball_swings_beyond_a_right_angle(
     for _ in range(round(0.6 / peers.STEP)):
         mujoco.mj_step(model, data)
     robot = peers.read(path)
-    stick = jo.robots.Mounted("m", robot)
+    stick = jo.robots.RobotInMechanism("m", robot)
     tip = jo.PositionSensor("tip", stick["tip"])
     machine = jo.compile(jo.Mechanism(stick, tip, jo.Gravity(robot.gravity)))
     run = jo.simulate(machine, 0.6, solver=jo.RK4(5 * peers.STEP))

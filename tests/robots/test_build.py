@@ -118,7 +118,7 @@ def test_joints_start_where_their_drives_begin_and_the_others_where_they_shall(
     # positions of bodies are rounded at 1e-16 m beside arms of some 0.1 m
     assert starts["j2"] == pytest.approx(0.3, abs=1e-12)
     assert starts["j3"] == pytest.approx(0.4, abs=1e-12)
-    rig = jo.robots.Mounted("rig", robot, at={"j2": 0.3})
+    rig = jo.robots.RobotInMechanism("rig", robot, at={"j2": 0.3})
     motor = jo.Drive("motor", rig.joints["j2"].angle, jo.Constant(0.25))
     with pytest.raises(jo.InputError, match="'motor'.*begins at 0.25 rad, but .* stands at 0.3"):
         jo.Mechanism(rig, motor)
@@ -137,18 +137,18 @@ FOLLOWER = """<robot name="r"><link name="base"/>
 
 def test_a_start_keeps_the_limits_of_the_joints_that_follow(tmp_path: Path) -> None:
     robot = read(FOLLOWER, tmp_path)
-    jo.robots.Mounted("r", robot, at={"lead": 0.2})
+    jo.robots.RobotInMechanism("r", robot, at={"lead": 0.2})
     with pytest.raises(jo.InputError, match="0.3 rad lies outside the limits -0.25 and 0.25"):
-        jo.robots.Mounted("r", robot, at={"lead": 0.3})
+        jo.robots.RobotInMechanism("r", robot, at={"lead": 0.3})
     with pytest.raises(jo.InputError, match="outside the limits"):
         mechanism(robot, at={"lead": 0.3})
 
 
 def test_whether_there_are_stops_and_losses_is_checked(tmp_path: Path) -> None:
     robot = read(FOLLOWER, tmp_path)
-    bare = jo.robots.Mounted("r", robot, stops=np.bool_(False))
+    bare = jo.robots.RobotInMechanism("r", robot, stops=np.bool_(False))
     assert not [x for x in bare.items if isinstance(x, jo.mechanism.Stop)]
     with pytest.raises(jo.InputError, match="losses is 'no', must be True or False"):
-        jo.robots.Mounted("r", robot, losses="no")  # type: ignore[arg-type]
+        jo.robots.RobotInMechanism("r", robot, losses="no")  # type: ignore[arg-type]
     with pytest.raises(jo.InputError, match="robot 'r'.*stops is 'yes', must be True, False or a"):
-        jo.robots.Mounted("r", robot, stops="yes")
+        jo.robots.RobotInMechanism("r", robot, stops="yes")

@@ -11,7 +11,7 @@ import pytest
 import jousto as jo
 from jousto.base.rotations import euler_parameters, exp_rotation
 from jousto.model.native.native import Engine
-from jousto.robots import Tree, inverse_kinematics, posed
+from jousto.robots import Tree, inverse_kinematics, state_at
 from robots.loops import (
     BASE,
     COUPLER,
@@ -227,7 +227,7 @@ def test_a_run_starts_where_the_loops_are_closed(make: Any, core: str) -> None:
     place = None if make is four_bar else (0.04, 0.03, machine.bodies[0].position[2] - 0.02)
     found = inverse_kinematics(tree, frame, place, axes)
     assert found.reached, found
-    state = posed(tree, model, found.q)
+    state = state_at(tree, model, found.q)
     run = jo.simulate(model, 0.01, state=state, solver=jo.ROS2(1e-3))
     engine = Engine(model)
     engine.q[:] = run.q[0]
@@ -256,7 +256,7 @@ def test_whole_turns_of_gears_in_a_loop() -> None:
     assert abs(off) < 1e-11 and abs(angle) > np.pi / 8.0
     start = tree.moved(found.q, [2 * np.pi * 8.0 * (n == "axle.angle") for n in tree.velocities])
     assert np.abs(tree.constraints(start)).max() < 1e-11
-    state = posed(tree, model, start)
+    state = state_at(tree, model, start)
     run = jo.simulate(model, 0.005, state=state, solver=jo.ROS2(1e-3))
     np.testing.assert_allclose(run.q[-1], run.q[0], atol=1e-2)
 
@@ -279,7 +279,7 @@ def test_a_flexible_body_keeps_its_shape() -> None:
     assert found.reached
     x = 0.1 * np.cos(1.1) + np.sqrt(0.25**2 - (0.1 * np.sin(1.1)) ** 2)
     assert tree.pose("bar.end", found.q).r[0] == pytest.approx(x, abs=NEAR)
-    state = posed(tree, model, found.q)
+    state = state_at(tree, model, found.q)
     engine = Engine(model)
     engine.q[:] = state.q
     assert np.abs(engine.constraints()[0]).max() < 1e-12
@@ -301,17 +301,17 @@ def test_what_cannot_be_is_said() -> None:
         tree.coordinate([], tree.initial)  # type: ignore[arg-type]
     open_ = tree.moved(tree.initial, [0.2, 0.0, 0.0])
     with pytest.raises(jo.InputError, match="joint 'link': is open by 0.0.* at these positions"):
-        posed(tree, model, open_)
+        state_at(tree, model, open_)
     with pytest.raises(jo.InputError, match="the tree has no body 'block' of"):
-        posed(tree, compiled(slider_crank("rod")), tree.initial)
+        state_at(tree, compiled(slider_crank("rod")), tree.initial)
     with pytest.raises(jo.InputError, match="model is 3, must be a Model"):
-        posed(tree, 3, tree.initial)  # type: ignore[arg-type]
+        state_at(tree, 3, tree.initial)  # type: ignore[arg-type]
     drive = jo.Drive("motor", machine.joints[0].angle, jo.Constant(0.0))
     whole = quietly(*machine.items, drive)
     found = inverse_kinematics(Tree(whole), "crank", axes=about_z(1.4))
     assert found.reached
     with pytest.raises(jo.InputError, match="drive 'motor': begins 0.5 .* let its signal begin"):
-        posed(Tree(whole), compiled(whole), found.q)
+        state_at(Tree(whole), compiled(whole), found.q)
     with pytest.raises(jo.InputError, match="no such coordinate; did you mean 'link.angle'"):
         Tree(machine, limits={"lnk.angle": (0, 1)})
 
@@ -324,7 +324,9 @@ def test_the_mechanism_of_a_robot_starts_there_too(tmp_path: Path) -> None:
     wanted = tree.pose("tcp", 0.5 * (np.maximum(tree.lower, -2) + np.minimum(tree.upper, 2.2)))
     found = inverse_kinematics(tree, "tcp", wanted.r, wanted.A)
     assert found.reached
-    run = jo.simulate(jo.compile(machine), 0.001, state=posed(tree, jo.compile(machine), found.q))
+    run = jo.simulate(
+        jo.compile(machine), 0.001, state=state_at(tree, jo.compile(machine), found.q)
+    )
     # sensors of the names of the joints read their coordinates
     for name, value in zip(tree.positions, found.q, strict=True):
         assert run[name.partition(".")[0]][0, 0] == pytest.approx(value, abs=1e-12)
@@ -346,4 +348,4 @@ def test_a_pose_outside_the_limits_is_no_start() -> None:
     tree = Tree(machine, limits={"swing.angle": (-1.0, 1.0)})
     place = tree.velocities.index("swing.angle")
     with pytest.raises(jo.InputError, match="swing.angle is 2, outside its limits -1 and 1"):
-        posed(tree, compiled(machine), tree.moved(tree.initial, 2.0 * np.eye(tree.nv)[place]))
+        state_at(tree, compiled(machine), tree.moved(tree.initial, 2.0 * np.eye(tree.nv)[place]))

@@ -270,6 +270,6 @@ def test_servos_and_motors_are_inputs(tmp_path: Path) -> None:
     assert tuple(jo.compile(mechanism(robot, actuators=False)).inputs) == ()
     other = jo.compile(mechanism(robot, efforts={"j": jo.Input("mine")}))
     assert tuple(other.inputs) == ("mine",)
-    held = jo.robots.Mounted("arm", robot)
+    held = jo.robots.RobotInMechanism("arm", robot)
     whole = jo.compile(jo.Mechanism(held, jo.Gravity((0, 0, -9.81))))
     assert tuple(whole.inputs) == ("arm_servo",)

@@ -60,7 +60,7 @@ def test_a_cad_file_is_meshed_once(
 ) -> None:
     first = part(tmp_path, cache=True)
     with monkeypatch.context() as patch:
-        patch.setattr("jousto.mesh.readers.step.mesh_step", no_mesh)
+        patch.setattr("jousto.mesh.readers.step.mesh_cad", no_mesh)
         second = part(tmp_path, cache=True)
         for size, options in (("25 mm", {"cache": True}), ("20 mm", {"cache": False})):
             with pytest.raises(AssertionError, match="once more"):
@@ -99,12 +99,12 @@ def test_warnings_of_the_mesh_are_told_again(
         errors.warn("arm.step", "two elements would be folded")
         return mesh
 
-    monkeypatch.setattr("jousto.mesh.readers.step.mesh_step", bad)
+    monkeypatch.setattr("jousto.mesh.readers.step.mesh_cad", bad)
     told = []
     for _ in range(2):
         with pytest.warns(JoustoWarning) as caught:
             part(tmp_path, cache=True)
         told.append([str(item.message) for item in caught])
-        monkeypatch.setattr("jousto.mesh.readers.step.mesh_step", no_mesh)
+        monkeypatch.setattr("jousto.mesh.readers.step.mesh_cad", no_mesh)
     assert any("two elements would be folded" in text for text in told[0])
     assert told[0] == told[1]

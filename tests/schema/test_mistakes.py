@@ -133,6 +133,8 @@ SINGLE = [
      "sensors.0.sites: body 'arm' has no stress site 'e1.a.topp'; did you mean 'e1.a.top'?"),
     ("t_end: 10 s", "t_end: -10 s", 19, "simulation.t_end: is -10 s, must be positive"),
     ("t_end: 10 s, ", "", 19, "simulation: 't_end' is missing"),
+    ("t_end: 10 s", "t_end: 10 s, start: settled", 19,
+     "simulation.start: no start 'settled'; known: initial, rest, vibration-free"),
     ("RK4", "RK5", 19, "simulation.solver.type: no solver type 'RK5'; did you mean 'RK4'?"),
     ("step: 1e-3", "step: 0", 19, "simulation.solver.step: is 0 s, must be positive"),
     ("step: 1e-3", "step: 1e-3, baumgarte: {alpha: -1, beta: 1}", 19,

@@ -58,12 +58,12 @@ def test_others_refer_to_what_a_robot_brings(folder: Path) -> None:
     """The machine of the file is that of the constructor, step by step."""
     read = jo.schema.read.parse_model(MODEL, folder=folder).mechanism
     cart = next(body for body in read.bodies if body.name == "cart")
-    one = jo.robots.Mounted(
+    one = jo.robots.RobotInMechanism(
         *("arm", folder / "arm.urdf", cart["top"]),
         at={"j2": np.radians(-30), "j3": 0.5},
         stops=False,
     )
-    two = jo.robots.Mounted(
+    two = jo.robots.RobotInMechanism(
         *("other", folder / "arm.urdf", one["tcp"]),
         prefix="o ",
         losses=False,

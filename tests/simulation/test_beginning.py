@@ -64,6 +64,6 @@ def test_verify_starts_there(tmp_path: Path) -> None:
 
 def test_words(tmp_path: Path) -> None:
     with pytest.raises(
-        jo.InputError, match="start is 'up', must be 'initial', 'rest' or 'settled'"
+        jo.InputError, match="start is 'up', must be 'initial', 'rest' or 'vibration-free'"
     ):
         jo.Mechanism(start="up")

@@ -528,7 +528,7 @@ def test_a_state_at_rest_does_not_fit_a_drive_that_moves():
         jo.simulate(model, 0.01, state=jo.equilibrium(model))
     (said,) = (str(one.message) for one in caught if "belt" in str(one.message))
     assert (
-        "state=jo.simulation.settled(model)" in said
+        "state=jo.simulation.vibration_free_state(model)" in said
         and "jo.simulation.steady_rotation(model, axis, speed)" in said
     )
 

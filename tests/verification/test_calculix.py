@@ -176,7 +176,7 @@ def test_ten_frequencies_of_the_link_arm():
     """Free, and clamped at its larger bore."""
     pytest.importorskip("gmsh")
     with pytest.warns(jo.JoustoWarning, match="would be folded"):  # four elements round a bore
-        mesh = jo.mesh_step(ARM, size=0.1, per_circle=4)
+        mesh = jo.mesh_cad(ARM, size=0.1, per_circle=4)
     theirs = calculix.frequencies(calculix.Deck(mesh, STEEL), kept=False)
     part = jo.Part.solid(mesh, STEEL)
     M = bricks.mass(mesh, STEEL, bricks.calculix)

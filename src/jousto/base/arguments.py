@@ -22,6 +22,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from jousto.base.errors import InputError, JoustoError, Problem
+from jousto.base.renamed import ARGUMENTS
 from jousto.base.rooms import public_names
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -37,7 +38,7 @@ HOW = {
     "Marker": 'body["point"]',
     "Material": "jo.material('S355') or jo.Material(E, nu, rho)",
     "Mechanism": "jo.Mechanism(*items)",
-    "Mesh": "jo.read_mesh(path) or jo.mesh_step(path, size=...)",
+    "Mesh": "jo.read_mesh(path) or jo.mesh_cad(path, size=...)",
     "Model": "jo.compile(mechanism)",
     "PlaneCriterion": (
         "jo.fatigue.Findley(0.3), jo.fatigue.FatemiSocie(S_y, E) or jo.fatigue.NormalStress()"
@@ -47,7 +48,7 @@ HOW = {
     "ReducedPart": "jo.reduce(part, method)",
     "SN": "jo.sn_curve(name), jo.fatigue.fat_class(71) or jo.fatigue.estimate_sn('S355')",
     "Solution": "jo.simulate(model, t_end) or jo.load(path)",
-    "State": "jo.equilibrium(model), jo.simulation.settled(model) or run.state()",
+    "State": "jo.equilibrium(model), jo.simulation.vibration_free_state(model) or run.state()",
     "StrainLife": "jo.fatigue.strain_life(name)",
     "StressField": "jo.stress_field(run, body)",
 }
@@ -121,7 +122,10 @@ def misfits(
     try:
         bound = signature.bind(*given, **named).arguments
     except TypeError:  # too many, too few or unknown ones: Python says which
-        return []
+        changed = ARGUMENTS.get(where, {})
+        return [
+            Problem(where, f"{name}= is now {changed[name]}=") for name in named if name in changed
+        ]
     scope = getattr(inspect.unwrap(function), "__globals__", {})
     if function.__name__ == "__init__" and given:  # fields may come from files of other classes
         files = (vars(sys.modules[base.__module__]) for base in type(given[0]).__mro__)

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from jousto.base.renamed import RENAMED
+
 
 class Room(ModuleType):
     """A package that loads a name of its stub when it is first used."""
@@ -21,8 +23,11 @@ class Room(ModuleType):
 
     def __getattr__(self, name: str) -> Any:
         if name not in self._places:
-            where = "" if name.startswith("__") else self._gone(name)
-            message = where or f"module {self.__name__!r} has no attribute {name!r}"
+            new = "" if name.startswith("__") else self._gone(name)
+            if new := RENAMED.get(f"{self.__name__}.{name}", new):
+                message = f"{self.__name__}.{name} is now {new}"
+            else:
+                message = f"module {self.__name__!r} has no attribute {name!r}"
             raise AttributeError(message, name=name, obj=self)
         module, own = self._places[name]
         names = {} if module == self.__name__ else vars(import_module(module))
@@ -51,7 +56,7 @@ def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
     name : str
         Name of the package.
     gone : callable, optional
-        What is said of a name that is not there; nothing special if it is empty.
+        How a name that is not there is written now; nothing if it is empty.
     """
     room = sys.modules[name]
     stub = Path(str(room.__file__)).with_suffix(".pyi").read_text(encoding="utf-8")

@@ -59,13 +59,13 @@ def mesh(
     if output is not None and output.exists() and file.exists() and output.samefile(file):
         raise InputError(Problem(str(output), "is the input, it would be overwritten"))
     if is_cad(file):
-        from jousto.mesh.readers.step import mesh_step
+        from jousto.mesh.readers.step import mesh_cad
 
         if size is None:
             raise InputError(
                 Problem(file.name, "a CAD file needs the length of the elements: --size '8 mm'")
             )
-        found = mesh_step(
+        found = mesh_cad(
             file,
             size=amount(size, "m", "--size"),
             order=order,

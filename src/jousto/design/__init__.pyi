@@ -19,7 +19,11 @@ from .reliability.errors import (
 )
 from .reliability.form import FormResult as FormResult, form as form
 from .reliability.inputs.random import Conditional as Conditional, Random as Random
-from .reliability.inputs.transform import Joint as Joint, Nataf as Nataf, Rosenblatt as Rosenblatt
+from .reliability.inputs.transform import (
+    JointDistribution as JointDistribution,
+    Nataf as Nataf,
+    Rosenblatt as Rosenblatt,
+)
 from .reliability.limit import LimitState as LimitState
 from .reliability.of_file import file_rbdo as file_rbdo
 from .reliability.of_study import limit_state as limit_state
@@ -46,7 +50,7 @@ from .studies.gradient_result import GradientResult as GradientResult
 from .studies.outcomes.function import Function as Function
 from .studies.outcomes.outcome import Outcome as Outcome
 from .studies.outcomes.outcomes import Damage as Damage, read_outcome as read_outcome
-from .studies.parameters.distributions import by_moments as by_moments
+from .studies.parameters.distributions import distribution_from_moments as distribution_from_moments
 from .studies.parameters.samples import (
     grid as grid,
     latin_hypercube as latin_hypercube,

@@ -33,7 +33,7 @@ class Mechanism(Members):
         for the positions of all bodies, "auto" for the faster of them.
     start : str
         Where runs start that are given no state: in the "initial" pose, at "rest" (`equilibrium`)
-        or "settled", with elastic bodies bent as the motion bends them.
+        or "vibration-free", with elastic bodies bent as the motion bends them.
 
     Attributes
     ----------

@@ -28,7 +28,7 @@ from jousto.mechanism.sensors.base import Sensor
 
 CORES = ("auto", "joint", "maximal")
 """What may run a mechanism, see `compile`."""
-STARTS = ("initial", "rest", "settled")
+STARTS = ("initial", "rest", "vibration-free")
 """Where runs may start: in the initial pose, where it rests, or bent as the motion bends."""
 
 

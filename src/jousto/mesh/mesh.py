@@ -25,7 +25,7 @@ from jousto.mesh.surface import face_normals
 class Mesh(Grid):
     """Nodes, elements and named sets of a part made of solids; all arrays are read-only.
 
-    Made by :func:`read_mesh` from a file or by :func:`mesh_step` from a CAD file, or from arrays.
+    Made by :func:`read_mesh` from a file or by :func:`mesh_cad` from a CAD file, or from arrays.
     The order of nodes and elements is that of the file.
 
     Parameters

@@ -411,7 +411,7 @@ class Model:
     tree_of : tuple
         The bodies, markers, joints and coordinates that the links were made for.
     start : str
-        Where runs start that are given no state: "initial", "rest" or "settled".
+        Where runs start that are given no state: "initial", "rest" or "vibration-free".
     """
 
     name: str

@@ -68,8 +68,8 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
             f"velocities that do not fit the joints were corrected as by a blow, so that the modes"
             f" ring from time 0: {model.nv} velocities and {model.nrow} rows are more than {MOST},"
             " for which the quiet ones are sought; let drives begin at rest (SCurve), give initial"
-            " velocities that fit, or start from jo.simulation.settled(model) or, where all turns"
-            " about one axis, from jo.simulation.steady_rotation(model, axis, speed)",
+            " velocities that fit, or start from jo.simulation.vibration_free_state(model) or,"
+            " where all turns about one axis, jo.simulation.steady_rotation(model, axis, speed)",
         )
         return None
     Cq = constraint_matrix(model, engine)

@@ -76,7 +76,8 @@ def verify(
         `step` if that is shorter.
     begin : callable, optional
         Returns the state of the compiled model where both start, such as `equilibrium` or
-        `settled`; None for the one that the mechanism says, else that the bodies declare.
+        `vibration_free_state`; None for the one that the mechanism says, else that the bodies
+        declare.
     beside : mapping of str to Mechanism, optional
         The same machine made otherwise, such as with a finer mesh, by what is other: its sensors
         are compared with those of the same name.

@@ -1,14 +1,14 @@
 # names of jo.planar; they are loaded from here when they are first used
 from .dynamics import simulate_planar as simulate_planar
 from .elimination import (
-    Arms as Arms,
-    Blocks as Blocks,
-    Chain as Chain,
+    ArmCoupling as ArmCoupling,
+    BlockCoupling as BlockCoupling,
+    ChainCoupling as ChainCoupling,
+    CoupledMotion as CoupledMotion,
     Elimination as Elimination,
-    Function as Function,
-    Linear as Linear,
-    Map as Map,
-    Slaves as Slaves,
+    FunctionCoupling as FunctionCoupling,
+    LinearCoupling as LinearCoupling,
+    PlanarCoupling as PlanarCoupling,
 )
 from .frame import PlanarFrame as PlanarFrame
 from .items import (
@@ -31,8 +31,8 @@ from .results import (
     PlanarPath as PlanarPath,
     PlanarRun as PlanarRun,
     PlanarState as PlanarState,
-    rest as rest,
-    spinning as spinning,
+    planar_rest as planar_rest,
+    planar_spinning as planar_spinning,
 )
 from .statics import (
     arc_length as arc_length,

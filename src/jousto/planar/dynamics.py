@@ -12,7 +12,7 @@ from scipy.linalg import lapack
 from jousto.base.errors import InputError, Problem, Problems, SimulationError, warn
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.methods import Convergence, Method
-from jousto.planar.results import PlanarRun, PlanarState, Records, rest
+from jousto.planar.results import PlanarRun, PlanarState, Records, planar_rest
 from jousto.planar.system import Loads, Point, System, Tangents
 
 Array = NDArray[Any]
@@ -193,7 +193,7 @@ def simulate_planar(
     problems.raise_if_any()
     convergence = convergence or Convergence()
     system, rule = frame.system, scheme(method)
-    start = start or rest(frame)
+    start = start or planar_rest(frame)
     t0, q, v = start.time, start.q.copy(), start.v.copy()
     steps = int(math.ceil((t_end - t0) / rule.h - 1e-9))
     if steps < 1:

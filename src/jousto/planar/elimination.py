@@ -21,7 +21,7 @@ from jousto.planar.jets import derivatives
 Array = NDArray[Any]
 
 
-class Map(Protocol):
+class PlanarCoupling(Protocol):
     """Slave displacements as a function of master displacements.
 
     Attributes
@@ -52,7 +52,7 @@ class Map(Protocol):
 
 @described
 @dataclass(frozen=True, eq=False)
-class Linear:
+class LinearCoupling:
     """Linear coupling ``u = T q + u0``: ties, symmetry, gears, interpolation.
 
     Parameters
@@ -90,7 +90,7 @@ class Linear:
         return np.zeros((self.T.shape[1], self.T.shape[1]))
 
 
-class Arms:
+class ArmCoupling:
     """Slave points at the ends of rigid arms: ``(x, y) + R(theta) (X, Y) - (X, Y)``, eqs. 20 to 25.
 
     Masters are nodes (x, y, rotation), as are the slaves unless ``rotation`` is False: then an end
@@ -165,7 +165,7 @@ class Arms:
         return np.diag(self.sum @ (F2 * (-X * s - Y * c) - F1 * (X * c - Y * s)))
 
 
-class Function:
+class FunctionCoupling:
     """Any coupling, given as a function; derivatives are exact to rounding (`jets`).
 
     Parameters
@@ -211,18 +211,20 @@ class Function:
         return np.asarray((second @ F).reshape(n, n))
 
 
-class Blocks:
+class BlockCoupling:
     """Maps of groups of coordinates side by side: ``u[rows] = f(q[columns])``.
 
     Parameters
     ----------
     shape : (int, int)
         Numbers of all slaves and masters.
-    blocks : sequence of (rows, columns, Map)
+    blocks : sequence of (rows, columns, PlanarCoupling)
         Each slave stands in one block; a master may serve many.
     """
 
-    def __init__(self, shape: tuple[int, int], blocks: Sequence[tuple[Array, Array, Map]]) -> None:
+    def __init__(
+        self, shape: tuple[int, int], blocks: Sequence[tuple[Array, Array, PlanarCoupling]]
+    ) -> None:
         self.shape = shape
         self.blocks = [(np.asarray(r), np.asarray(c), m) for r, c, m in blocks]
 
@@ -260,16 +262,16 @@ class Blocks:
 
 
 @dataclass(frozen=True)
-class Chain:
+class ChainCoupling:
     """A map of a map: ``u = outer(inner(q))``, such as an offset on a node that is itself a slave.
 
     Parameters
     ----------
-    outer, inner : Map
+    outer, inner : PlanarCoupling
     """
 
-    outer: Map
-    inner: Map
+    outer: PlanarCoupling
+    inner: PlanarCoupling
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -305,7 +307,7 @@ class Chain:
         return np.asarray(b.T @ self.outer.Kg(w, F) @ b + self.inner.Kg(q, self.outer.B(w).T @ F))
 
 
-class Slaves(NamedTuple):
+class CoupledMotion(NamedTuple):
     """Motion of the slaves that belongs to one of the masters, eq. 8.
 
     Attributes
@@ -329,16 +331,16 @@ class Elimination:
 
     Parameters
     ----------
-    map : Map
+    map : PlanarCoupling
         The coupling.
     """
 
-    map: Map
+    map: PlanarCoupling
 
-    def slaves(self, q: Array, v: Array, a: Array) -> Slaves:
+    def slaves(self, q: Array, v: Array, a: Array) -> CoupledMotion:
         """Return the motion of the slaves."""
         B, B1 = self.map.B(q), self.map.B1(q, v)
-        return Slaves(self.map.f(q), B @ v, B @ a + B1 @ v, B, B1)
+        return CoupledMotion(self.map.f(q), B @ v, B @ a + B1 @ v, B, B1)
 
     def force(self, q: Array, F: Array) -> Array:
         """Eq. 5: ``F_m = B^T F``."""

@@ -13,7 +13,15 @@ import numpy as np
 from jousto.base.described import described
 from jousto.base.errors import Problems, suggest, warn
 from jousto.planar.element import mass_matrix, shape_matrix
-from jousto.planar.elimination import Arms, Blocks, Chain, Elimination, Function, Linear, Map
+from jousto.planar.elimination import (
+    ArmCoupling,
+    BlockCoupling,
+    ChainCoupling,
+    Elimination,
+    FunctionCoupling,
+    LinearCoupling,
+    PlanarCoupling,
+)
 from jousto.planar.items import (
     FunctionLink,
     LinearLink,
@@ -258,10 +266,12 @@ def assemble(frame: PlanarFrame) -> System:
         arms = np.array([k[1:] for k in ends])
         # a node itself is an end with no arm
         every = np.concatenate([np.arange(count), master])
-        offsets: Map = Arms(count, every, np.concatenate([np.zeros((count, 2)), arms]))
-        coupling = offsets if coupling is None else Chain(offsets, coupling)
+        offsets: PlanarCoupling = ArmCoupling(
+            count, every, np.concatenate([np.zeros((count, 2)), arms])
+        )
+        coupling = offsets if coupling is None else ChainCoupling(offsets, coupling)
     if coupling is None:
-        coupling = Linear(np.eye(3 * count))
+        coupling = LinearCoupling(np.eye(3 * count))
 
     # elements
     a = np.array([frame.ends(e)[0] for e in range(len(frame.beams))])
@@ -305,7 +315,9 @@ def assemble(frame: PlanarFrame) -> System:
     )
 
 
-def _links(frame: PlanarFrame, place: dict[Any, int], where: Array) -> tuple[Map | None, list[str]]:
+def _links(
+    frame: PlanarFrame, place: dict[Any, int], where: Array
+) -> tuple[PlanarCoupling | None, list[str]]:
     """Return the map from unknowns to displacements of nodes, and the names of the unknowns."""
     names = list(frame.nodes)
     label = [f"{'xyr'[c]} of node {key!r}" for key in names for c in range(3)]
@@ -318,25 +330,25 @@ def _links(frame: PlanarFrame, place: dict[Any, int], where: Array) -> tuple[Map
     kept = [i for i in range(len(label)) if i not in slaves]
     column = {i: k for k, i in enumerate(kept)}
     unknowns = [label[i] for i in kept]
-    blocks: list[tuple[Array, Array, Map]] = []
+    blocks: list[tuple[Array, Array, PlanarCoupling]] = []
     identity = np.eye(len(kept))
-    blocks.append((np.array(kept), np.arange(len(kept)), Linear(identity)))
+    blocks.append((np.array(kept), np.arange(len(kept)), LinearCoupling(identity)))
     for i, link in enumerate(frame.links):
         masters = (link.master,) if isinstance(link, RigidLink) else link.masters
         columns = [column[3 * place[key] + c] for key in masters for c in range(3)]
         width = 2 if isinstance(link, RigidLink) and not link.rotation else 3
         rows = np.array([3 * place[key] + c for key in link.nodes for c in range(width)])
-        part: Map
+        part: PlanarCoupling
         if isinstance(link, RigidLink):
             arms = np.array([where[place[k]] - where[place[link.master]] for k in link.nodes])
-            part = Arms(1, np.zeros(len(arms), dtype=int), arms, link.rotation)
+            part = ArmCoupling(1, np.zeros(len(arms), dtype=int), arms, link.rotation)
         elif isinstance(link, LinearLink):
-            part = Linear(vector(link.T), 0.0 if link.u0 is None else vector(link.u0))
+            part = LinearCoupling(vector(link.T), 0.0 if link.u0 is None else vector(link.u0))
         else:
             own = [f"{name} of links[{i}]" for name in link.coordinates]
             columns += [len(unknowns) + k for k in range(len(own))]
             unknowns += own
-            part = Function(link.function, len(rows), len(columns))
+            part = FunctionCoupling(link.function, len(rows), len(columns))
         blocks.append((rows, np.array(columns), part))
     assert all(isinstance(x, (RigidLink, LinearLink, FunctionLink)) for x in frame.links)
-    return Blocks((len(label), len(unknowns)), blocks), unknowns
+    return BlockCoupling((len(label), len(unknowns)), blocks), unknowns

@@ -36,12 +36,14 @@ class PlanarState:
     s: Array | None = None
 
 
-def rest(frame: PlanarFrame) -> PlanarState:
+def planar_rest(frame: PlanarFrame) -> PlanarState:
     """Return the unloaded frame at rest."""
     return PlanarState(np.zeros(frame.system.size), np.zeros(frame.system.size))
 
 
-def spinning(frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 0)) -> PlanarState:
+def planar_spinning(
+    frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 0)
+) -> PlanarState:
     """Return the unloaded frame that turns as a rigid body; for frames without links.
 
     Parameters
@@ -59,7 +61,7 @@ def spinning(frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 
     """
     if frame.links:
         text = "the frame has links; give PlanarState(q, v) with the velocities of its unknowns"
-        raise InputError(Problem("spinning", text))
+        raise InputError(Problem("planar_spinning", text))
     v = np.zeros((len(frame.nodes), 3))
     r = np.array(list(frame.nodes.values())) - np.asarray(about)
     v[:, 0], v[:, 1], v[:, 2] = -speed * r[:, 1], speed * r[:, 0], speed

@@ -25,8 +25,8 @@ from jousto.planar.element import (
     viscous,
 )
 from jousto.planar.elimination import (
+    CoupledMotion,
     Elimination,
-    Slaves,
 )
 from jousto.planar.items import PlanarLoad
 
@@ -95,7 +95,7 @@ class Point(NamedTuple):
     ----------
     q, v, a : (n,) array
         Unknowns, velocities, accelerations.
-    slaves : Slaves
+    slaves : CoupledMotion
     middle : Middle
         Strains and resultants.
     inner, force : (slaves,) array
@@ -107,7 +107,7 @@ class Point(NamedTuple):
     q: Array
     v: Array
     a: Array
-    slaves: Slaves
+    slaves: CoupledMotion
     middle: Middle
     inner: Array
     force: Array

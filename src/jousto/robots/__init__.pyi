@@ -9,10 +9,10 @@ from .description import (
 )
 from .dh import DHRow as DHRow, from_dh as from_dh
 from .files import read_robot as read_robot
-from .inverse import Reached as Reached, inverse_kinematics as inverse_kinematics
+from .in_mechanism import RobotInMechanism as RobotInMechanism
+from .inverse import IKResult as IKResult, inverse_kinematics as inverse_kinematics
 from .mjcf import read_mjcf as read_mjcf
-from .mounted import Mounted as Mounted
-from .posed import posed as posed
 from .sdf import read_sdf as read_sdf
+from .state_at import state_at as state_at
 from .tree import Tree as Tree
 from .urdf import read_urdf as read_urdf

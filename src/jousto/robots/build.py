@@ -108,7 +108,7 @@ def mechanism(
 
     See Also
     --------
-    Mounted : A robot as a part of a larger machine.
+    RobotInMechanism : A robot as a part of a larger machine.
     """
     asked = {"at": at, "drives": drives, "efforts": efforts}
     given = {key: dict(value or {}) for key, value in asked.items()}

@@ -25,7 +25,7 @@ WEIGHTS = 10.0, 100.0, 1000.0  # of the loops where the target is out of reach
 
 @described
 @dataclass(frozen=True, eq=False)
-class Reached:
+class IKResult:
     """Where inverse kinematics came to.
 
     Parameters
@@ -85,7 +85,7 @@ def inverse_kinematics(
     angle_tolerance: float = 1e-8,
     starts: int = 50,
     iterations: int = 200,
-) -> Reached:
+) -> IKResult:
     """Find coordinates with which a frame is at a position, has axes, or both.
 
     Damped least squares: ``dq = (J^T W J + d D)^-1 J^T W e``, D being the diagonal of the
@@ -120,7 +120,7 @@ def inverse_kinematics(
 
     Returns
     -------
-    Reached
+    IKResult
         The best that was found; its ``reached`` says whether that is near enough.
 
     Raises
@@ -155,7 +155,7 @@ def inverse_kinematics(
     stuck = target.at_limit(best)
     names = [name for name, there in zip(tree.velocities, stuck, strict=True) if there]
     gaps = tree.loops.gaps(tree.view(best))
-    return Reached(
+    return IKResult(
         read_only(best),
         search.there(best, ALL),
         distance,

@@ -28,7 +28,7 @@ class Simulation(Declared):
     )
     start: Choice = field(
         "From the initial pose, from the position of rest near it (`equilibrium`), or with elastic "
-        "bodies bent as the motion bends them (`settled`)",
+        "bodies bent as the motion bends them (`vibration_free_state`)",
         words=STARTS,
         default="initial",
     )

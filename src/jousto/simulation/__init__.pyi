@@ -22,4 +22,4 @@ from .statics.load_paths import (
 )
 from .statics.paths import load_path as load_path
 from .statics.rotation import steady_rotation as steady_rotation
-from .statics.settled import settled as settled
+from .statics.vibration_free import vibration_free_state as vibration_free_state

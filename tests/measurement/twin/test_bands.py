@@ -11,7 +11,7 @@ import jousto as jo
 from jousto.measurement.twin.bands import bands
 from jousto.measurement.twin.bands.bands import stress_band, stress_blocks
 from jousto.measurement.twin.bands.life import damage_band
-from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.estimates import Posterior
 from jousto.measurement.twin.smoother import smooth
 from jousto.recovery.fields.criteria import evaluate
 from jousto.reduction.fields.stress import StressModes

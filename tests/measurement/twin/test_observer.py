@@ -16,7 +16,7 @@ from jousto.measurement.twin.bands.bands import stress_band
 from jousto.measurement.twin.loads import identify_payload
 from jousto.measurement.twin.motion.reference import InertialForce
 from jousto.measurement.twin.motion.system import Accelerometer, System
-from jousto.measurement.twin.smoother import draw, smooth
+from jousto.measurement.twin.smoother import sample_posterior, smooth
 from jousto.measurement.twin.tuning import innovation_test, tune
 from jousto.reduction.fields.invariants import Invariants
 
@@ -316,7 +316,7 @@ def test_gains_become_constant_and_a_clock_may_jitter(record: Shaken) -> None:
 
 def test_drawn_histories_have_mean_and_spread_of_the_smoother(record: Shaken) -> None:
     smoothed = smooth(twin().run(record.time[:80], record.e[:80]))
-    histories = draw(smoothed, 2000, seed=5)
+    histories = sample_posterior(smoothed, 2000, seed=5)
     error = histories.p.mean(axis=2) - smoothed.p
     # mean of 2000: 1 / 45 of the standard deviation
     assert np.abs(error / smoothed.band).max() < 0.12

@@ -9,7 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.measurement.twin.bands.bands import stress_band
-from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.estimates import Posterior
 from jousto.measurement.twin.signals import gauge_errors
 from jousto.recovery.fields.criteria import evaluate
 from jousto.reduction.fields.stress import StressModes

@@ -47,8 +47,8 @@ class MachineProblem(Problem):
     solver, output_step
         As for `simulate`; with a solver of fixed step the runs change smoothly with the parameters.
     state : State or function, optional
-        Where runs start, or a function of the model that finds it: `jo.simulation.settled`,
-        `jo.equilibrium`.
+        Where runs start, or a function of the model that finds it:
+        `jo.simulation.vibration_free_state`, `jo.equilibrium`.
     cost : function, optional
         Returns what shall be least, for the parameters by name and the parts. The mass of the
         parts, kg, if not given.

@@ -172,7 +172,7 @@ def form(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables; a sequence is of independent ones.
     method : {"sqp", "hlrf"}
         See above.

@@ -102,7 +102,7 @@ class LimitState:
         root of their relative error.
     differences : {"forward", "central"}
         n or 2 n calls for each gradient.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables, for analyses that are given none.
 
     Examples

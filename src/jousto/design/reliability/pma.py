@@ -159,7 +159,7 @@ def ria(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     beta : float
         Target.
@@ -215,7 +215,7 @@ def pma(
     ----------
     limit : LimitState or callable
         ``G(x) <= 0`` is failure; x has values by name (`Values`).
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables; a sequence is of independent ones.
     beta : float
         Target, the radius of the sphere.

@@ -109,7 +109,7 @@ def monte_carlo(
     limit : LimitState, callable or FormResult
         ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed. Make it vectorised
         for many samples.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
         At most.
@@ -240,7 +240,7 @@ def importance_sampling(
     ----------
     limit : LimitState, callable or FormResult
         ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
         At most.

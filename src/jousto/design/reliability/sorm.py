@@ -86,7 +86,7 @@ def sorm(
     ----------
     limit : LimitState, callable or FormResult
         ``G(x) <= 0`` is failure; of a result of `form`, nothing else is needed.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     step : float, optional
         Of second differences, in standard deviations. None takes 1e-3 for a given gradient and

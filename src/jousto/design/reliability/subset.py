@@ -54,7 +54,7 @@ def subset_simulation(
     ----------
     limit : LimitState, callable or FormResult
         ``G(x) <= 0`` is failure.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
         In each level.

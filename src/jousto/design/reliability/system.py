@@ -89,7 +89,7 @@ def system(
     ----------
     limits : sequence of FormResult, LimitState or callable
         Two or more, of the same random variables.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables of limit states that are no results of `form`.
     kind : {"series", "parallel"}
         See above.

@@ -84,7 +84,7 @@ def rolling_life(
     contact: HertzContact,
     forces: ArrayLike,
     criterion: Findley | DangVan,
-    curve: Any = None,
+    sn: Any = None,
     *,
     counts: ArrayLike | None = None,
     friction: float = 0.0,
@@ -103,7 +103,7 @@ def rolling_life(
     forces : (k,) array_like
         Normal force of each pass, N; or of classes of passes with `counts`.
     criterion : Findley or DangVan
-    curve : SN, optional
+    sn : SN, optional
         S-N curve of alternating tension, for Findley.
     counts : (k,) array_like, optional
         How many passes have each force; 1 if not given.
@@ -135,7 +135,7 @@ def rolling_life(
         problems.add("rolling life", "forces must be positive, and at least one")
     if c is not None and len(c) and c.min() < 0.0:
         problems.add("rolling life", "counts must not be negative")
-    if isinstance(criterion, Findley) and curve is None:
+    if isinstance(criterion, Findley) and sn is None:
         problems.add("rolling life", "Findley needs an S-N curve, which holds the limit")
     problems.raise_if_any()
     assert F is not None and c is not None
@@ -148,7 +148,7 @@ def rolling_life(
     value = np.array(_relative(unit, friction, criterion))
     if isinstance(criterion, Findley):
         value = criterion.equivalent(value)
-        limit = float(np.ravel(curve.S_D)[0])
+        limit = float(np.ravel(sn.S_D)[0])
     else:
         limit = criterion.b
 
@@ -166,7 +166,7 @@ def rolling_life(
     stress = each * contact.p0 * scale[None, used]
     damage = np.zeros(len(z))
     if isinstance(criterion, Findley):
-        damage = np.array([float(curve.damage(row, c[used])) for row in stress])
+        damage = np.array([float(sn.damage(row, c[used])) for row in stress])
     life = RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
     # of a point nothing above its first depth is known; of a line everything
     least = max(float(life.depth.min()), size * scale.max() * grid[0])

@@ -59,7 +59,7 @@ class PlaneDamage(Tabular):
     normal: Array
     criterion: PlaneCriterion
     residue: str
-    curve: str = field(default="")
+    sn: str = field(default="")
 
     @property
     def life(self) -> Array:
@@ -71,7 +71,7 @@ class PlaneDamage(Tabular):
         """Return the most damaged places as a table."""
         width = max(12, *(len(label) for label in self.labels))
         lines = [
-            f"{self.criterion}, residue '{self.residue}', {self.curve}",
+            f"{self.criterion}, residue '{self.residue}', {self.sn}",
             f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
         ]
         for i in ranking(self.damage, self.labels)[:rows]:
@@ -95,7 +95,7 @@ class PlaneDamage(Tabular):
 def plane_damage(
     stress: Any,
     criterion: PlaneCriterion,
-    curve: Any,
+    sn: Any,
     *,
     residue: Residue,
     mean: Any = None,
@@ -116,7 +116,7 @@ def plane_damage(
     stress : StressField or (ns, nt, 6) array_like
         Pa.
     criterion : Findley, FatemiSocie or NormalStress
-    curve : SN or StrainLife
+    sn : SN or StrainLife
         S-N curve of alternating tension for `Findley` and `NormalStress`, strain-life curve for
         `FatemiSocie`.
     residue : {"half", "repeat", "ignore"}
@@ -139,11 +139,11 @@ def plane_damage(
             "plane damage", f"residue is {residue!r}, must be one of {', '.join(RESIDUES)}"
         )
     strain = isinstance(criterion, FatemiSocie)
-    if strain != isinstance(curve, StrainLife):
+    if strain != isinstance(sn, StrainLife):
         wanted = "a StrainLife" if strain else "an S-N curve"
         problems.add(
             "plane damage",
-            f"{type(criterion).__name__} needs {wanted}, not {type(curve).__name__}",
+            f"{type(criterion).__name__} needs {wanted}, not {type(sn).__name__}",
         )
     if isinstance(criterion, DangVan):
         problems.add("plane damage", "Dang Van's criterion is a limit; it counts no damage")
@@ -157,12 +157,12 @@ def plane_damage(
 
     labels, histories = _places(stress, sites)
     n = normals(math.radians(step))
-    counter = _counter(criterion, curve, residue, mean, n, np.radians(np.arange(0.0, 180.0, step)))
+    counter = _counter(criterion, sn, residue, mean, n, np.radians(np.arange(0.0, 180.0, step)))
     found: list[tuple[float, int]] = []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         while several := [_history(next_) for next_ in islice(histories, AT_ONCE)]:
             found += pool.map(counter.worst, several)
-    name = getattr(curve, "name", "") or str(curve)
+    name = getattr(sn, "name", "") or str(sn)
     damage = np.array([worst for worst, _ in found])
     return PlaneDamage(labels, damage, n[[i for _, i in found]], criterion, residue, name)
 

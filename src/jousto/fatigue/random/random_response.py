@@ -198,13 +198,13 @@ class SpectralLife(Tabular):
     labels : tuple of str
     rows : tuple of SpectralDamage
         One for each label.
-    criterion, curve : str
+    criterion, sn : str
     """
 
     labels: tuple[str, ...]
     rows: tuple[SpectralDamage, ...]
     criterion: str
-    curve: str
+    sn: str
 
     @property
     def damage(self) -> Array:
@@ -220,7 +220,7 @@ class SpectralLife(Tabular):
         """Return the most damaged places as a table."""
         width = max(12, *(len(label) for label in self.labels))
         lines = [
-            f"{self.rows[0].method if self.rows else ''} of {self.criterion}, {self.curve}",
+            f"{self.rows[0].method if self.rows else ''} of {self.criterion}, {self.sn}",
             f"{'site':>{width}} {'rms':>9} {'cross.':>9} {'peaks':>9} {'irreg.':>7} {'damage':>11} "
             f"{'life':>11}",
             f"{'':>{width}} {'MPa':>9} {'1/s':>9} {'1/s':>9} {'':>7} {'1/s':>11} {'h':>11}",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
-from jousto.measurement.twin.observed import Posterior, Told
+from jousto.measurement.twin.estimates import Posterior, Told
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
 

@@ -20,7 +20,7 @@ from jousto.measurement.monitor.health import OK, Change, ChannelRules, Health
 from jousto.measurement.monitor.life import Life, LifeMeter
 from jousto.measurement.twin.bands.bands import stress_band
 from jousto.measurement.twin.bands.spot_band import SpotBand
-from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.estimates import Posterior
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
 from jousto.reduction.fields.stress import StressModes

@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.measurement.twin.observed import Observed, Posterior
+from jousto.measurement.twin.estimates import Estimates, Posterior
 from jousto.measurement.twin.observer import Observer
 
 
@@ -48,7 +48,7 @@ class Dynamic:
             none = np.zeros(0, dtype=np.intp)
             return Posterior(np.zeros(0), np.zeros((0, n)), np.zeros((1, n, n)), none)
         steps = [self.twin.step(t, e) for t, e in zip(time, strain, strict=True)]
-        return Observed.collect(self.twin, steps)
+        return Estimates.collect(self.twin, steps)
 
     def save(self) -> dict[str, Array]:
         """Return the state, its covariance and gain."""

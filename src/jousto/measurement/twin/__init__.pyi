@@ -1,6 +1,7 @@
 # names of jo.twin; they are loaded from here when they are first used
 from .bands.bands import Band as Band, stress_band as stress_band, stress_blocks as stress_blocks
 from .bands.life import DamageBand as DamageBand, damage_band as damage_band
+from .estimates import Estimates as Estimates, Posterior as Posterior
 from .kalman import Balance as Balance
 from .loads import (
     FourierLoads as FourierLoads,
@@ -15,12 +16,11 @@ from .loads import (
 from .motion.alone import drive_part as drive_part
 from .motion.reference import InertialForce as InertialForce, Reference as Reference
 from .motion.system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad
-from .observed import Observed as Observed, Posterior as Posterior
 from .observer import Observer as Observer
 from .placement import Placement as Placement, place_gauges as place_gauges
 from .reconstruction import Estimate as Estimate, Reconstruction as Reconstruction
 from .signals import gauge_errors as gauge_errors
-from .smoother import Histories as Histories, draw as draw, smooth as smooth
+from .smoother import Histories as Histories, sample_posterior as sample_posterior, smooth as smooth
 from .tuning import (
     InnovationTest as InnovationTest,
     innovation_test as innovation_test,

@@ -13,13 +13,13 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.motion.reference import STILL, InertialForce, Reference
 from jousto.measurement.twin.motion.system import UnknownLoad
-from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
 from jousto.measurement.twin.signals import read_strain, read_time
-from jousto.measurement.twin.smoother import draw, smooth
+from jousto.measurement.twin.smoother import sample_posterior, smooth
 from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
@@ -147,7 +147,7 @@ def identify_fourier(
 
 
 @explained
-def identify_loads(observer: Observer, time: Any, e: ArrayLike | None = None) -> Observed:
+def identify_loads(observer: Observer, time: Any, e: ArrayLike | None = None) -> Estimates:
     """Return unknown loads over time with their bands, from a whole record of any kind.
 
     The smoothed record of the observer: nothing need repeat, gauges may drop out, the body may
@@ -289,17 +289,18 @@ def locate_load(
 
 @explained
 def identify_payload(
-    observed: Observed, place: str, *, draws: int = 100, seed: int = 1
+    observed: Estimates, place: str, *, draws: int = 100, seed: int = 1
 ) -> tuple[float, float]:
     """Return mass and its standard deviation, kg, of the payload of a body at a node.
 
     Least squares of ``F = -m s`` over the record, with the force F at the node that the gauges
     tell and the acceleration less gravity s of the node from the reference; the deviation from
-    histories that the record allows (`draw`). Components that are no unknown loads are left out.
+    histories that the record allows (`sample_posterior`). Components that are no unknown loads
+    are left out.
 
     Parameters
     ----------
-    observed : Observed
+    observed : Estimates
         From `Observer.run`; its observer has a reference and an unknown force at the node.
     place : str
         The node.
@@ -330,6 +331,6 @@ def identify_payload(
         s.append(a + np.cross(dw, u) + np.cross(w, np.cross(w, u)))
     felt = np.array(s)[:, axes]
     at = [labels.index(f"{place}.{('fx', 'fy', 'fz')[i]}") for i in axes]
-    F = draw(observed, draws, seed=seed).loads[:, at]
+    F = sample_posterior(observed, draws, seed=seed).loads[:, at]
     mass = -np.einsum("tcd,tc->d", F, felt) / np.sum(felt**2)
     return float(mass.mean()), float(mass.std(ddof=1))

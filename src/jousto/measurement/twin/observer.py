@@ -15,6 +15,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.estimates import Estimates, Step, modal
 from jousto.measurement.twin.kalman import (
     Balance,
     Gain,
@@ -33,7 +34,6 @@ from jousto.measurement.twin.motion.system import (
     as_loads,
     as_rows,
 )
-from jousto.measurement.twin.observed import Observed, Step, modal
 from jousto.measurement.twin.reconstruction import NOISE
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
 from jousto.reduction.damping import modal_damping
@@ -425,7 +425,7 @@ class Observer:
 
     # -- whole records ------------------------------------------------------------------------
 
-    def run(self, time: Any, e: ArrayLike | None = None) -> Observed:
+    def run(self, time: Any, e: ArrayLike | None = None) -> Estimates:
         """Return the estimate of a whole record, from its start; the observer does not change.
 
         Parameters
@@ -451,7 +451,7 @@ class Observer:
         assert sample is not None and t is not None
         walker = copy.copy(self)
         walker.reset()
-        return Observed.collect(
+        return Estimates.collect(
             walker, [walker._advance(float(s), y) for s, y in zip(t, sample, strict=True)]
         )
 

@@ -15,7 +15,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
-from jousto.measurement.twin.observed import Told
+from jousto.measurement.twin.estimates import Told
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
 
 NOISE = 1e-6

@@ -1,4 +1,4 @@
-"""smooth and draw: estimates of every instant from a whole record, and histories that it allows."""
+"""Estimates of every instant from a whole record, and samples of the histories that it allows."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
+from jousto.measurement.twin.estimates import Estimates, modal, spread
 from jousto.measurement.twin.kalman import STEADY, Gain, backward, drifts
-from jousto.measurement.twin.observed import Observed, modal, spread
 
 
-def smooth(observed: Observed) -> Observed:
+def smooth(observed: Estimates) -> Estimates:
     """Return modes and loads with the whole record in every instant.
 
     The smoother of Rauch, Tung and Striebel (AIAA Journal 3, 1965) backwards over a record that
@@ -22,7 +22,7 @@ def smooth(observed: Observed) -> Observed:
 
     Parameters
     ----------
-    observed : Observed
+    observed : Estimates
         From `Observer.run`.
 
     Raises
@@ -96,7 +96,7 @@ class Histories:
     loads: Array
 
 
-def draw(observed: Observed, count: int = 50, *, seed: int = 1) -> Histories:
+def sample_posterior(observed: Estimates, count: int = 50, *, seed: int = 1) -> Histories:
     """Return histories of modes and loads that fit a record, drawn from their distribution.
 
     Durbin and Koopman, Biometrika 89 (2002) 603: a history of the model itself is simulated, its
@@ -105,7 +105,7 @@ def draw(observed: Observed, count: int = 50, *, seed: int = 1) -> Histories:
 
     Parameters
     ----------
-    observed : Observed
+    observed : Estimates
         From `Observer.run`, smoothed or not.
     count : int
         Number of histories.
@@ -157,7 +157,7 @@ class _Backward:
         return self._known[key]
 
 
-def _inputs(observed: Observed) -> Array:
+def _inputs(observed: Estimates) -> Array:
     """Return what known forces added to the state in each step (nt, nx)."""
     d = observed.observer.system.dynamic
     f = observed.forces[:, d]

@@ -14,8 +14,8 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.kalman import Gain, first_gain, next_gain
-from jousto.measurement.twin.observed import Observed
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.signals import LARGEST
 from jousto.measurement.twin.smoother import smooth
@@ -112,7 +112,7 @@ class InnovationTest:
 
 @explained
 def innovation_test(
-    observed: Observed, *, skip: int = 20, tolerance: float = TOLERANCE
+    observed: Estimates, *, skip: int = 20, tolerance: float = TOLERANCE
 ) -> InnovationTest:
     """Return whether the innovations are independent and have the size that they must have.
 
@@ -123,7 +123,7 @@ def innovation_test(
 
     Parameters
     ----------
-    observed : Observed
+    observed : Estimates
         From `Observer.run`.
     skip : int
         Samples at the start that are left out.
@@ -266,7 +266,7 @@ def _likeliest(observer: Observer, time: Any, e: ArrayLike, reach: float) -> Obs
     return made(minimize(cost, np.zeros(n), method="Nelder-Mead", options=options).x)
 
 
-def _means(observed: Observed) -> Array:
+def _means(observed: Estimates) -> Array:
     """Return the known forces that acted in each step (nt, nd)."""
     f = observed.forces[:, observed.observer.system.dynamic]
     return np.vstack([np.zeros_like(f[:1]), 0.5 * (f[:-1] + f[1:])])

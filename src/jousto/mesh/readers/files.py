@@ -28,7 +28,7 @@ MOST_PACKED = 100
 LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
 _MESHED = (
     "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
-    " jo.mesh_step(path, size=...)"
+    " jo.mesh_cad(path, size=...)"
 )
 # files that people try, and what to do with them
 _STRANGE = (
@@ -74,7 +74,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
 
     See Also
     --------
-    mesh_step : Mesh a CAD file.
+    mesh_cad : Mesh a CAD file.
     Mesh.check : What is wrong or doubtful about the mesh.
 
     Examples

@@ -39,7 +39,7 @@ _PER_CUBE = 8.0
 
 
 @explained
-def mesh_step(
+def mesh_cad(
     path: str | os.PathLike[str],
     *,
     size: float,
@@ -89,7 +89,7 @@ def mesh_step(
 
     Examples
     --------
-    >>> mesh = mesh_step("arm.step", size=8e-3)  # doctest: +SKIP
+    >>> mesh = mesh_cad("arm.step", size=8e-3)  # doctest: +SKIP
     """
     path, problems = Path(path), Problems()
     where = path.name
@@ -140,7 +140,7 @@ def cad_surface(path: Path, unit: str | None) -> Array:
     path : Path
         A ``.step``, ``.stp`` or ``.brep`` file.
     unit : str or None
-        As for `mesh_step`.
+        As for `mesh_cad`.
 
     Raises
     ------

@@ -48,7 +48,7 @@ def solid_fields(
     """Return the fields of a part of solids, all but its name and interfaces."""
     given: object = mesh
     if not isinstance(given, Mesh):
-        message = f"mesh is {given!r}, must be a Mesh, such as that of read_mesh or mesh_step"
+        message = f"mesh is {given!r}, must be a Mesh, such as that of read_mesh or mesh_cad"
         raise InputError(Problem(where, message))
     judge(mesh)
     model, used = solid_model(mesh, materials, where)

@@ -11,7 +11,7 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.initial import Initial
 from jousto.reduction.damping import Rayleigh
-from jousto.robots.mounted import Mounted
+from jousto.robots.in_mechanism import RobotInMechanism
 from jousto.schema.entries import beams as beams, connections as connections
 from jousto.schema.entries.base import (
     Acceleration3,
@@ -91,7 +91,7 @@ FORMS.update(
         "robot starts": lambda field: dict[Text, Amount],
     }
 )
-RobotEntry: Any = alone(Mounted)
+RobotEntry: Any = alone(RobotInMechanism)
 ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 

@@ -48,7 +48,7 @@ class MeshFileEntry(Entry):
 
 
 class CadEntry(Entry):
-    """`mesh_step`: a CAD file, .step .stp or .brep, meshed with tetrahedra."""
+    """`mesh_cad`: a CAD file, .step .stp or .brep, meshed with tetrahedra."""
 
     cad: Text = Field(description="The file")
     size: Length = Field(description="Length of the elements' edges")

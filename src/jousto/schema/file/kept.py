@@ -24,7 +24,7 @@ SETS = ("node_sets", "element_sets", "surfaces")
 
 
 def mesh_of_cad(path: Path, keep: bool | None, **values: Any) -> Mesh:
-    """Return `mesh_step(path, **values)`, from the cache if it was meshed before.
+    """Return `mesh_cad(path, **values)`, from the cache if it was meshed before.
 
     Parameters
     ----------
@@ -33,19 +33,19 @@ def mesh_of_cad(path: Path, keep: bool | None, **values: Any) -> Mesh:
     keep : bool, optional
         Whether meshes are kept; None keeps those of large parts, as `reduce` does.
     **values
-        Arguments of `mesh_step`.
+        Arguments of `mesh_cad`.
 
     Raises
     ------
     InputError
-        As `mesh_step`.
+        As `mesh_cad`.
     """
     from jousto.base.version import __version__
-    from jousto.mesh.readers.step import mesh_step
+    from jousto.mesh.readers.step import mesh_cad
     from jousto.reduction.files.cache import AUTOMATIC, ReductionCache, key
 
     if keep is False or not path.is_file():
-        return mesh_step(path, **values)
+        return mesh_cad(path, **values)
     content = hashlib.sha256(path.read_bytes()).hexdigest()
     cache = ReductionCache()
     entry = cache.entry(f"mesh-{key(content, path.stem, values, __version__, _gmsh_version())}")
@@ -53,7 +53,7 @@ def mesh_of_cad(path: Path, keep: bool | None, **values: Any) -> Mesh:
     if arrays is None:
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
-            mesh = mesh_step(path, **values)
+            mesh = mesh_cad(path, **values)
         arrays = _arrays(mesh, [str(item.message) for item in told])
         if keep or 3 * len(mesh.nodes) >= AUTOMATIC:
             entry.write("mesh", arrays)

@@ -14,7 +14,7 @@ from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.sensors.base import Sensor
 from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
 from jousto.robots.files import read_robot
-from jousto.robots.mounted import Mounted
+from jousto.robots.in_mechanism import RobotInMechanism
 from jousto.schema.make.amounts import build_amount
 from jousto.schema.make.builder import Section
 from jousto.schema.make.declared import Place
@@ -33,13 +33,13 @@ class Joined(Mapping[str, Any]):
     def __init__(self, own: Section, robots: Section, key: str) -> None:
         self.own, self.robots, self.key = own, robots, key
 
-    def brought(self, robot: Mounted) -> Mapping[str, Any]:
+    def brought(self, robot: RobotInMechanism) -> Mapping[str, Any]:
         """Return what a robot brings, by the names that it has in the machine."""
         if self.key == "sensors":
             return {x.name: x for x in robot.items if isinstance(x, Sensor)}
         return {x.name: x for x in getattr(robot, self.key).values()}
 
-    def likely(self, name: str) -> Iterator[Mounted]:
+    def likely(self, name: str) -> Iterator[RobotInMechanism]:
         """Yield the robots whose names may begin as this one, those of long prefixes first."""
         for i, prefix in sorted(self._prefixes(), key=lambda x: -len(x[1])):
             if name.startswith(prefix) and i not in self.robots.open:

@@ -16,7 +16,7 @@ def beginning(model: Model, state: State | None = None, start: str | None = None
     state : State, optional
         What the user gave; it counts.
     start : str, optional
-        "initial", "rest" or "settled"; that of the mechanism if not given.
+        "initial", "rest" or "vibration-free"; that of the mechanism if not given.
     """
     start = model.start if start is None else start
     if state is not None or start == "initial":
@@ -25,6 +25,6 @@ def beginning(model: Model, state: State | None = None, start: str | None = None
         from jousto.simulation.statics.equilibrium import equilibrium
 
         return equilibrium(model)
-    from jousto.simulation.statics.settled import settled
+    from jousto.simulation.statics.vibration_free import vibration_free_state
 
-    return settled(model)
+    return vibration_free_state(model)

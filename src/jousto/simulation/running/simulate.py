@@ -205,8 +205,9 @@ def _tell_of_ringing(model: Model) -> None:
     if elastic and straight and model.v0.any():
         log.info(
             "%s: elastic bodies move and are straight at the first instant, so that they ring; "
-            "state=jo.simulation.settled(model) begins with the shape of the motion, of a machine "
-            "that turns about one axis jo.simulation.steady_rotation(model, axis, speed) does",
+            "state=jo.simulation.vibration_free_state(model) begins with the shape of the motion, "
+            "of a machine that turns about one axis "
+            "jo.simulation.steady_rotation(model, axis, speed) does",
             model.name,
         )
 
@@ -222,9 +223,9 @@ def _start(engine: Engine, state: State) -> None:
             f"simulate {engine.model.name!r}",
             f"the velocities of the state do not fit '{joint.name}' by {abs(rates[row]):.3g} m/s "
             f"or rad/s at {engine.time[0]:g} s, the run begins with a jolt; let drives start from "
-            "rest, or start with the velocities of the drives: state=jo.simulation.settled(model), "
-            "bent as the motion bends it, jo.simulation.steady_rotation(model, axis, speed), or no "
-            "state",
+            "rest, or start with the velocities of the drives: "
+            "state=jo.simulation.vibration_free_state(model), bent as the motion bends it, "
+            "jo.simulation.steady_rotation(model, axis, speed), or no state",
         )
 
 

@@ -19,8 +19,8 @@ from jousto.base.names import check_name
 from jousto.design.studies.parameters.distributions import (
     SHAPED,
     are_moments,
-    by_moments,
     check_moments,
+    distribution_from_moments,
 )
 
 ROOT = 2.0 * math.pi
@@ -212,7 +212,7 @@ class Random:
         By which limit states ask for it.
     distribution : scipy.stats or OpenTURNS distribution
         Continuous, of one variable, with finite mean and deviation: ``scipy.stats.norm(50, 1)``,
-        `by_moments`, ``openturns.Normal(50, 1)``.
+        `distribution_from_moments`, ``openturns.Normal(50, 1)``.
     keep : {"deviation", "cov"}
         What stays where the mean is a variable of a design: the deviation or the coefficient of
         variation, their ratio.
@@ -291,7 +291,7 @@ def _moved(variable: Random, mean: float, deviation: float) -> Any:
     if _is_scipy(d):
         shapes, loc, scale = scipy_parameters(d)
         if d.dist.name in SHAPED:
-            return by_moments(SHAPED[d.dist.name], mean, deviation, start=float(loc))  # type: ignore[arg-type]
+            return distribution_from_moments(SHAPED[d.dist.name], mean, deviation, start=float(loc))  # type: ignore[arg-type]
         return d.dist(*shapes, loc=mean - (variable.mean - loc) * stretch, scale=scale * stretch)
     if variable.kind == "LogNormal":
         import openturns

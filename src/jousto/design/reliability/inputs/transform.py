@@ -287,7 +287,7 @@ class Rosenblatt(Transformation):
 @explained
 @described
 @dataclass(frozen=True, eq=False)
-class Joint(Transformation):
+class JointDistribution(Transformation):
     """Random variables by their joint distribution of OpenTURNS, with its own transformation.
 
     That is Nataf's for normal copulas and Rosenblatt's for others.

@@ -133,7 +133,7 @@ def rbdo(
     limits : dict or sequence of LimitState or callable
         ``G(x) <= 0`` is failure; x has the random variables and the design variables that are not
         random.
-    variables : sequence of Random, Nataf, Rosenblatt or Joint, optional
+    variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables about the start; those of the limit states if not given.
     bounds : dict of (float, float)
         The design variables with their least and largest value: means of random variables by their

@@ -23,7 +23,9 @@ SHAPED = {"lognorm": "lognormal", "weibull_min": "weibull", "gamma": "gamma"}
 
 
 @explained
-def by_moments(kind: Kind, mean: float, deviation: float, *, start: float = 0.0) -> Any:
+def distribution_from_moments(
+    kind: Kind, mean: float, deviation: float, *, start: float = 0.0
+) -> Any:
     """Return a distribution of scipy by its mean and standard deviation.
 
     Parameters
@@ -49,7 +51,7 @@ def by_moments(kind: Kind, mean: float, deviation: float, *, start: float = 0.0)
 
     Examples
     --------
-    >>> yield_stress = by_moments("lognormal", 300e6, 30e6)
+    >>> yield_stress = distribution_from_moments("lognormal", 300e6, 30e6)
     >>> print(f"{yield_stress.mean():.4g} {yield_stress.std():.4g}")
     3e+08 3e+07
     """
@@ -122,9 +124,9 @@ def _weibull(scale: float, shape: float) -> Any:
 
 MOMENTS, ENDS = ("mean", "sd"), ("low", "high")
 MADE: dict[str, tuple[Callable[..., Any], tuple[str, ...]]] = {
-    "normal": (partial(by_moments, "normal"), MOMENTS),
-    "lognormal": (partial(by_moments, "lognormal"), MOMENTS),
-    "gumbel": (partial(by_moments, "gumbel"), MOMENTS),
+    "normal": (partial(distribution_from_moments, "normal"), MOMENTS),
+    "lognormal": (partial(distribution_from_moments, "lognormal"), MOMENTS),
+    "gumbel": (partial(distribution_from_moments, "gumbel"), MOMENTS),
     "uniform": (_between, ENDS),
     "triangular": (_triangular, ("low", "mode", "high")),
     "weibull": (_weibull, ("scale", "shape")),

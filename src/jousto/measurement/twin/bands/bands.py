@@ -16,7 +16,7 @@ from jousto.base.arrays import Array
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
-from jousto.measurement.twin.observed import Posterior
+from jousto.measurement.twin.estimates import Posterior
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart

@@ -14,8 +14,8 @@ from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import Rows, Tabular
 from jousto.measurement.twin.bands.bands import _check, _pick
-from jousto.measurement.twin.observed import Observed
-from jousto.measurement.twin.smoother import draw, smooth
+from jousto.measurement.twin.estimates import Estimates
+from jousto.measurement.twin.smoother import sample_posterior, smooth
 from jousto.model.native.meter import DamageMeter
 from jousto.recovery.fields.criteria import Criterion, evaluate
 from jousto.reduction.fields.stress import StressModes
@@ -98,7 +98,7 @@ class DamageBand(Tabular):
 
 @explained
 def damage_band(
-    observed: Observed,
+    observed: Estimates,
     modes: StressModes | ReducedPart,
     sn: Any,
     *,
@@ -113,8 +113,8 @@ def damage_band(
 ) -> DamageBand:
     """Return fatigue damage of sites with its band, from histories that a record allows.
 
-    Stress histories are drawn from their distribution (`draw`), each is counted by rainflow, and
-    quantiles of the damage are taken. What the model misses is a slow error, drawn once for each
+    Stress histories are drawn from their distribution (`sample_posterior`) and counted by rainflow;
+    quantiles of their damage are taken. What the model misses is a slow error, drawn once for each
     site, and so is an error in proportion, which averages out nowhere: k times as much in damage
     as in stress. Errors of the gauges (``Observer(errors=)``) are drawn once for each history. A
     drawn history is rougher than the truth by the noise of the estimate, so that its damage is too
@@ -123,7 +123,7 @@ def damage_band(
 
     Parameters
     ----------
-    observed : Observed
+    observed : Estimates
         From `Observer.run`.
     modes : StressModes or ReducedPart
         Stress of the same modes.
@@ -146,7 +146,7 @@ def damage_band(
     InputError
         As `stress_band`; fewer than 20 draws.
     """
-    if not isinstance(observed, Observed):
+    if not isinstance(observed, Estimates):
         raise InputError(
             Problem(
                 "damage_band",
@@ -164,7 +164,7 @@ def damage_band(
     if draws < 20:
         raise InputError(Problem("damage_band", f"{draws} draws, must be 20 or more"))
     smoothed = observed if observed.smoothed else smooth(observed)
-    histories = draw(smoothed, draws, seed=seed)
+    histories = sample_posterior(smoothed, draws, seed=seed)
     rng = np.random.default_rng(seed + 1)
     damage = np.empty((draws, len(labels)))
     moved = smoothed.moved

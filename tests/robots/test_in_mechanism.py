@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import jousto as jo
-from jousto.robots import Mounted, Tree, read_urdf
+from jousto.robots import RobotInMechanism, Tree, read_urdf
 from robots.machines import ARM, CREATURE, SCARA
 
 M, L, J = 2.0, 0.4, 0.05  # of the pendulum: mass, distance of its centre, inertia about it
@@ -50,7 +50,7 @@ def test_a_pendulum_on_a_cart(core: str, pendulum: Path) -> None:
     cart = jo.RigidBody("cart", MC, (0.1, 0.1, 0.1), markers={"pin": (0.05, 0.02, 0.3)})
     slide = jo.Prismatic("slide", jo.ground["origin"], cart["origin"], axis=(1, 0, 0))
     down = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]])  # columns x, y, z
-    arm = Mounted(
+    arm = RobotInMechanism(
         "arm", pendulum, cart["pin"], orientation=down, position=(0, 0, 0.1), at={"hinge": TH0}
     )
     x = jo.CoordinateSensor("x", slide.displacement)
@@ -70,7 +70,7 @@ def test_a_pendulum_on_a_cart(core: str, pendulum: Path) -> None:
 
 
 def test_a_frame_has_the_axes_of_the_file(pendulum: Path) -> None:
-    arm = Mounted("arm", pendulum, jo.ground.at((1, 2, 3)), at={"hinge": 0.5})
+    arm = RobotInMechanism("arm", pendulum, jo.ground.at((1, 2, 3)), at={"hinge": 0.5})
     tree, tip = Tree(read_urdf(pendulum)), arm["tip"]
     there = tree.pose("tip", [0.5])
     assert tip.r == pytest.approx(there.r + (1, 2, 3), abs=1e-14)
@@ -90,7 +90,9 @@ def test_what_stands_on_a_moving_body_moves_with_it(pendulum: Path) -> None:
         angular_velocity=w,
         markers={"seat": (0.2, -0.1, 0.3)},
     )
-    arm = Mounted("arm", pendulum, base["seat"], orientation=jo.Rotate((1, 1, 0), degrees=50))
+    arm = RobotInMechanism(
+        "arm", pendulum, base["seat"], orientation=jo.Rotate((1, 1, 0), degrees=50)
+    )
     rod = arm.bodies["rod"]
     assert rod.velocity == pytest.approx(v + np.cross(w, rod.position - base.position), abs=1e-14)
     c = rod["center"].r - base.position
@@ -110,7 +112,7 @@ def test_a_robot_on_a_flexible_body(pendulum: Path) -> None:
     clamp = jo.Fixed("clamp", jo.ground["origin"], beam["start"])
     turn, axis = np.array([[0.0, 1, 0], [0, 0, -1], [-1, 0, 0]]), (0, -1, 0)
     down = jo.Gravity((0, 0, -9.81))
-    arm = Mounted("arm", pendulum, beam["end"], orientation=turn, at={"hinge": 0.5})
+    arm = RobotInMechanism("arm", pendulum, beam["end"], orientation=turn, at={"hinge": 0.5})
     whole = jo.compile(jo.Mechanism(beam, clamp, arm, down))
     start = arm.bodies["rod"]
     rod = jo.RigidBody(
@@ -131,8 +133,8 @@ def test_a_robot_on_a_flexible_body(pendulum: Path) -> None:
 
 def test_a_robot_on_a_robot(pendulum: Path) -> None:
     """Two pendulums, one on the tip of the other, are the double pendulum of one file."""
-    one = Mounted("one", pendulum, at={"hinge": 0.4})
-    two = Mounted("two", pendulum, one["tip"], at={"hinge": -0.7}, losses=False)
+    one = RobotInMechanism("one", pendulum, at={"hinge": 0.4})
+    two = RobotInMechanism("two", pendulum, one["tip"], at={"hinge": -0.7}, losses=False)
     machine = jo.Mechanism(one, two)
     assert {x.name for x in machine.joints} == {"one_hinge", "two_hinge"}
     tree = Tree(machine)
@@ -152,8 +154,8 @@ def test_a_creature_moves_from_where_it_is_put(tmp_path: Path) -> None:
     path = tmp_path / "creature.xml"
     path.write_text(CREATURE, encoding="utf-8")
     turn = jo.Rotate((1, 2, 3), degrees=40)
-    free = Mounted("it", path, position=(1, 2, 3), orientation=turn, at={"roll": -0.2})
-    alone = Mounted("it", path, at={"roll": -0.2})
+    free = RobotInMechanism("it", path, position=(1, 2, 3), orientation=turn, at={"roll": -0.2})
+    alone = RobotInMechanism("it", path, at={"roll": -0.2})
     A = turn.matrix
     for name, body in alone.bodies.items():
         moved = free.bodies[name]
@@ -168,7 +170,9 @@ def test_rotors_of_slides_weigh_nothing(tmp_path: Path) -> None:
                            '<dynamics armature="3"/>')  # fmt: skip
     path = tmp_path / "slide.urdf"
     path.write_text(text, encoding="utf-8")
-    arm = Mounted("arm", path, orientation=jo.Rotate((0, 1, 0), degrees=0), at={"hinge": 0.2})
+    arm = RobotInMechanism(
+        "arm", path, orientation=jo.Rotate((0, 1, 0), degrees=0), at={"hinge": 0.2}
+    )
     machine = jo.Mechanism(arm, jo.Gravity((0, 0, -G)))
     run = jo.simulate(jo.compile(machine), 0.5, solver=jo.RK4(1e-3))
     fall = 0.5 * G * M / (M + 3.0) * 0.5**2
@@ -182,7 +186,7 @@ def test_a_base_without_mass_weighs_nothing(tmp_path: Path) -> None:
     )
     path = tmp_path / "drawn.urdf"
     path.write_text(text, encoding="utf-8")
-    arm = Mounted("arm", path)
+    arm = RobotInMechanism("arm", path)
     assert arm.bodies["base"].mass == pytest.approx(1e-6 * M)
     assert arm.bodies["base"].outline is not None
 
@@ -191,7 +195,7 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
     path = tmp_path / "scara.urdf"
     path.write_text(SCARA, encoding="utf-8")
     with pytest.raises(jo.InputError) as error:
-        Mounted(
+        RobotInMechanism(
             *("arm", path, "cart"),
             at={"lift": 0.3, "spinn": 0, "elbow": "x", "shoulder": 1.0},
         )
@@ -203,7 +207,7 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
         "robot 'arm': at['elbow']: is 'x', must be a number",
     ]
     with pytest.raises(jo.InputError) as error:
-        Mounted(
+        RobotInMechanism(
             *("arm", path),
             at={"lift": 0.3, "spinn": 0, "elbow": "x", "spin": 4.0},
             prefix="a.",
@@ -218,7 +222,7 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
     ]
     robot = read_urdf(path)
     with pytest.raises(jo.InputError) as error:
-        jo.Mechanism(Mounted("a", robot), Mounted("b", robot, prefix="a_"))
+        jo.Mechanism(RobotInMechanism("a", robot), RobotInMechanism("b", robot, prefix="a_"))
     assert str(error.value) == (
         "robot 'b': the names of its bodies and joints begin with 'a_', as those of robot 'a'; "
         "give it another prefix"
@@ -229,7 +233,7 @@ def test_a_tree_of_the_machine_knows_the_frames_of_the_robot(tmp_path: Path) -> 
     path = tmp_path / "arm.urdf"
     path.write_text(ARM, encoding="utf-8")
     alone = jo.robots.Tree(jo.robots.read_urdf(path))
-    rig = jo.robots.Mounted("rig", path)
+    rig = jo.robots.RobotInMechanism("rig", path)
     tree = jo.robots.Tree(jo.Mechanism(rig, jo.Gravity((0, 0, -9.81))))
     q = 0.3 * np.arange(1, 7)
     here, there = tree.pose("rig_tcp", q), alone.pose("tcp", q)

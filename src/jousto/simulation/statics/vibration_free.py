@@ -1,4 +1,4 @@
-"""settled: a start from which elastic bodies do not ring."""
+"""vibration_free_state: a start from which elastic bodies do not ring."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SHORT = 5e-3  # rad that the fastest body turns between the instants of a differ
 
 
 @explained
-def settled(model: Model, state: State | None = None) -> State:
+def vibration_free_state(model: Model, state: State | None = None) -> State:
     """Find the state in which elastic bodies are bent as the motion bends them, without vibration.
 
     A machine whose bodies are straight at the first instant rings about the shape that loads and
@@ -61,19 +61,19 @@ def settled(model: Model, state: State | None = None) -> State:
 
     Examples
     --------
-    ``run = jo.simulate(model, 2.0, state=jo.simulation.settled(model))``
+    ``run = jo.simulate(model, 2.0, state=jo.simulation.vibration_free_state(model))``
     """
-    without_fmus(model, "settled", "has no state at rest that is known")
+    without_fmus(model, "vibration_free_state", "has no state at rest that is known")
     if model.beams or model.nv > MOST:
         why = (
             "exact beams are not settled; start them from equilibrium or steady_rotation"
             if model.beams
             else f"{model.nv} velocities are more than {MOST}; start from rest, slowly"
         )
-        raise InputError(Problem(f"settled {model.name!r}", why))
+        raise InputError(Problem(f"vibration_free_state {model.name!r}", why))
     engine = Engine(model)
     if state is not None:
-        put(engine, state, "settled")
+        put(engine, state, "vibration_free_state")
     engine.assemble()
     engine.accelerations()
     modal = np.flatnonzero(modal_velocities(model))

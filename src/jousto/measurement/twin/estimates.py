@@ -177,7 +177,7 @@ class Follower(Protocol):
 
 @described
 @dataclass(frozen=True, eq=False)
-class Observed(Posterior):
+class Estimates(Posterior):
     """Modal coordinates, loads and innovations over a record.
 
     Attributes
@@ -211,7 +211,7 @@ class Observed(Posterior):
     moved: Array | None = None
 
     @classmethod
-    def collect(cls, observer: Follower, steps: list[Step]) -> Observed:
+    def collect(cls, observer: Follower, steps: list[Step]) -> Estimates:
         """Return steps as one record."""
         system = observer.system
         known: dict[int, int] = {}

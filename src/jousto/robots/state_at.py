@@ -20,7 +20,7 @@ FITS = 1e-8  # of the size of the machine, or rad: what assembly leaves
 
 
 @explained
-def posed(tree: Tree, model: Model, q: ArrayLike) -> State:
+def state_at(tree: Tree, model: Model, q: ArrayLike) -> State:
     """Return the state of a model at rest at positions of its tree, to start from.
 
     Parameters
@@ -47,7 +47,7 @@ def posed(tree: Tree, model: Model, q: ArrayLike) -> State:
     Examples
     --------
     ``found = jo.robots.inverse_kinematics(tree, "tool", (0.5, 0, 0.6))``, then
-    ``jo.simulate(model, 2.0, state=jo.robots.posed(tree, model, found.q))``
+    ``jo.simulate(model, 2.0, state=jo.robots.state_at(tree, model, found.q))``
     """
     _check_kinds(tree, model)
     _check_limits(tree, q)
@@ -56,14 +56,14 @@ def posed(tree: Tree, model: Model, q: ArrayLike) -> State:
     missing = [body.name for body in model.bodies if body.name not in poses]
     if missing:
         message = f"the tree has no body {missing[0]!r} of {model!r}; give the tree of its own"
-        raise InputError(Problem("posed", message))
+        raise InputError(Problem("state_at", message))
     there, angles = np.zeros(model.nq), tree.angles(q)
     for body in model.bodies:
         there[body.iq : body.iq + 3] = poses[body.name].r
         there[body.iq + 3 : body.iq + 7] = euler_parameters(poses[body.name].A)
     turn = [angles.get(c.name, 0.0) for c in model.coordinates if c.kind == "angle"]
     engine = Engine(model)
-    put(engine, State(there, np.zeros(model.nv), engine.lam, turn=np.array(turn)), "posed")
+    put(engine, State(there, np.zeros(model.nv), engine.lam, turn=np.array(turn)), "state_at")
     _check(model, engine)
     engine.assemble()
     engine.accelerations()
@@ -74,9 +74,9 @@ def _check_kinds(tree: Any, model: Any) -> None:
     """Refuse what is no tree and no model."""
     problems = Problems()
     if not isinstance(tree, Tree):
-        problems.add("posed", f"tree is {tree!r}, must be a Tree")
+        problems.add("state_at", f"tree is {tree!r}, must be a Tree")
     if not isinstance(model, Model):
-        problems.add("posed", f"model is {model!r}, must be a Model from compile")
+        problems.add("state_at", f"model is {model!r}, must be a Model from compile")
     problems.raise_if_any()
 
 
@@ -86,7 +86,7 @@ def _check_limits(tree: Tree, q: ArrayLike) -> None:
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         x = values.get(name, low)
         if not low - FITS <= x <= high + FITS:
-            problems.add("posed", f"{name} is {x:g}, outside its limits {low:g} and {high:g}")
+            problems.add("state_at", f"{name} is {x:g}, outside its limits {low:g} and {high:g}")
     problems.raise_if_any()
 
 

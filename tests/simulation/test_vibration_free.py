@@ -1,4 +1,4 @@
-"""settled: driven and pushed elastic machines that start without ringing."""
+"""vibration_free_state: driven and pushed elastic machines that start without ringing."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_beam_under_its_weight_turns_without_ringing() -> None:
     end, solver = 1.25, jo.RK4(2e-5)  # a turn
     plain = ringing(jo.simulate(model, end, solver=solver, output_step=1e-3), speed)
     calm = jo.simulate(
-        model, end, solver=solver, output_step=1e-3, state=jo.simulation.settled(model)
+        model, end, solver=solver, output_step=1e-3, state=jo.simulation.vibration_free_state(model)
     )
     assert ringing(calm, speed) < 1e-4 * plain
 
@@ -53,7 +53,7 @@ def test_centrifugal_stretch_is_there_from_the_start() -> None:
     """A bar that turns steadily stretches by rho W^2 L^3 / 3E and stays as it is."""
     speed = 30.0
     model = turning(speed=speed)
-    state = jo.simulation.settled(model)
+    state = jo.simulation.vibration_free_state(model)
     run = jo.simulate(model, 0.1, solver=jo.RK4(1e-5), output_step=1e-3, state=state)
     p = run["modes"]
     assert np.abs(p - p[0]).max() < 1e-6 * np.abs(p[0]).max()
@@ -68,7 +68,7 @@ def test_a_motor_bends_its_arm_from_the_start() -> None:
     """Inertia load m a x of a hinged bar under a torque: w(L) = 11 m a L^5 / 120 EI (Roark)."""
     torque = 20.0  # N m
     model = turning(lambda hinge: jo.JointForce("motor", hinge.angle, torque))
-    state = jo.simulation.settled(model)
+    state = jo.simulation.vibration_free_state(model)
     area, inertia = WIDTH**2, WIDTH**4 / 12
     mass = 7850 * area
     acceleration = 3 * torque / (mass * LENGTH**3)
@@ -99,7 +99,7 @@ def test_a_flexible_four_bar_starts_calmly(driven: bool) -> None:
         start = jo.Drive("motor", joints["main"].angle, jo.ConstantSpeed(speed))
     modal = [jo.mechanism.ModalSensor(f"modes of {b.name}", b) for b in items[:3]]
     model = jo.compile(jo.Mechanism(*items, start, *modal))
-    state = jo.simulation.settled(model)
+    state = jo.simulation.vibration_free_state(model)
     solver = jo.RK4(2e-6)
     runs = [
         jo.simulate(model, 0.01, solver=solver, output_step=2e-5, state=s) for s in (None, state)
@@ -120,7 +120,7 @@ def test_a_flexible_four_bar_starts_calmly(driven: bool) -> None:
 def test_rigid_machines_are_left_alone() -> None:
     items, joints = four_bar()
     model = jo.compile(jo.Mechanism(*items, jo.Initial(joints["main"].angle, rate=3.0)))
-    state = jo.simulation.settled(model)
+    state = jo.simulation.vibration_free_state(model)
     assert np.abs(state.v - model.v0).max() < 1e-14
     assert np.abs(state.q - model.q0).max() < 1e-14
 
@@ -131,7 +131,7 @@ def test_exact_beams_are_refused() -> None:
     hook = jo.Spherical("hook", jo.ground["origin"], beam["start"])
     model = jo.compile(jo.Mechanism(beam, hook, jo.Gravity((0, 0, -9.81))))
     with pytest.raises(jo.InputError, match="exact beams are not settled"):
-        jo.simulation.settled(model)
+        jo.simulation.vibration_free_state(model)
 
 
 def chain_below_a_boom(mass: float) -> jo.Model:
@@ -157,11 +157,11 @@ def chain_below_a_boom(mass: float) -> jo.Model:
 
 def test_a_chain_that_nothing_drives_carries_its_weight() -> None:
     model = chain_below_a_boom(20.0)
-    run = jo.simulate(model, 1e-3, state=jo.simulation.settled(model))
+    run = jo.simulate(model, 1e-3, state=jo.simulation.vibration_free_state(model))
     assert abs(run["N"][0, 2]) == pytest.approx(9.81 * 21.0, rel=0.02)
 
 
 def test_a_chain_that_swings_too_fast_is_refused() -> None:
     """A heavy load bends the boom, which kinks the chain; its swing once gave a third of m g."""
     with pytest.raises(jo.SimulationError, match="swings too fast .* equilibrium"):
-        jo.simulation.settled(chain_below_a_boom(300.0))
+        jo.simulation.vibration_free_state(chain_below_a_boom(300.0))

@@ -1,4 +1,4 @@
-"""Mounted: a robot as a part of a larger machine."""
+"""RobotInMechanism: a robot as a part of a larger machine."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Stops(AnyField):
         return float(x)
 
 
-class Mounted(Assembly, section="robots"):
+class RobotInMechanism(Assembly, section="robots"):
     """A robot that stands on the ground or on a body of a larger machine.
 
     `Mechanism` takes it as it takes bodies; all that the robot consists of gets names with its
@@ -106,7 +106,7 @@ class Mounted(Assembly, section="robots"):
     --------
     A cart that carries an arm::
 
-        arm = jo.robots.Mounted("arm", "arm.urdf", cart["top"], at={"elbow": 0.5})
+        arm = jo.robots.RobotInMechanism("arm", "arm.urdf", cart["top"], at={"elbow": 0.5})
         motor = jo.JointForce("motor", arm.joints["elbow"].angle, jo.Input("u"))
         machine = jo.Mechanism(cart, slide, arm, motor, jo.Gravity((0, 0, -9.81)))
     """
@@ -248,7 +248,8 @@ class Mounted(Assembly, section="robots"):
         moving = sum(bool(joint.coordinates) for joint in self.joints.values())
         base: Any = self.base
         label = "the ground" if base is None else base.label
-        return f"<Mounted {self.name!r}: {len(self.bodies)} bodies, {moving} joints, on {label}>"
+        what = f"{len(self.bodies)} bodies, {moving} joints, on {label}"
+        return f"<RobotInMechanism {self.name!r}: {what}>"
 
 
 def prefixed(robot: Robot, prefix: str) -> Robot:

@@ -1,0 +1,26 @@
+"""Public names that have changed, for the error that a use of the old one raises."""
+
+RENAMED = {
+    "jousto.mesh_step": "jo.mesh_cad",
+    "jousto.design.Joint": "jo.design.JointDistribution",
+    "jousto.design.by_moments": "jo.design.distribution_from_moments",
+    "jousto.measurement.twin.Observed": "jo.twin.Estimates",
+    "jousto.measurement.twin.draw": "jo.twin.sample_posterior",
+    "jousto.planar.Arms": "jo.planar.ArmCoupling",
+    "jousto.planar.Blocks": "jo.planar.BlockCoupling",
+    "jousto.planar.Chain": "jo.planar.ChainCoupling",
+    "jousto.planar.Function": "jo.planar.FunctionCoupling",
+    "jousto.planar.Linear": "jo.planar.LinearCoupling",
+    "jousto.planar.Map": "jo.planar.PlanarCoupling",
+    "jousto.planar.Slaves": "jo.planar.CoupledMotion",
+    "jousto.planar.rest": "jo.planar.planar_rest",
+    "jousto.planar.spinning": "jo.planar.planar_spinning",
+    "jousto.robots.Mounted": "jo.robots.RobotInMechanism",
+    "jousto.robots.Reached": "jo.robots.IKResult",
+    "jousto.robots.posed": "jo.robots.state_at",
+    "jousto.simulation.settled": "jo.simulation.vibration_free_state",
+}
+"""The old name with its package, and how the new one is written."""
+
+ARGUMENTS = {"plane_damage": {"curve": "sn"}, "rolling_life": {"curve": "sn"}}
+"""Names of arguments that have changed, by the function that takes them."""
