@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -12,7 +13,7 @@ from scipy.interpolate import UnivariateSpline
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.errors import InputError, JoustoWarning, Problem, Problems, suggest
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.mechanism import Mechanism
@@ -206,7 +207,10 @@ class Reference:
             for x in mechanism.items
             if not isinstance(x, Sensor)
         ]
-        model = compile(Mechanism(*items, name=mechanism.name))
+        with warnings.catch_warnings():
+            # measured values never begin just where the bodies were placed
+            warnings.filterwarnings("ignore", ".*the start fits the drives", JoustoWarning)
+            model = compile(Mechanism(*items, name=mechanism.name))
         parts = {x.name: getattr(x, "reduced", None) for x in mechanism.bodies}
         gravity = next((x.acceleration for x in items if isinstance(x, Gravity)), np.zeros(3))
         return cls.from_run(
