@@ -2,6 +2,7 @@
 
 python benchmarks/beams.py        10, 100 and 1000 elements, about three minutes
 python benchmarks/beams.py quick  10 and 100 elements
+python benchmarks/beams.py short  10 elements, and no meshes compared: that everything runs
 
 A strip of plastic hangs on a spherical joint, starts level and at rest and falls under gravity
 that leans out of the plane; it swings and bends. The error is the largest component of the tip's
@@ -186,9 +187,11 @@ def meshes() -> None:
 def main() -> None:
     """Print the tables."""
     warnings.simplefilter("ignore")
-    for elements in (10, 100) if "quick" in sys.argv[1:] else (10, 100, 1000):
+    short, quick = (word in sys.argv[1:] for word in ("short", "quick"))
+    for elements in (10,) if short else (10, 100) if quick else (10, 100, 1000):
         table(elements)
-    meshes()
+    if not short:
+        meshes()
 
 
 if __name__ == "__main__":

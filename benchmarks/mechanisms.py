@@ -2,6 +2,7 @@
 
 .venv/bin/python benchmarks/mechanisms.py         two minutes, part of `make bench`
 .venv/bin/python benchmarks/mechanisms.py quick   without the chains of 1000
+.venv/bin/python benchmarks/mechanisms.py short   without those of 100 either: half a minute
 """
 
 from __future__ import annotations
@@ -141,7 +142,9 @@ def forward_dynamics(sizes: Sequence[int]) -> None:
 
 def main(arguments: list[str]) -> None:
     warnings.simplefilter("ignore", jo.JoustoWarning)
-    chains = [c for c in RIGID_CHAINS if not arguments or c.bodies <= 100]
+    short = "short" in arguments
+    most = 10 if short else 100 if arguments else 1000
+    chains = [c for c in RIGID_CHAINS if c.bodies <= most]
     print(f"one core; step {H * 1e3:g} ms; EXUDYN: generalised alpha, modified Newton")
     print("distance: largest one of the sensor from jousto's RK4 at 1/8 of the step\n")
     print(
@@ -158,7 +161,7 @@ def main(arguments: list[str]) -> None:
     reduced = beam(10)
     for joint in ("spherical", "revolute"):
         found = costs.setdefault(f"{joint}, n = 10", {})
-        for bodies, t_end in ((10, 0.5), (100, 0.1)):
+        for bodies, t_end in ((10, 0.5), (100, 0.1))[: 1 if short else 2]:
             flexible = Case(joint, bodies, 10, t_end)
             found[bodies] = compare(
                 flexible.name,
@@ -177,7 +180,7 @@ def main(arguments: list[str]) -> None:
     for kind, found in costs.items():
         print(f"{kind:18s} {growth(found)}")
     trees(chains, {n: c[0] for n, c in costs["revolute, rigid"].items()})
-    forward_dynamics((10, 100, 200))
+    forward_dynamics((10,) if short else (10, 100, 200))
 
 
 if __name__ == "__main__":

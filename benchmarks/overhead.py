@@ -2,6 +2,7 @@
 
 .venv/bin/python benchmarks/overhead.py         a minute, part of `make bench`
 .venv/bin/python benchmarks/overhead.py quick   without the chain of 1000
+.venv/bin/python benchmarks/overhead.py short   without that of 100 either
 """
 
 from __future__ import annotations
@@ -79,13 +80,13 @@ def theirs(case: RigidChain) -> Callable[[int], object]:
 
 def main() -> None:
     warnings.simplefilter("ignore")
-    quick = "quick" in sys.argv[1:]
+    most = 10 if "short" in sys.argv[1:] else 100 if "quick" in sys.argv[1:] else 1000
     print("fixed cost of a run, ms of processor time, least of many; compiled model given")
     print(f"{'':32s} {'memory':>9s} {'file':>9s} {'EXUDYN':>9s} {'ratio':>7s}")
     pendulum = PENDULUMS[0]
     models = [(pendulum.name, jo.compile(mechanism(pendulum, beam(pendulum.modes))), None)]
     for case in (RigidChain("spherical", 1, 1.0), *RIGID_CHAINS):
-        if case.joint == "spherical" and not (quick and case.bodies >= 1000):
+        if case.joint == "spherical" and case.bodies <= most:
             models.append((case.name, jo.compile(rigid_chain(case)), case))
     with tempfile.TemporaryDirectory() as folder:
         for name, model, rigid in models:

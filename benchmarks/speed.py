@@ -2,6 +2,7 @@
 
 make bench                                  all cases, about five minutes
 .venv/bin/python benchmarks/speed.py quick  without the long chains
+.venv/bin/python benchmarks/speed.py short  one beam alone: that everything runs, in seconds
 """
 
 from __future__ import annotations
@@ -161,7 +162,10 @@ def main(arguments: list[str]) -> None:
     warnings.simplefilter("ignore", jo.JoustoWarning)
     say: Callable[[str], None] = lambda line: print(line, flush=True)  # noqa: E731
     counter, peaks = Counter(), [scalar_peak()]
-    cases = [c for c in PENDULUMS + CHAINS if not arguments or c.bodies <= 5]
+    short = "short" in arguments
+    cases = [c for c in PENDULUMS + CHAINS if not arguments or c.bodies <= 5][
+        : 1 if short else None
+    ]
     say(f"one core; step {H * 1e3:g} ms")
     say("EXUDYN 1.13.6: generalised alpha, index 3, default tolerances; full and modified Newton")
     say("ratio: modified Newton against ROS2 and RK4")
@@ -182,7 +186,7 @@ def main(arguments: list[str]) -> None:
         say(line)
         table.append((case.name, rate))
         peaks.append(scalar_peak())
-    large = Case("spherical", 1, 100)
+    large = Case("spherical", 1, 20 if short else 100)
     model = jo.compile(mechanism(large, beam(large.modes)))
     table.append((large.name, rates(model, counter, (cost(model, jo.RK4), cost(model, jo.ROS2)))))
     peak = max(peaks)
