@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.model import newton
 from jousto.model.model import ForceModel
-from jousto.model.native.native import displaced
+from jousto.model.native.native import Engine, displaced
 from jousto.model.newton import newton_pattern
 from model import (
     test_forces,
@@ -258,3 +259,27 @@ def test_nodes_hold_every_unknown_once(case):
 def test_models_without_joints_or_bodies():
     pattern = newton_pattern(replace(long_chain(1), joints=()))
     assert [node[:3] for node in pattern.nodes] == [(0, 6, 6)]
+
+
+def test_compile_does_not_order_newtons_matrix() -> None:
+    """Of nets it is far larger than the mechanism; only implicit methods and statics use it."""
+    body = jo.RigidBody("ball", 1.0, (1.0, 1.0, 1.0))
+    joint = jo.Spherical("pivot", jo.ground["origin"], body["origin"])
+    model = jo.compile(jo.Mechanism(body, joint))
+    jo.doctor(model).lines()
+    assert model not in newton._KNOWN
+    jo.simulate(model, 1e-2, solver=jo.GeneralizedAlpha(1e-2))
+    assert model in newton._KNOWN
+
+
+def test_an_engine_without_newtons_matrix_refuses_what_needs_it() -> None:
+    model = jo.compile(jo.Mechanism(jo.RigidBody("ball", 1.0, (1.0, 1.0, 1.0))))
+    engine = Engine(model, implicit=False)
+    asks = (
+        lambda: engine.native_solver("generalized_alpha", 1e-3, True),
+        lambda: engine.newton_matrix(1.0, 0.0, 0.0),
+        lambda: engine.newton_sparse(1.0, 0.0, 0.0),
+    )
+    for ask in asks:
+        with pytest.raises(ValueError, match="without Newton"):
+            ask()

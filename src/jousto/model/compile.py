@@ -327,7 +327,7 @@ def _stress(reduced: ReducedPart) -> StressModes | None:
 
 def _consistent(model: Model) -> Model:
     """Return the model with closed joints and velocities that they allow."""
-    engine = Engine(model, strict=True)
+    engine = Engine(model, strict=True, implicit=False)
     given = model.v0.copy()
     found = None
     try:
@@ -341,7 +341,7 @@ def _consistent(model: Model) -> Model:
         rubbing = tuple(friction.joint for friction in model.frictions)
         flagged = flag_reactions(model.sensors, every, found.joints, rubbing)
         model = replace(model, redundant=True, sensors=flagged)
-        engine = Engine(model)
+        engine = Engine(model, implicit=False)
         engine.assemble()
         engine.accelerations()
     check_closed(model, engine, found)
@@ -382,7 +382,7 @@ def _consistent(model: Model) -> Model:
 
 def _check_reachable(model: Model) -> None:
     """Raise InputError if assembly gets stuck in a position with open joints."""
-    engine = Engine(replace(model, redundant=True))
+    engine = Engine(replace(model, redundant=True), implicit=False)
     try:
         engine.assemble()
     except SingularJoints:

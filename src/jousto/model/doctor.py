@@ -208,7 +208,7 @@ def _rigid_mobility(diagnosis: Diagnosis, model: Model) -> int | None:
         return diagnosis.mobility
     if model.nv > LARGE:
         return None
-    engine = Engine(model)
+    engine = Engine(model, implicit=False)
     rigid = _rigid_rows(model, engine, unit_rows(model, engine))
     s = np.linalg.svd(rigid, compute_uv=False)
     return int(rigid.shape[1]) - int((s > RANK).sum())

@@ -236,7 +236,7 @@ def _without_events(model: Model) -> tuple[SignalModel, ...]:
 
 def _pose(model: Model, initials: Sequence[Initial]) -> Array:
     """Return q (nq,) with closed joints at which the coordinates have their values."""
-    engine = Engine(model)
+    engine = Engine(model, implicit=False)
     first = model.permanent - len(initials)
     angles = np.array(
         [model.coordinates[_coordinate(j)].kind == "angle" for j in model.joints[-len(initials) :]]
@@ -298,7 +298,7 @@ def _unreachable(
 
 def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
     """Return v (nv,) that fits joints, drives and rates, the nearest to the given one."""
-    engine = Engine(model)
+    engine = Engine(model, implicit=False)
     first = model.permanent - len(initials)
     rates = np.array([initial.rate for initial in initials])
     given = np.array(model.v0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -15,7 +16,7 @@ from jousto.model.model import Model
 from jousto.model.native.callback import callback
 from jousto.model.native.header import kinds, packed
 from jousto.model.native.meter import meter_size, native_rule
-from jousto.model.newton import newton_pattern
+from jousto.model.newton import NewtonPattern, newton_pattern
 
 CHUNK = 4096  # scalars that are allocated together
 
@@ -29,7 +30,8 @@ class _Laid:
     counts: dict[int, int]
 
 
-_LAID: WeakKeyDictionary[Model, dict[int, _Laid]] = WeakKeyDictionary()  # by build of the engine
+# by build of the engine, and whether with the pattern of Newton's matrix
+_LAID: WeakKeyDictionary[Model, dict[tuple[int, bool], _Laid]] = WeakKeyDictionary()
 
 
 class Layout:
@@ -49,6 +51,8 @@ class Layout:
         Replaces arrays of the model by name, see `Engine`.
     strict : bool
         A singular position is an error.
+    implicit : bool
+        With the pattern of Newton's matrix; beams always have it.
 
     Attributes
     ----------
@@ -68,6 +72,7 @@ class Layout:
         dtype: np.dtype[Any],
         override: dict[tuple[str, int, str], Any],
         strict: bool,
+        implicit: bool,
     ) -> None:
         self._library = library
         self._ffi = ffi
@@ -75,6 +80,7 @@ class Layout:
         self._dtype = dtype
         self._override = override
         self._strict = strict
+        self._implicit = implicit or bool(model.beams)
         self._keep: list[Any] = []
         self._shared: dict[int, tuple[Any, Any]] = {}
         self._room, self._used, self._address = np.zeros(0, dtype), 0, ffi.NULL
@@ -89,7 +95,7 @@ class Layout:
         # functions of the user report what they raise to one engine, and may refer to the model
         own = bool(self._override) or any(force.function is not None for force in m.forces)
         known = {} if own else _LAID.setdefault(m, {})
-        build = id(self._library)
+        build = id(self._library), self._implicit
         laid = known.get(build)
         if laid is None:
             laid = _Laid(self._laid_out(), self._keep, self.counts)
@@ -169,7 +175,7 @@ class Layout:
         model = self._ffi.new("jo_model *")
         pairs = self._pairs()
         loops = loops_of(m)
-        newton = newton_pattern(m)
+        newton = newton_pattern(m) if self._implicit else NewtonPattern((), (), (), (0,), (), 0)
         updates = [u for column in m.elimination.updates for u in column]
         belows = [b for column in m.elimination.below for b in column]
         sizes = {
@@ -262,10 +268,14 @@ class Layout:
                 s.type = types[source.kind]
         return array
 
-    def _fill(self, kind: str, values: list[Any]) -> Any:
+    def _fill(self, kind: str, values: Sequence[Any]) -> Any:
+        """Return structs that consist of ints alone, or ints, with these values."""
         array = self._structs(kind, len(values))
-        for i, value in enumerate(values):
-            array[i] = value
+        if len(values):
+            rows = chain.from_iterable(values) if isinstance(values[0], tuple) else values
+            width = self._ffi.sizeof(kind) // self._ffi.sizeof("int")
+            ints = np.fromiter(rows, np.intc, len(values) * width)
+            self._ffi.buffer(array)[:] = ints.tobytes()
         return array
 
     def _pairs(self) -> list[tuple[int, int, int, int, int]]:

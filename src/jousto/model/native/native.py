@@ -76,6 +76,8 @@ class Engine:
         ``{("body", 0, "K"): perturbed_stiffness}``; for derivatives.
     strict : bool
         A singular position is an error; otherwise it is passed with multipliers of least norm.
+    implicit : bool
+        Lay out Newton's matrix, which implicit methods factorise; without it they are refused.
     """
 
     def __init__(
@@ -85,13 +87,17 @@ class Engine:
         complex_scalars: bool = False,
         override: dict[tuple[str, int, str], Any] | None = None,
         strict: bool = False,
+        implicit: bool = True,
     ) -> None:
         self.model = model
+        self._implicit = implicit
         self.dtype = np.dtype(np.complex128 if complex_scalars else np.float64)
         self._library = library.complex_library() if complex_scalars else library.real_library()
         self._ffi = library.ffi()
         self._override = override or {}
-        self._layout = Layout(self._library, self._ffi, model, self.dtype, self._override, strict)
+        self._layout = Layout(
+            self._library, self._ffi, model, self.dtype, self._override, strict, implicit
+        )
         self._model = self._layout.model
         data = self._library.jo_data_new(self._model)
         if data == self._ffi.NULL:
@@ -331,6 +337,7 @@ class Engine:
         M, D, K as in `tangent`, but by formulas, the last rows for the rates of the constraints:
         the matrix of the implicit methods, (nv + nrow, nv + nrow).
         """
+        self._needs_newton()
         size = self.model.nv + self.model.nrow
         out = np.zeros((size, size), self.dtype)
         self._check(
@@ -340,6 +347,7 @@ class Engine:
 
     def newton_sparse(self, ca: float, cv: float, cq: float) -> Any:
         """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense one."""
+        self._needs_newton()
         values = np.zeros(newton_pattern(self.model).reals, self.dtype)
         self._check(
             self._library.jo_newton_values(
@@ -351,6 +359,10 @@ class Engine:
         at, rows, columns = self._entries
         size = self.model.nv + self.model.nrow
         return scipy.sparse.csr_matrix((values[at], (rows, columns)), shape=(size, size))
+
+    def _needs_newton(self) -> None:
+        if not self._implicit:
+            raise ValueError("this engine was made without Newton's matrix: implicit=True")
 
     def tangent(self) -> Tangent:
         """Return the exact derivatives of `residual` and of the constraints at this state.
@@ -410,6 +422,7 @@ class Engine:
         **options: Any,
     ) -> Any:
         """Return a jo_solver of a jo_method such as "rk4"; the options are its further fields."""
+        self._needs_newton()
         solver = self._ffi.new("jo_solver *")
         solver.method = kinds("jo_method")[method]
         solver.projection, solver.step = int(projection), step

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from jousto.base.errors import SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine, displaced
-from jousto.model.ordering import eliminate
+from jousto.model.ordering import Elimination, eliminate
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
 
 MOVES = 1e-6  # of unit motions in the mass metric: what is less is round-off
@@ -34,7 +35,7 @@ def moving(model: Model, q: Array) -> set[str]:
     q : (nq,) array
         A position with closed joints.
     """
-    engine = Engine(model)
+    engine = Engine(model, implicit=False)
     engine.q[:] = q
     if model.nv <= SMALL:
         free = null_space(unit_rows(model, engine))  # in coordinates of unit mass
@@ -108,14 +109,13 @@ def without_drives(model: Model) -> Model:
         if joint.lock < 0 and not is_drive(joint):
             kept.append(replace(joint, row=row))
             row += joint.rows
-    on_body: dict[int, list[int]] = {}
-    for k, joint in enumerate(kept):
-        for body in {model.markers[side].body for side in joint.sides} - {-1}:
-            on_body.setdefault(body, []).append(k)
+    elimination = model.elimination
+    if len(kept) < len(model.joints):
+        elimination = _order(model, kept)
     return replace(
         model,
         joints=tuple(kept),
-        elimination=eliminate([joint.rows for joint in kept], on_body.values()),
+        elimination=elimination,
         frictions=(),
         forces=(),
         sensors=(),
@@ -125,9 +125,17 @@ def without_drives(model: Model) -> Model:
     )
 
 
+def _order(model: Model, joints: Sequence[JointModel]) -> Elimination:
+    on_body: dict[int, list[int]] = {}
+    for k, joint in enumerate(joints):
+        for body in {model.markers[side].body for side in joint.sides} - {-1}:
+            on_body.setdefault(body, []).append(k)
+    return eliminate([joint.rows for joint in joints], on_body.values())
+
+
 def neighbour(model: Model) -> Array | None:
     """Return a position (nq,) a small way along a motion that the rows allow, None without one."""
-    engine = Engine(replace(model, redundant=True))
+    engine = Engine(replace(model, redundant=True), implicit=False)
     engine.v[:] = np.random.default_rng(0).standard_normal(model.nv)
     try:
         engine.assemble()

@@ -150,7 +150,7 @@ def dependent_rows(model: Model, engine: Engine) -> Array:
 
 def repeated_rows(model: Model) -> Redundancy | None:
     """Return the rows of a model that repeat one another at its initial pose, None if none do."""
-    Y = dependent_rows(model, Engine(model))
+    Y = dependent_rows(model, Engine(model, implicit=False))
     rows, count = Y.shape
     if not count:
         return None
@@ -172,7 +172,7 @@ def _weak(model: Model) -> str:
     """Return which inertias make independent rows look like repeated ones, and what to do."""
     if model.permanent > DENSE:
         return ""
-    s = np.linalg.svd(unit_rows(model, Engine(model)), compute_uv=False)
+    s = np.linalg.svd(unit_rows(model, Engine(model, implicit=False)), compute_uv=False)
     if s[s > RANK].min(initial=1.0) > WEAK:
         return ""
     ratios = [_inertia_ratio(body) for body in model.bodies]
@@ -195,7 +195,7 @@ def _inertia_ratio(body: BodyModel) -> float:
 
 def _repeated_nearby(model: Model) -> int:
     """Return how many rows repeat others a small way along a motion that the joints allow."""
-    engine = Engine(replace(model, redundant=True))
+    engine = Engine(replace(model, redundant=True), implicit=False)
     engine.v[:] = np.random.default_rng(0).normal(size=model.nv)
     engine.assemble()
     size = float(np.abs(engine.v).max(initial=0.0))
@@ -334,7 +334,7 @@ def disagreement(model: Model, q: Array, time: float) -> str:
     time : float
         The time, s, for drives.
     """
-    engine = Engine(model)
+    engine = Engine(model, implicit=False)
     engine.q[:], engine.time[0] = q, time
     c = np.abs(engine.constraints()[0])
     gaps = [float(c[j.row : j.row + j.rows].max(initial=0.0)) for j in model.joints]
