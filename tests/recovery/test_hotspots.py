@@ -380,3 +380,20 @@ def test_points_of_one_section_are_one_spot() -> None:
     # of solids each node is a place of its own
     solid = field_from(replace(modes, nodes=np.arange(9)), [[0.0], [1.0]], [0.0, 1.0])
     assert [spot.site for spot in hot_spots(solid, count=2)] == ["e1.a.top", "e1.a.side"]
+
+
+@pytest.mark.parametrize("criterion", ["principal-1", "principal-3"])
+@pytest.mark.parametrize("instants", [40, 300])
+def test_the_first_principal_stress_of_compression_is_found_to_be_zero(
+    criterion: str, instants: int
+) -> None:
+    """And the third one of tension: 0 beside stresses of some 5, so 5e-15 is its rounding."""
+    rng = np.random.default_rng(0)
+    d = rng.standard_normal((60, 3))
+    x, y, z = (d / np.linalg.norm(d, axis=1)[:, None]).T
+    uniaxial = np.stack([x * x, y * y, z * z, x * y, y * z, x * z], axis=1)
+    modes = uniaxial[:, :, None] * rng.uniform(1.0, 2.0, (60, 1, 2))
+    p = np.abs(rng.standard_normal((instants, 2))) * (-1.0 if criterion == "principal-1" else 1.0)
+    found = search(modes, p, np.zeros((60, 3)), measure(criterion), count=4)
+    assert len(found.places) == 4
+    np.testing.assert_allclose(found.ranked, 0.0, atol=1e-14)

@@ -111,6 +111,7 @@ class Search:
         B = self.rows(places)
         columns, norm = np.sqrt((B**2).sum(axis=1)), spectral(B)
         margin, below = self.margin[places], np.array(below)
+        slack = self._slack(norm)
         # coarse windows of all places, in pieces that stay in the cache
         coarse = self.windows[0]
         kept_place, kept_window = [], []
@@ -120,7 +121,7 @@ class Search:
             U += np.maximum(F[:, :-1], F[:, 1:])
             U += margin[some][:, None]
             if self.measure.tight:  # knots are instants of the run: bounds from below, too
-                known = F.max(axis=1) - self._slack(F) - margin[some]
+                known = F.max(axis=1) - slack[some] - margin[some]
                 below[some] = np.maximum(below[some], known)
             chosen = U > below[some][:, None]
             which, column = np.nonzero(chosen)
@@ -140,7 +141,7 @@ class Search:
                 U = np.maximum(F[:, :-1], F[:, 1:]) + margin[k][:, None]
                 U += finer.strays_of_pairs(columns[k], norm[k], w)
                 if self.measure.tight:
-                    np.maximum.at(below, k, F.max(axis=1) - self._slack(F) - margin[k])
+                    np.maximum.at(below, k, F.max(axis=1) - slack[k] - margin[k])
                 chosen = U > below[k][:, None]
                 np.maximum.at(upper, k, np.where(chosen, -np.inf, U).max(axis=1))
                 which, column = np.nonzero(chosen)
@@ -178,11 +179,11 @@ class Search:
         self.effort.knots += g.shape[0] * g.shape[1]
         return self.measure.majorant(g)
 
-    def _slack(self, F: Array) -> Array:
-        """Return what a majorant may exceed its criterion by, (nk,)."""
-        # the closed form of principal values carries its own margin, twice for both signs; the
-        # length of the tensor is at most sqrt(3) times its largest principal value
-        return np.asarray(1e-6 * np.abs(F).max(axis=1))
+    def _slack(self, norm: Array) -> Array:
+        """Return what a majorant may exceed its criterion by, (nk,); `norm` is that of B."""
+        # the closed form of principal values adds a margin of the length of the tensor, which a
+        # single principal value may be far below: the first one of compression is 0
+        return np.asarray(1e-6 * norm * np.sqrt((self.y**2).sum(axis=1).max(initial=0.0)))
 
 
 def prepare(modes: Array, p: Array, measure: Measure) -> Search:
