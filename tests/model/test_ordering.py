@@ -116,6 +116,15 @@ def test_too_many_loops_are_refused():
     assert ordering.eliminate([3] * 150, [(i, i + 1) for i in range(149)], most=200).fill == 0
 
 
+def test_joints_of_a_body_on_the_ground_belong_on_the_ground() -> None:
+    """There they do not act on one another; the remedy that is named costs nothing."""
+    made = hub(600)
+    middle = made.items[0]
+    holder = jo.Fixed("holder", jo.ground["origin"], middle["origin"])
+    with pytest.raises(jo.InputError, match="body 'middle': .* put the joints on the ground"):
+        jo.compile(jo.Mechanism(*made.items, holder))
+
+
 def net(side: int) -> tuple[int, list[list[int]]]:
     """Return the joints and cliques of a square net of bodies, each joined to its neighbours."""
     on_body: dict[tuple[int, int], list[int]] = {}

@@ -15,8 +15,9 @@ from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
-from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
 from jousto.mechanism.checks import coordinates_of, used_joints
+from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.frame_record import frame_shape
 from jousto.model.model import BodyModel, Model, Shape
@@ -41,8 +42,6 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 log = logging.getLogger(__name__)
-
-
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
 
 
@@ -179,6 +178,9 @@ def _elimination(
                 "divide it into several bodies, each fixed to the one before, so that none carries "
                 "more than some hundred joints"
             )
+            holds = (mechanism.joints[k] for k in joints if k < len(mechanism.joints))
+            if any(isinstance(j, Fixed) and ground in (j.a.body, j.b.body) for j in holds):
+                remedy = "it is fixed to the ground: put the joints on the ground itself"
             break
     else:
         reason = "has so many loops that a great share of its joints acts on one another"
