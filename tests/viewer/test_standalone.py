@@ -6,10 +6,14 @@ import cProfile
 import functools
 import pstats
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
 import jousto as jo
+from jousto.recovery.hotspots import spots
+from jousto.viewer.extremes import stress_fields
 from jousto.viewer.frames import Frames
 from jousto.viewer.standalone import contents, page
 from jousto.viewer.things import scenes_of
@@ -79,3 +83,32 @@ def test_a_body_is_found_alone_in_memory_and_in_files(tmp_path: Path) -> None:
             assert alone is not None and alone.q_offset == body.q_offset
             np.testing.assert_array_equal(alone.nodes, body.nodes)
         assert found.body("nobody") is None
+
+
+def test_only_bodies_that_may_have_a_worst_place_are_searched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The places are those of `hot_spots`, which searches all; the work does not grow with bodies.
+
+    The chain lies level when it is let go and hangs from one end, where it is bent most: ten
+    places lie on its first links, however many follow. Stress across the links is 0 everywhere.
+    """
+    searched: list[int] = []
+    whole = spots.search
+
+    def counted(modes: np.ndarray, *given: Any, **named: Any) -> Any:
+        searched.append(len(modes))
+        return whole(modes, *given, **named)
+
+    monkeypatch.setattr(spots, "search", counted)
+    work = {}
+    for n in (4, 8):
+        fields = stress_fields(scenes_of([chain(n, tmp_path / f"{n}.h5")])[0])
+        for criterion in ("von-mises", "principal-1", "principal-3", "s11", "s13"):
+            searched.clear()
+            found = spots.worst_places(fields, count=10, criterion=criterion, separation=0.04)
+            work[n, criterion] = len(searched)
+            full = spots.hot_spots(fields, criterion=criterion, separation=0.04)
+            told = [(x.body, x.site, x.time, x.value) for x in full.spots]
+            assert [(x.body, x.site, x.time, x.value) for x in found] == told
+            assert work[n, criterion] == work[4, criterion] < 4

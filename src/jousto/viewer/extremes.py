@@ -16,7 +16,8 @@ from jousto.base.ranking import ranking
 from jousto.recovery.fields.build import field_from, stress_field
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.spots import HotSpots, hot_spots
+from jousto.recovery.hotspots.found import HotSpot
+from jousto.recovery.hotspots.spots import worst_places
 from jousto.viewer.measures import CRITERIA
 from jousto.viewer.points import Point, rows_of
 
@@ -112,13 +113,13 @@ def _spots(
     count: int,
     extreme: str | None,
     fields: list[StressField] | None = None,
-) -> HotSpots:
+) -> list[HotSpot]:
     fields = stress_fields(scene) if fields is None else fields
     if not fields:
         raise InputError(Problem("worst", "no body of this run has stress data"))
     size = max(float(np.linalg.norm(np.ptp(field.positions, axis=0))) for field in fields)
     how: dict[str, Any] = {"criterion": CRITERIA[measure], "extreme": extreme}
-    return hot_spots(fields, count=count, separation=APART * size if count > 1 else None, **how)
+    return worst_places(fields, count=count, separation=APART * size if count > 1 else None, **how)
 
 
 def _field(run: Solution, name: str) -> StressField:

@@ -72,13 +72,25 @@ def every(
 
 def rounding(field: StressField) -> Array:
     """Return what rounding may change of a criterion at each place (ns,), of any order of sums."""
+    n = field.S.shape[2]
+    parts = np.einsum("scj,sj->sc", np.abs(field.S), _sizes(field))
+    return np.asarray(SAFETY * UNIT * (n + SAFETY) * np.sqrt((parts**2).sum(axis=1)))
+
+
+def highest(field: StressField, measure: Measure) -> float:
+    """Return what no place of a body exceeds at any instant, ``sum_j |G S_j| max |p_j|``."""
+    length = np.sqrt(((measure.rows @ field.S) ** 2).sum(axis=1))
+    bound = (length * _sizes(field)).sum(axis=1) + rounding(field)
+    return float(bound.max(initial=-np.inf))
+
+
+def _sizes(field: StressField) -> Array:
+    """Return the largest magnitudes (ns, n) of the coordinates that each place depends on."""
     size = np.abs(field.p).max(axis=0)
     n = field.S.shape[2]
-    own = np.broadcast_to(size[:n], (field.ns, n))
-    if field.columns is not None:
-        own = size[field.columns[:, None] + np.arange(n)]
-    parts = np.einsum("scj,sj->sc", np.abs(field.S), own)
-    return np.asarray(SAFETY * UNIT * (n + SAFETY) * np.sqrt((parts**2).sum(axis=1)))
+    if field.columns is None:
+        return np.broadcast_to(size[:n], (field.ns, n))
+    return np.asarray(size[field.columns[:, None] + np.arange(n)])
 
 
 def largest(field: StressField, criterion: Criterion) -> Array:

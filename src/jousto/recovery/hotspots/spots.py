@@ -12,15 +12,15 @@ import numpy as np
 from jousto.base.arguments import explained
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
-from jousto.base.ranking import ranking
+from jousto.base.ranking import TIE, ranking
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.between import Between, between, largest_between
-from jousto.recovery.hotspots.every import every
+from jousto.recovery.hotspots.every import every, highest
 from jousto.recovery.hotspots.found import Found, HotSpot
 from jousto.recovery.hotspots.measures import Measure, measure
-from jousto.recovery.hotspots.search import Proof, search
+from jousto.recovery.hotspots.search import Found as Places, Proof, search
 from jousto.recovery.hotspots.words import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.write import write_histories, write_spots
 from jousto.simulation.results.solution import Solution
@@ -188,20 +188,8 @@ def hot_spots(
     spans = []
     for field in fields:
         part = field.during(start, end)
-        apart = section_size(field) if separation is None else float(separation)
         spans.append((float(part.time[0]), float(part.time[-1])))
-        if part.columns is None:
-            found = search(
-                part.S,
-                part.p,
-                part.positions,
-                sought,
-                count=count,
-                separation=apart,
-                labels=part.labels,
-            )
-        else:
-            found = every(part, criterion, sought, count=count, separation=apart)
+        found = _searched(part, criterion, sought, count, separation)
         certificates[field.name] = found.certificate
         gaps[field.name] = between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
@@ -225,6 +213,57 @@ def hot_spots(
         fields,
         certificates,
         gaps,
+    )
+
+
+def worst_places(
+    fields: Sequence[StressField],
+    *,
+    count: int,
+    criterion: Criterion,
+    separation: float | None = None,
+    extreme: str | None = None,
+) -> list[HotSpot]:
+    """Return the places of `hot_spots` alone: bodies that cannot have one are not searched.
+
+    A criterion at a place is at most ``sum_j |G S_j| max |p_j|``. Bodies are searched by that
+    bound, the largest first, until as many places as asked for exceed it.
+    """
+    _check(tuple(fields), count, criterion, separation)
+    sought = measure(criterion, extreme, strain=fields[0].strain)
+    bounds = np.array([highest(field, sought) for field in fields])
+    best: list[tuple[float, HotSpot]] = []
+    for k in np.argsort(-bounds, kind="stable").tolist():
+        if len(best) >= count and bounds[k] + TIE * abs(bounds[k]) < best[count - 1][0]:
+            break
+        found = _searched(fields[k], criterion, sought, count, separation)
+        for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
+            best.append((float(ranked), _spot(fields[k], int(place), int(instant), criterion)))
+        best.sort(key=lambda one: -one[0])
+    names = [f"{spot.body} {spot.site}" for _, spot in best]
+    order = ranking([ranked for ranked, _ in best], names).tolist()
+    return [best[k][1] for k in order[:count]]
+
+
+def _searched(
+    part: StressField,
+    criterion: Criterion,
+    sought: Measure,
+    count: int,
+    separation: float | None,
+) -> Places:
+    """Return the worst places of one body."""
+    apart = section_size(part) if separation is None else float(separation)
+    if part.columns is not None:
+        return every(part, criterion, sought, count=count, separation=apart)
+    return search(
+        part.S,
+        part.p,
+        part.positions,
+        sought,
+        count=count,
+        separation=apart,
+        labels=part.labels,
     )
 
 
