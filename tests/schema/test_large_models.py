@@ -1,6 +1,7 @@
 """The work for a model grows with its bodies, not with their square."""
 
 import cProfile
+import gc
 import pstats
 import warnings
 
@@ -8,7 +9,8 @@ import pytest
 
 import jousto as jo
 from jousto.model.doctor import doctor
-from jousto.schema.read import parse_model
+from jousto.schema.file.document import parse_document
+from jousto.schema.read import build_model, parse_model
 from jousto.schema.summary import model_facts
 
 BODY = "{{name: l{0}, mass: 1 kg, inertia: [1, 1, 1], position: [{1}, 0, 0], markers: {2}}}"
@@ -88,3 +90,22 @@ def test_work_grows_with_the_bodies(machine, n):
         examine("\n".join(machine(4)))  # loads modules
     one, two, four = (calls(examine, "\n".join(machine(k * n))) for k in (1, 2, 4))
     assert (four - two) / (two - one) < 2.1
+
+
+def test_reading_and_compiling_do_not_look_for_garbage():
+    """They keep what they make; each look at all of it takes longer than the one before."""
+    text = "\n".join(chain(300))
+    examine(text)  # loads modules
+    seen = []
+    gc.collect()
+    gc.callbacks.append(lambda phase, info: seen.append(phase) if phase == "start" else None)
+    try:
+        document = parse_document(text)
+        reading = len(seen)
+        mechanism = build_model(document).mechanism
+        seen.clear()
+        jo.compile(mechanism)
+    finally:
+        gc.callbacks.pop()
+    assert gc.isenabled()
+    assert reading <= 1 and len(seen) <= 1  # when they are through

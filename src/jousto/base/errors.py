@@ -211,9 +211,8 @@ class Problems:
         ):
             self.add(where, f"{name} has shape {array.shape}, must be {wanted}")
             return None
-        bad = np.argwhere(~np.isfinite(array))
-        if len(bad):
-            index = tuple(int(i) for i in bad[0])
+        if not np.isfinite(array).all():
+            index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
             place = list(index) if index else ""
             self.add(where, f"{name}{place} is {array[index]}, must be finite")
             return None

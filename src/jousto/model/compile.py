@@ -11,6 +11,7 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, skew
+from jousto.base.collecting import uncollected
 from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
@@ -45,6 +46,7 @@ log = logging.getLogger(__name__)
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
 
 
+@uncollected()
 @explained
 def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.

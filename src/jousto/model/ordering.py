@@ -158,7 +158,7 @@ def eliminate(
         products += len(around) * (len(around) + 1) // 2
         if products > most:
             raise TooDense(products)
-        clique, touched, degree = set(around), set(around), len(around)
+        beside, touched, degree = set(around), set(around), len(around)
         for a in around:
             near[a].discard(i)
             if fills:
@@ -171,7 +171,7 @@ def eliminate(
         for a in sorted(touched):
             if fills:
                 known[a] = missing(a) if count <= LONG else at_most(a, degree - 1)
-            elif known[a] and a in clique:  # its pairs with the joint that is gone were missing
+            elif known[a] and a in beside:  # its pairs with the joint that is gone were missing
                 known[a] -= len(near[a]) + 1 - degree
             turn += step
             if not waits.get(a):

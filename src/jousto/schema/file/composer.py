@@ -8,10 +8,11 @@ rules of ruamel.yaml for 1.2. Unusual text and all text with an error is left to
 from __future__ import annotations
 
 import functools
-import gc
 import re
 from itertools import accumulate
 from typing import Any
+
+from jousto.base.collecting import uncollected
 
 # tabs, line ends of YAML 1.1 alone, directives, anchors, aliases, tags, text in blocks, and signs
 # of deep nesting by indentation
@@ -87,13 +88,10 @@ def _libyaml() -> Any:
 
     def read(text: str) -> Any:
         loader = Loader(text)
-        collects = gc.isenabled()
-        gc.disable()  # the tree grows only; looking for garbage in it takes as long as reading
         try:
-            return loader.get_single_node()
+            with uncollected():
+                return loader.get_single_node()
         finally:
-            if collects:
-                gc.enable()
             loader.dispose()
 
     return read

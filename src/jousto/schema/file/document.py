@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from jousto.base.collecting import uncollected
 from jousto.base.described import described
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
 from jousto.base.files import check_text
@@ -127,6 +128,7 @@ def is_hdf5(path: Path) -> bool:
         return False
 
 
+@uncollected()
 def parse_document(text: str, *, name: str = "model", folder: Path | None = None) -> Document:
     """Parse YAML or JSON text; see `read_document`."""
     # imported here: it is needed for model files only
