@@ -72,7 +72,7 @@ class Layout:
         dtype: np.dtype[Any],
         override: dict[tuple[str, int, str], Any],
         strict: bool,
-        implicit: bool,
+        implicit: bool = True,
     ) -> None:
         self._library = library
         self._ffi = ffi
