@@ -50,21 +50,22 @@ def compare(mechanism: jo.Mechanism, **more: Any) -> Verification:
     return verify(mechanism, 0.1, step=1e-3, **more)
 
 
-@cache
+@pytest.fixture(scope="module")
 def sound() -> Verification:
+    """Made before any test plants its fault, in whichever order tests run."""
     return compare(pushed())
 
 
-def test_all_ways_are_gone() -> None:
-    found = ways_of(sound())
+def test_all_ways_are_gone(sound: Verification) -> None:
+    found = ways_of(sound)
     assert list(found) == ["GeneralizedAlpha", "another frame", "finer basis"]
     for way in found.values():
         assert way.worst is not None, way.said
         assert way.worst.fine < 5e-3, way.said
     assert found["GeneralizedAlpha"].worst.order == pytest.approx(2.0, abs=0.3)  # type: ignore[union-attr]
     for name, way in found.items():
-        assert f"{name}" in str(sound())
-        assert way.said in str(sound())
+        assert f"{name}" in str(sound)
+        assert way.said in str(sound)
 
 
 def off(found: Verification, way: str, reading: str) -> float:
@@ -81,7 +82,7 @@ def test_a_method_with_a_fault_shows(monkeypatch: Patch) -> None:
     assert way.worst.order < 1.4
 
 
-def test_a_frame_with_a_fault_shows(monkeypatch: Patch) -> None:
+def test_a_frame_with_a_fault_shows(monkeypatch: Patch, sound: Verification) -> None:
     """Frequencies that are 2 % too high: 4 % more stiffness."""
 
     def wrong(reduced: jo.ReducedPart, frame: Any) -> jo.ReducedPart:
@@ -90,14 +91,14 @@ def test_a_frame_with_a_fault_shows(monkeypatch: Patch) -> None:
 
     monkeypatch.setattr(ways, "in_frame", wrong)
     broken = compare(pushed())
-    assert off(broken, "another frame", "stress") > 10 * off(sound(), "another frame", "stress")
+    assert off(broken, "another frame", "stress") > 10 * off(sound, "another frame", "stress")
 
 
-def test_a_basis_that_is_too_poor_shows() -> None:
+def test_a_basis_that_is_too_poor_shows(sound: Verification) -> None:
     """Without its slow modes the bar does not bend, and has no stress."""
     poor = bar().keep(range(4, bar().n))
     stiff = compare(pushed(poor))
-    assert off(stiff, "finer basis", "stress") > 0.3 > 10 * off(sound(), "finer basis", "stress")
+    assert off(stiff, "finer basis", "stress") > 0.3 > 10 * off(sound, "finer basis", "stress")
 
 
 def test_a_given_mechanism_is_compared() -> None:
@@ -114,11 +115,11 @@ def test_a_given_mechanism_is_compared() -> None:
         compare(pushed(), beside={"fine": 3})
 
 
-def test_a_body_with_damping_is_compared_without_it() -> None:
+def test_a_body_with_damping_is_compared_without_it(sound: Verification) -> None:
     """A damping ratio is that of the free body: of the modes of another frame it is another."""
     found = compare(pushed(damping=0.05))
     assert off(found, "another frame", "tip") == pytest.approx(
-        off(sound(), "another frame", "tip"), rel=0.5
+        off(sound, "another frame", "tip"), rel=0.5
     )
 
 
