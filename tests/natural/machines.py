@@ -10,6 +10,7 @@ import numpy as np
 
 import jousto as jo
 from jousto.natural.instants import Instants, at_states
+from jousto.reduction.methods import Reduction
 from verification.mechanisms import SECTION, SOFT
 
 G = jo.Gravity((1.0, -2.0, -9.0))
@@ -109,6 +110,35 @@ def everything() -> jo.Mechanism:
     return jo.Mechanism(
         *bodies, hinge, cross, wrist, drive, *forces, *sensors, G, name="everything"
     )
+
+
+def rssr(modes: Reduction, elements: int = 24) -> jo.Mechanism:
+    """A crank, a slender coupler between two balls and a rocker that turns about another axis."""
+    radius, arm, hinge = 0.05, 0.3, np.array([0.3, 0.5, 0.0])
+    pin = radius * np.eye(3)[0]
+    along = hinge + (0, 0, arm) - pin
+    length = float(np.linalg.norm(along))
+    x = along / length
+    y = np.cross((0, 0, 1), x) / np.linalg.norm(np.cross((0, 0, 1), x))
+    section = jo.Rectangle(0.005, 0.0065)
+    part = jo.Part.beam(length, section, elements, jo.material("S355"), name="coupler")
+    crank = jo.RigidBody("crank", 1.0, (0.001, 0.002, 0.002), center=(0.03, 0, 0))
+    crank = replace(crank, angular_velocity=(0, 0, 1.0), markers={"pin": pin})
+    coupler = jo.FlexibleBody(
+        "coupler",
+        jo.reduce(part, modes),
+        position=pin,
+        orientation=np.column_stack([x, y, np.cross(x, y)]),
+    )
+    rocker = jo.RigidBody("rocker", 1.0, (0.01, 0.01, 0.001), center=(0, 0, 0.1), position=hinge)
+    rocker = replace(rocker, markers={"pin": (0, 0, arm)})
+    shaft = jo.Revolute("shaft", jo.ground["origin"], crank["origin"], axis=(0, 0, 1))
+    swing = jo.Revolute("swing", jo.ground.at(hinge), rocker["origin"], axis=(1, 0, 0))
+    first = jo.Spherical("first ball", crank["pin"], coupler["start"])
+    second = jo.Spherical("second ball", coupler["end"], rocker["pin"])
+    motor = jo.Drive("motor", shaft.angle, jo.ConstantSpeed(1.0))
+    bodies, joints = (crank, coupler, rocker), (shaft, swing, first, second, motor)
+    return jo.Mechanism(*bodies, *joints, jo.Gravity((0, 0, -9.81)), name="RSSR")
 
 
 def differences(

@@ -13,7 +13,9 @@ import pytest
 
 import jousto as jo
 from jousto.natural.instants import at_states
-from natural.machines import differences, everything, read, rod
+from jousto.natural.measured import largest_of, measured, typical_sizes
+from jousto.natural.verify import by_engine
+from natural.machines import differences, everything, read, rod, rssr
 
 SAME = 1e-8
 # compile closes velocities that joints change, and says so
@@ -149,3 +151,28 @@ def test_states_that_do_not_fit_show_their_gaps() -> None:
     found = at_states(machine, [moved], ())
     assert found.gaps.max() == pytest.approx(0.02, rel=1e-9)
     assert found.open_joints(1e-9) == ("axle 0",)
+
+
+NODE = jo.reduction.NodeFrame("start")
+BASES = {
+    "polynomials": jo.reduction.ShapeFunctions(jo.reduction.Polynomials(3), frame=NODE),
+    "Craig and Bampton": jo.CraigBampton(("start", "end"), modes=4, frame=NODE),
+}
+
+
+@pytest.mark.parametrize("basis", BASES)
+def test_modes_in_the_frame_of_a_node(basis: str) -> None:
+    """They leave its frame the inertia of the node alone: rounding must not grow with that.
+
+    1e-7: the rounding of C'' times the penalty is in reactions, 1e-8 of the largest.
+    """
+    mechanism = measured(rssr(BASES[basis]))
+    model = jo.compile(mechanism)
+    run = jo.simulate(model, 1e-3, solver=jo.RK4(2e-6), output_step=2.5e-4)
+    sizes = typical_sizes(mechanism, 1e-3, largest_of(run))
+    engine, found = by_engine(model, run, 1), read(mechanism, run).readings
+    for sensor in mechanism.sensors:
+        size = max(np.abs(engine[sensor.name]).max(), 1e-3 * sizes[sensor.unit.split(",")[0]])
+        np.testing.assert_allclose(
+            found[sensor.name], engine[sensor.name], rtol=0, atol=1e-7 * size, err_msg=sensor.name
+        )

@@ -220,18 +220,22 @@ class Stepper:
         """Return the motion with the accelerations and multipliers of its equations.
 
         ``M a + Cq^T (alpha C'' + lam) = Q``, lam growing by ``alpha C''`` until it vanishes: of
-        rows that repeat one another any share of the multiplier may be found.
+        rows that repeat one another any share of the multiplier may be found. Every iteration
+        solves for what the one before it left, so that rounding of the factors, which is large for
+        modes in the frame of a node, does not stay.
         """
         machine, place, v, t, lam = self.machine, motion.place, motion.v, motion.t, motion.lam
         self.weigh(place)
-        solve = self._solver(machine.mass(place), place)
-        bias = motion.bias
+        M = machine.mass(place)
+        solve = self._solver(M, place)
         for _ in range(FRICTION if machine.rubs else 1):
             Q, action = machine.act(place, v, t, lam)
-            before, last = lam, np.inf
+            before, last, a = lam, np.inf, np.zeros_like(v)
             for _ in range(MOST):
-                a = solve(Q - place.Cq.pulled(self.weight * bias + lam))
-                more = self.weight * (place.Cq.times(a) + bias)
+                gap = place.Cq.times(a) + motion.bias
+                pull = place.Cq.pulled(self.weight * gap + lam)
+                a = a + solve(Q - machine.times(M, a) - pull)
+                more = self.weight * (place.Cq.times(a) + motion.bias)
                 lam = lam + more
                 left, last = last, float(np.abs(more).max())
                 least = AGREED * float(np.abs(lam).max())
