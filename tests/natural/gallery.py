@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.natural.verification import Compared, Verification
+from jousto.natural.compared import Compared
+from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
 
 FOLDER = Path(__file__).parents[2] / "examples"

@@ -218,3 +218,25 @@ def test_a_planted_fault_is_found_and_named(case: str, monkeypatch: Patch) -> No
     named = result.open_joints[0] if result.open_joints else result.different[0].name
     assert named == fault.shown, result
     assert f"'{named}'" in result.verdict
+
+
+def bearing() -> jo.Mechanism:
+    """A bar that turns on a pin and rubs."""
+    bar = jo.RigidBody("bar", 2.0, (0.02,) * 3, center=(0.3, 0, 0), angular_velocity=5.0 * Z)
+    pin = jo.Revolute("pin", jo.ground["origin"], bar["origin"], axis=Z)
+    law = jo.mechanism.Regularised(velocity=0.01)
+    rub = jo.Friction("rub", pin, 0.3, radius=0.5, law=law)
+    return jo.Mechanism(bar, pin, rub, jo.Gravity((0, -9.81, 0)))
+
+
+def test_a_fault_that_stops_the_run_is_named_too(monkeypatch: Patch) -> None:
+    """Friction that pushes turns the bar faster and faster, until the engine stops at 0.7 s."""
+    friction_sign(monkeypatch)
+    result = verify(bearing(), 1.0, step=1e-3)
+    assert not result.agrees
+    assert result.verdict.startswith("the formulations DISAGREE: 'force of rub' differs by ")
+    assert "; besides, the engine with a step of " in result.verdict
+
+
+def test_without_the_fault_the_run_reaches_its_end() -> None:
+    assert verify(bearing(), 1.0, step=1e-3).agrees

@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.natural.compared import Compared
 from jousto.natural.verify import verify
 from natural.machines import SECTION, rod
 from verification.iftomm import bricard
@@ -205,3 +207,85 @@ def test_a_state_of_another_model_is_refused() -> None:
     late = jo.simulate(jo.compile(bare), 0.01)
     with pytest.raises(jo.InputError, match=r"a state at 0\.01 s, and runs start at 0"):
         verify(bare, 0.02, begin=lambda model: late.state())
+
+
+def stiff(step: float, *more: object) -> jo.natural.Verification:
+    """A kilogram off the centre of a bushing, which vibrates with 3e3 rad/s and faster."""
+    body = jo.RigidBody("body", 1.0, (0.01, 0.02, 0.03), center=(0.1, 0, 0))
+    stiffness = (*(1e7,) * 3, *(1e4,) * 3)
+    bushing = jo.Bushing("bushing", jo.ground["origin"], body["origin"], stiffness=stiffness)
+    machine = jo.Mechanism(body, bushing, jo.Gravity((0, 0, -9.81)), *more)  # type: ignore[arg-type]
+    return verify(machine, 0.2, step=step, solver=jo.RK4(step))
+
+
+def test_an_engine_that_stops_decides_nothing() -> None:
+    """RK4 is unstable beyond 2.8 / (3e3 rad/s), 0.9 ms."""
+    result = stiff(4e-3)
+    assert result.undecided
+    assert not result.agrees
+    assert not result.ended
+    assert "nothing is decided: the engine with a step of 0.002 s stopped at" in result.verdict
+    assert "are the same to" in result.verdict
+    assert len([what for name, what in result.facts if name == "stopped"]) == 2
+
+
+def test_a_step_with_which_the_engine_stops_leaves_the_half_of_it_to_compare() -> None:
+    result = stiff(1e-3)
+    assert result.agrees, result
+    assert result.instants == 21
+    assert "runs are not compared: the engine with a step of 0.001 s stopped" in result.verdict
+
+
+def test_two_methods_of_which_one_stops_decide_nothing() -> None:
+    far = jo.mechanism.Event("far", place := still(), 1e9, component=0, stop=True)
+    result = stiff(4e-3, place, far)
+    assert result.undecided
+    assert not result.agrees
+    assert "and nothing is decided: the engine with a step of 0.002 s stopped" in result.verdict
+
+
+def still() -> jo.PositionSensor:
+    return jo.PositionSensor("ground", jo.ground["origin"])
+
+
+def test_a_moving_frame_that_stops_leaves_states_to_compare() -> None:
+    """Two radians in a step are more than its iteration can follow."""
+    body = jo.RigidBody("top", 1.0, (0.01, 0.02, 0.03), angular_velocity=(10, 2000, 20))
+    result = verify(jo.Mechanism(body), 0.02, step=1e-3, solver=jo.RK4(1e-5))
+    assert result.agrees, result
+    assert "but runs are not compared: the moving frame did not converge" in result.verdict
+    assert "nan" not in str(result)
+
+
+def row(coarse: float, fine: float) -> Compared:
+    return Compared("stress", 1.0, "Pa", np.nan, coarse, fine)
+
+
+def test_a_difference_that_falls_is_none_only_where_it_is_small() -> None:
+    """0.8 to 0.2 of the size is order 2, and says nothing of where both go."""
+    assert row(4e-3, 1e-3).meets
+    assert row(0.08, 0.02).meets
+    assert row(0.8, 0.2).order == pytest.approx(2.0)
+    assert not row(0.8, 0.2).meets
+    assert not row(0.03, 0.02).meets
+
+
+def test_two_methods_that_are_far_apart_do_not_agree() -> None:
+    """Half a step of 0.1 s in a swing of 1 Hz: they come together, but not yet."""
+    body = jo.RigidBody("body", 1.0, (0.01, 0.01, 0.01))
+    pull = (*(39.5,) * 3, *(1.0,) * 3)
+    spring = jo.Bushing("spring", jo.ground.at((0, 0, 0.25)), body["origin"], stiffness=pull)
+    place = jo.PositionSensor("place", body["origin"])
+    far = jo.mechanism.Event("far", place, 100.0, component=0, stop=True)
+    machine = jo.Mechanism(body, spring, place, far)
+    results = [verify(machine, 2.0, step=h, solver=jo.ROS2(h)) for h in (0.1, 2e-3)]
+    apart = {row.name: row for row in results[0].ways[0].apart}
+    assert apart["place"].order > 1.5
+    assert apart["place"].fine > 0.05
+    assert [result.agrees for result in results] == [False, True]
+
+
+def test_the_page_shows_what_is_undecided(tmp_path: Path) -> None:
+    text = jo.write(rattling(3e7), tmp_path / "rattling.html").read_text(encoding="utf-8")
+    assert 'background:#A56A00">undecided</span>' in text
+    assert ">disagree<" not in text

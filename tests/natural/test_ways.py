@@ -11,8 +11,9 @@ import pytest
 
 import jousto as jo
 from jousto.natural import ways
+from jousto.natural.compared import Way
 from jousto.natural.exchange import exchanged, held
-from jousto.natural.verification import Verification, Way
+from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
 from jousto.reduction import NodeFrame, in_frame
 

@@ -11,6 +11,8 @@ from jousto.cli.group import command
 from jousto.cli.options import Model, Trust, amount
 from jousto.cli.terminal import FAILED, say
 
+COLOURS = {"agree": "green", "undecided": "yellow", "disagree": "red"}
+
 
 @command()
 def verify(
@@ -55,6 +57,6 @@ def verify(
         beside={str(path): read_model(path, trust=trust).mechanism for path in beside or ()},
     )
     say(str(found).removesuffix(found.verdict).rstrip())
-    say(found.verdict, style="green" if found.agrees else "red")
+    say(found.verdict, style=COLOURS[found.word])
     if not found.agrees:
         raise typer.Exit(FAILED)

@@ -28,7 +28,8 @@ class Instants:
     names : tuple of str
         What each constraint belongs to.
     gaps, rates : arrays (m,)
-        Largest value of each constraint in any state, m or 1, and of its rate.
+        Largest value of each constraint in any state, as a share of what it is measured with,
+        and of its rate.
     """
 
     readings: dict[str, Array]
@@ -37,7 +38,7 @@ class Instants:
     rates: Array
 
     def open_joints(self, most: float) -> tuple[str, ...]:
-        """Return the names of joints and drives that states leave open, m or 1."""
+        """Return the names of joints and drives that states leave open by more than a share."""
         found = (name for name, gap in zip(self.names, self.gaps, strict=True) if gap > most)
         return tuple(dict.fromkeys(found))
 
@@ -72,7 +73,7 @@ def at_states(
         if stepper is None:
             stepper = Stepper(machine, 1.0, place, penalty=PENALTY)
         motion = stepper.start(place, v, state.time)
-        gaps = np.maximum(gaps, np.abs(place.C))
+        gaps = np.maximum(gaps, np.abs(place.C) / machine.limit)
         rates = np.maximum(rates, np.abs(machine.velocity_gaps(place, v, state.time)))
         found.append(reader.read(motion, machine.energies(motion)))
     readings = {s.name: np.stack([row[i] for row in found]) for i, s in enumerate(sensors)}

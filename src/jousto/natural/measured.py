@@ -81,11 +81,11 @@ def places(body: Body) -> list[Marker]:
     ]
 
 
-def largest_of(run: Solution) -> dict[str, float]:
-    """Return the largest value of every unit in a run."""
+def largest_of(run: Solution, last: int | None = None) -> dict[str, float]:
+    """Return the largest value of every unit in a run, or in so many first outputs."""
     found: dict[str, float] = {}
     for name in run:
-        top = np.abs(run[name]).max(axis=0, initial=0.0)
+        top = np.abs(run[name][:last]).max(axis=0, initial=0.0)
         for unit, x in zip(component_units(run.about(name)), top, strict=True):
             found[unit] = max(found.get(unit, 0.0), float(x))
     return found

@@ -6,131 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jousto.base.arrays import Array, some
+from jousto.base.arrays import some
 from jousto.base.described import described
 from jousto.base.errors import count
+from jousto.natural.compared import Compared, Way
 from jousto.simulation.results.diagnostics import FAIR
 
-SAME = 1e-6
-"""Share of its size by which a reading may differ at one state: both find it from one position and
-velocity, the second formulation by iteration."""
-CLOSE = 1e-3
-"""Share of its size by which the runs may differ in any case."""
 IDLE = "give it loads, drives or velocities, or what they do is not compared"
-FALLING = 1.5
-"""Order with which differences of runs fall at the least, if they are larger."""
-
-
-@described
-@dataclass(frozen=True, eq=False)
-class Compared:
-    """A reading of both formulations.
-
-    Attributes
-    ----------
-    name : str
-        Name of the sensor, or of what was measured besides.
-    size : float
-        Largest value of the engine, or what it is compared with where it is next to nothing.
-    unit : str
-        Its unit, or units.
-    at_instants : float
-        Largest difference at the same state, as a share of the size; nan if it has none there.
-    coarse, fine : float
-        Largest difference of the runs, as a share of the size, at the step and at half of it.
-    unique : bool
-        Whether it is unique, as reactions of redundant joints and what follows from friction there
-        are not; others are not compared.
-    worst : float
-        Time of the largest difference at the same state, s.
-    direct : bool
-        Whether it follows from positions and velocities at one place, as forces do. Otherwise
-        accelerations, in which every fault shows, or sums over the machine are part of it.
-    settles : bool
-        Whether runs of two methods have to come together in it.
-    own : float
-        Difference of the runs of one method at both steps, as a share of the size: of the method
-        that misses itself less.
-    """
-
-    name: str
-    size: float
-    unit: str
-    at_instants: float
-    coarse: float
-    fine: float
-    unique: bool = True
-    worst: float = 0.0
-    direct: bool = False
-    settles: bool = True
-    own: float = 0.0
-
-    @property
-    def order(self) -> float:
-        """Order with which the difference of the runs vanishes; nan where there is none."""
-        if self.fine <= 0.0 or self.coarse <= 0.0:
-            return np.nan
-        return float(np.log2(self.coarse / self.fine))
-
-    @property
-    def same(self) -> bool:
-        """Whether both read the same at the same states."""
-        return not self.unique or not self.at_instants > SAME
-
-    @property
-    def meets(self) -> bool:
-        """Whether the runs come together."""
-        return not self.unique or not self.fine > CLOSE or self.order >= FALLING
-
-    @property
-    def unresolved(self) -> bool:
-        """Whether each method misses itself by as much as the other: the step resolves too little.
-
-        A run with half the step misses the truth by 1/3 of the difference of its own runs at order
-        2, by as much at order 1; so two of them are apart by at most twice that.
-        """
-        return not self.meets and self.fine <= 2.0 * self.own
-
-
-@described
-@dataclass(frozen=True, eq=False)
-class Way:
-    """Runs of the engine by another method, in another frame, basis or mechanism.
-
-    Attributes
-    ----------
-    name : str
-        What is other.
-    rows : tuple of Compared
-        How far the readings differ.
-    failed : str
-        Why there are none.
-    """
-
-    name: str
-    rows: tuple[Compared, ...]
-    failed: str = ""
-
-    @property
-    def worst(self) -> Compared | None:
-        """The settled reading that differs most."""
-        found = [row for row in self.rows if row.unique and row.settles]
-        return max(found, key=lambda row: row.fine, default=None)
-
-    @property
-    def apart(self) -> tuple[Compared, ...]:
-        """Readings that do not come together with the step, the largest difference first."""
-        found = [row for row in self.rows if row.settles and not row.meets]
-        return tuple(sorted(found, key=lambda row: -row.fine))
-
-    @property
-    def said(self) -> str:
-        """What it found, in a few words."""
-        row = self.worst
-        if self.failed or row is None:
-            return f"not compared: {self.failed or 'no reading in common'}"
-        falls = f", order {row.order:.1f}" if np.isfinite(row.order) else ""
-        return f"differs by {row.fine:.1e} of the size at most, in '{row.name}'{falls}"
 
 
 @described
@@ -169,6 +51,10 @@ class Verification:
     shared : tuple of str
         Friction that follows from reactions which are not unique, and the motion with it: then
         positions, velocities and what depends on them alone are compared, at the same states.
+    stopped : tuple of str
+        Runs that did not reach their end, and why: then no runs are compared.
+    ended : bool
+        Whether the run of the engine whose states are compared reached its end.
     """
 
     name: str
@@ -184,6 +70,8 @@ class Verification:
     unknown: tuple[str, ...] = ()
     still: bool = False
     shared: tuple[str, ...] = ()
+    stopped: tuple[str, ...] = ()
+    ended: bool = True
 
     @property
     def different(self) -> tuple[Compared, ...]:
@@ -206,21 +94,34 @@ class Verification:
         """
         if self.unknown:
             return self.settled
-        return not self.different and not self.open_joints
+        return self.ended and not self.different and not self.open_joints
 
     @property
     def settled(self) -> bool:
         """Whether two methods of the engine come together and keep the balance of energy."""
+        if not self.ways:
+            return False
         first = self.ways[0]
         return not (first.failed or first.apart or self.shared) and self.energy[1] <= FAIR
 
     @property
     def undecided(self) -> bool:
-        """Whether the runs of two methods, which alone can judge, say neither yes nor no."""
+        """Whether what was compared says neither yes nor no.
+
+        The engine stopped before anything differed, or the runs of two methods, which alone can
+        judge, resolve too little or did not reach their end.
+        """
+        if not self.unknown:
+            return not (self.ended or self.different or self.open_joints)
+        if not self.ways or self.ways[0].failed or self.shared:
+            return True
         apart = self.ways[0].apart
-        return bool(self.unknown) and (
-            bool(self.shared) or (bool(apart) and all(row.unresolved for row in apart))
-        )
+        return bool(apart) and all(row.unresolved for row in apart)
+
+    @property
+    def word(self) -> str:
+        """The result in a word: agree, undecided or disagree."""
+        return "agree" if self.agrees else "undecided" if self.undecided else "disagree"
 
     @property
     def verdict(self) -> str:
@@ -232,25 +133,32 @@ class Verification:
         """The result in one sentence."""
         if self.unknown:
             return self._of_methods()
+        stopped = self.stopped[-1] if self.stopped else ""
+        besides = f"; besides, {stopped}" if stopped else ""
         if self.open_joints:
             names = some([f"'{name}'" for name in self.open_joints])
-            return f"the formulations DISAGREE: states of the engine leave {names} open"
+            return f"the formulations DISAGREE: states of the engine leave {names} open{besides}"
         if wrong := self.different:
             first = wrong[0]
             others = some([f"'{row.name}'" for row in wrong[1:]], 4)
             more = f", and so do {others}" if others else ""
             return (
                 f"the formulations DISAGREE: '{first.name}' differs by {first.at_instants:.2g} of "
-                f"its size at the same state, {first.worst:g} s{more}"
+                f"its size at the same state, {first.worst:g} s{more}{besides}"
             )
         checked = [row for row in self.rows if row.unique and np.isfinite(row.at_instants)]
         largest = max((row.at_instants for row in checked), default=0.0)
         equal = (
-            f"the formulations agree: {count(len(checked), 'reading')} at "
-            f"{count(self.instants, 'state')} are the same to {largest:.0e} of their size"
+            f"{count(len(checked), 'reading')} at {count(self.instants, 'state')} are the same to "
+            f"{largest:.0e} of their size"
         )
+        if not self.ended:
+            return f"nothing is decided: {stopped}; in the first half of that run {equal}"
+        equal = f"the formulations agree: {equal}"
         if self.shared:
             return f"{equal}; {self._share}"
+        if stopped:
+            return f"{equal}, but runs are not compared: {stopped}"
         if apart := self.apart:
             names = some([f"'{row.name}'" for row in apart], 4)
             return (
@@ -272,10 +180,15 @@ class Verification:
 
     def _of_methods(self) -> str:
         """The result where the moving frame does not know the mechanism."""
-        first = self.ways[0]
         alone = f"the moving frame does not know {count(len(self.unknown), 'thing')} of the machine"
+        if not self.ways:
+            return f"{alone}, and nothing is decided: {self.stopped[-1]}"
+        first = self.ways[0]
         if first.failed:
-            return f"{alone}, and the other method does not come to its end: {first.failed}"
+            return (
+                f"{alone}, and nothing is decided: the other method does not come to its end: "
+                f"{first.failed}"
+            )
         if self.shared:
             return f"{alone}, {self._share}"
         names = some([f"'{row.name}'" for row in first.apart], 4)
@@ -301,7 +214,7 @@ class Verification:
         )
 
     def __repr__(self) -> str:
-        word = "agree" if self.agrees else "are undecided" if self.undecided else "DISAGREE"
+        word = {"undecided": "are undecided", "disagree": "DISAGREE"}.get(self.word, self.word)
         return f"<Verification {self.name!r}: the formulations {word}>"
 
     @property
@@ -325,13 +238,15 @@ class Verification:
         engine, half, frame, fine = self.energy
         found = [("energy, engine", f"misses {engine:.1e}, at half the step {half:.1e}")]
         found += [(way.name, way.said) for way in self.ways]
+        found += [("stopped", why) for why in self.stopped]
         if self.unknown:
             return (*found, *(("not known", what) for what in self.unknown))
-        found += [
-            ("energy, moving frame", f"misses {frame:.1e}, at half the step {fine:.1e}"),
-            ("constraints", f"missed by {self.residual:.1e} at most"),
-            ("iterations", f"{self.iterations:.1f} a step"),
-        ]
+        if not self.stopped:
+            found += [
+                ("energy, moving frame", f"misses {frame:.1e}, at half the step {fine:.1e}"),
+                ("constraints", f"missed by {self.residual:.1e} at most"),
+                ("iterations", f"{self.iterations:.1f} a step"),
+            ]
         if self.left_out:
             found.append(("not compared", ", ".join(self.left_out)))
         return tuple(found)
@@ -358,16 +273,3 @@ COLUMNS = ("reading", "size", "same state", "run", "half step", "order")
 def share(value: float) -> str:
     """Return a share of a size as text."""
     return "" if np.isnan(value) else f"{value:.1e}"
-
-
-def sizes(values: Array, units: list[str], typical: dict[str, float]) -> Array:
-    """Return what differences of components (k,) are compared with, from values (nt, k).
-
-    The largest component of the same unit, at least a thousandth of what is typical of the unit.
-    """
-    largest = np.abs(values).max(axis=0, initial=0.0)
-    out = np.zeros(len(units))
-    for k, unit in enumerate(units):
-        same = [largest[j] for j, other in enumerate(units) if other == unit]
-        out[k] = max(max(same), 1e-3 * typical.get(unit, 0.0), 1e-300)
-    return out

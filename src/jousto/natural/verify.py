@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -11,7 +12,7 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problems
+from jousto.base.errors import InputError, Problems, SimulationError
 from jousto.base.numbers import number
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
@@ -20,24 +21,25 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.packing.measure import NOT_UNIQUE
+from jousto.natural.compared import Compared, Way, sizes
 from jousto.natural.equations.known import check_known, is_read
 from jousto.natural.exchange import held
 from jousto.natural.instants import at_states
 from jousto.natural.measured import largest_of, measured, typical_sizes
 from jousto.natural.moving_frame import moving_frame
 from jousto.natural.run import NaturalRun
-from jousto.natural.verification import Compared, Verification, sizes
+from jousto.natural.verification import Verification
 from jousto.natural.ways import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.beginning import beginning
-from jousto.simulation.running.simulate import simulate
+from jousto.simulation.running.simulate import RunFailed, simulate
 from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import MEMORY, State, put
 
 OUTPUTS, EVERY = 200, 10
-OPEN = 1e-8  # of the size of the mechanism: joints that are not closed
+OPEN = 1e-8  # of the size of the mechanism, or in rad: joints that are not closed
 STILL = 1e-12  # of the largest position: a change that is round-off
 DONE = ("dissipated", "friction", "work")
 
@@ -61,7 +63,8 @@ def verify(
     another frame and, if their mesh is small, with twice the modes. What the moving frame does not
     know leaves the methods of the engine, and the energy balance, to judge. Compared are all
     sensors and, besides, the accelerations of all bodies, the reactions of all joints and drives,
-    all forces and the energies.
+    all forces and the energies. A run that does not reach its end leaves its states to compare,
+    those of the first half if the engine stopped, and the verdict names it.
 
     Parameters
     ----------
@@ -91,8 +94,8 @@ def verify(
     ------
     InputError
         If numbers make no sense, or the mechanism cannot be compiled.
-    RunFailed, SimulationError
-        If a run does not reach its end.
+    RunFailed
+        If the engine cannot begin.
 
     Examples
     --------
@@ -103,94 +106,142 @@ def verify(
     >>> found.agrees
     True
     """
-    problems = Problems()
-    for name, value in {"t_end": t_end, "step": step}.items():
-        given = number(problems, "verify", name, value)
-        if given is not None and given <= 0.0:
-            problems.add("verify", f"{name} is {given:g} s, must be positive")
-    given_begin: object = begin
-    if given_begin is not None and not callable(given_begin):
-        problems.add("verify", f"begin is {begin!r}, must be a function such as jo.equilibrium")
-    given_beside: object = beside
-    if given_beside is not None and not (
-        isinstance(given_beside, Mapping)
-        and all(isinstance(other, Mechanism) for other in given_beside.values())
-    ):
-        problems.add("verify", "beside must be mechanisms by names, {'finer mesh': mechanism}")
-    problems.raise_if_any()
+    _check(t_end, step, begin, beside)
     without_fmus(mechanism, "verify", "has no second formulation")
     if begin is None and mechanism.start != "initial":
         begin = partial(beginning, start=mechanism.start)
     mechanism = held(mechanism)
     unknown = not_known(mechanism)
-    left_out = tuple(s.name for s in mechanism.sensors if not is_read(s)) if not unknown else ()
     whole = measured(mechanism, every=bool(unknown))
     model = compile(whole)
     state = None if begin is None else begun_by(begin, model)
-    each = max(1, int(np.ceil(t_end / step / OUTPUTS * (1 - 1e-9))))
-    outputs = max(1, round(t_end / step / each))
-    every = max(1, outputs * EVERY // OUTPUTS)
-    output = t_end / outputs
-    step = output / each
-    if solver is None:
-        solver, _ = choose(model, t_end, output)
-        solver = at_step(solver, min(solver.step, step))
-    if (
-        not solver.adaptive
-    ):  # steps of which whole numbers fit between outputs, also of half of them
-        solver = at_step(solver, output / np.ceil(output / solver.step * (1 - 1e-9)))
-    runs = [
-        simulate(
-            model, t_end, solver=at_step(solver, solver.step / k), output_step=output, state=state
-        )
-        for k in (1, 2)
-    ]
-    begun = runs[0].state(0.0)
-    typical = typical_sizes(whole, t_end, largest_of(runs[1]))
-    course = Course(whole, runs, solver, t_end, output, begin, typical)
-    ways = (by_other_method(course, model), *others(course, beside or {}))
+    output, step = outputs_of(t_end, step)
+    solver = method(solver or choose(model, t_end, output)[0], solver is None, output, step)
+    runs, stopped = by_both_steps(model, t_end, solver, output, state)
+    run, begun = runs[1], runs[0].state(0.0)
+    last = len(run.time) if not stopped[1] else half(run)
+    every = max(1, last * EVERY // OUTPUTS)
+    typical = typical_sizes(whole, t_end, largest_of(run, last))
+    ways: tuple[Way, ...] = ()
+    if not any(stopped):
+        course = Course(whole, runs, solver, t_end, output, begin, typical)
+        ways = (by_other_method(course, model), *others(course, beside or {}))
     kept = Verification(
         name=mechanism.name,
-        rows=ways[0].rows,
-        instants=len(runs[1].time[::every]),
+        rows=ways[0].rows if ways else (),
+        instants=len(run.time[:last:every]),
         step=float(step),
         open_joints=(),
-        energy=(runs[0].energy.relative_error, runs[1].energy.relative_error, np.nan, np.nan),
+        energy=(runs[0].energy.relative_error, run.energy.relative_error, np.nan, np.nan),
         residual=np.nan,
         iterations=np.nan,
-        left_out=left_out,
+        left_out=() if unknown else tuple(s.name for s in mechanism.sensors if not is_read(s)),
         ways=ways,
         unknown=unknown,
-        still=is_still(runs[1], every),
+        still=is_still(run, last, every),
         shared=shared(whole, model),
+        stopped=tuple(filter(None, stopped)),
+        ended=not stopped[1],
     )
     if unknown:
         return kept
-    frames = [
-        moving_frame(whole, t_end, step=step / k, output_step=output, state=begun) for k in (1, 2)
-    ]
-    states = (runs[1].state(float(t)) for t in runs[1].time)
+    frames: list[NaturalRun] = []
+    if not any(stopped):
+        frames, why = by_moving_frame(whole, t_end, step, output, begun)
+        kept = replace(kept, stopped=tuple(filter(None, [why])))
+    states = (run.state(float(t)) for t in run.time[:last])
     found = at_states(whole, states, whole.sensors, every)
-    engine = by_engine(model, runs[1], every)
+    times = run.time[:last:every]
+    engine = by_engine(model, run, times)
     rows = tuple(
-        compared(s, runs, frames, (engine[s.name], found.readings[s.name]), every, typical)
+        compared(s, run, times, (engine[s.name], found.readings[s.name]), typical)
         for s in whole.sensors
     )
+    if frames:
+        rows = tuple(with_runs(row, runs, frames, typical) for row in rows)
     if kept.shared:
         kinds = {s.name: s.reading.kind for s in whole.sensors}
         rows = tuple(of_position(row, kinds[row.name]) for row in rows)
-    return replace(
-        kept,
-        rows=rows,
-        open_joints=found.open_joints(OPEN * max(1.0, mechanism.size)),
-        energy=(
-            *kept.energy[:2],
-            frames[0].energy.relative_error,
-            frames[1].energy.relative_error,
-        ),
-        residual=float(frames[1].position_residual.max()),
-        iterations=float(np.mean(frames[0].iterations[1:])),
-    )
+    kept = replace(kept, rows=rows, open_joints=found.open_joints(OPEN))
+    return replace(kept, **facts_of(frames, kept.energy)) if frames else kept
+
+
+def _check(t_end: object, step: object, begin: object, beside: object) -> None:
+    """Raise InputError with all arguments that make no sense."""
+    problems = Problems()
+    for name, value in {"t_end": t_end, "step": step}.items():
+        given = number(problems, "verify", name, value)
+        if given is not None and given <= 0.0:
+            problems.add("verify", f"{name} is {given:g} s, must be positive")
+    if begin is not None and not callable(begin):
+        problems.add("verify", f"begin is {begin!r}, must be a function such as jo.equilibrium")
+    if beside is not None and not (
+        isinstance(beside, Mapping)
+        and all(isinstance(other, Mechanism) for other in beside.values())
+    ):
+        problems.add("verify", "beside must be mechanisms by names, {'finer mesh': mechanism}")
+    problems.raise_if_any()
+
+
+def outputs_of(t_end: float, step: float) -> tuple[float, float]:
+    """Return the time between outputs, and the step of which a whole number fits into it, s."""
+    each = max(1, int(np.ceil(t_end / step / OUTPUTS * (1 - 1e-9))))
+    output = t_end / max(1, round(t_end / step / each))
+    return output, output / each
+
+
+def method(solver: Any, chosen: bool, output: float, step: float) -> Any:
+    """Return a method with a step, and half of one, of which whole numbers fit between outputs."""
+    longest = min(solver.step, step) if chosen else solver.step
+    return at_step(solver, output / np.ceil(output / longest * (1 - 1e-9)))
+
+
+def by_both_steps(
+    model: Model, t_end: float, solver: Any, output: float, state: State | None
+) -> tuple[list[Solution], list[str]]:
+    """Return runs of the engine with the step and half of it, and why each stopped or nothing."""
+    runs, stopped = [], []
+    for k in (1, 2):
+        by = at_step(solver, solver.step / k)
+        try:
+            runs.append(simulate(model, t_end, solver=by, output_step=output, state=state))
+            stopped.append("")
+        except RunFailed as error:
+            if error.solution is None:
+                raise
+            runs.append(error.solution)
+            why = str(error).removeprefix("the run ")
+            stopped.append(f"the engine with a step of {by.step:g} s {why}")
+    return runs, stopped
+
+
+def half(run: Solution) -> int:
+    """Return the number of outputs in the first half of a run, without what made it stop."""
+    return max(1, int(np.searchsorted(run.time, 0.5 * run.time[-1], side="right")))
+
+
+def by_moving_frame(
+    mechanism: Mechanism, t_end: float, step: float, output: float, begun: State
+) -> tuple[list[NaturalRun], str]:
+    """Return runs of the moving frame with the step and half of it, or none and why."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # numbers overflow before it stops
+            return [
+                moving_frame(mechanism, t_end, step=step / k, output_step=output, state=begun)
+                for k in (1, 2)
+            ], ""
+    except SimulationError as error:
+        return [], str(error)
+
+
+def facts_of(frames: list[NaturalRun], energy: tuple[float, ...]) -> dict[str, Any]:
+    """Return how well the runs of the moving frame went, beside the energies of the engine."""
+    return {
+        "energy": (*energy[:2], *(frame.energy.relative_error for frame in frames)),
+        "residual": float(frames[1].position_residual.max()),
+        "iterations": float(np.mean(frames[0].iterations[1:])),
+    }
 
 
 def begun_by(begin: Callable[[Model], State | None], model: Model) -> State | None:
@@ -233,9 +284,9 @@ def of_position(row: Compared, kind: str) -> Compared:
     return replace(row, unique=False) if kind in SHAKY else row
 
 
-def is_still(run: Solution, every: int) -> bool:
+def is_still(run: Solution, last: int, every: int) -> bool:
     """Return whether positions, whose Euler parameters have the size 1, only round off in a run."""
-    q = np.array([run.state(float(t)).q for t in run.time[::every]])
+    q = np.array([run.state(float(t)).q for t in run.time[:last:every]])
     return bool(np.abs(q - q[0]).max(initial=0.0) <= STILL * np.abs(q).max(initial=0.0))
 
 
@@ -253,15 +304,15 @@ def at_step(solver: Any, step: float) -> Any:
     return solver if solver.adaptive else replace(solver, step=step)
 
 
-def by_engine(model: Model, run: Solution, every: int) -> dict[str, Array]:
-    """Return what sensors read by the equations of the engine at every `every`-th state of a run.
+def by_engine(model: Model, run: Solution, times: Array) -> dict[str, Array]:
+    """Return what sensors read by the equations of the engine at instants of a run.
 
     Implicit methods keep accelerations of their own in a run, which hold the constraints on
     velocities and miss these equations by the error of a step.
     """
     engine = Engine(model)
     rows = []
-    for t in run.time[::every]:
+    for t in times:
         put(engine, run.state(float(t)), "verify")
         engine.row()
         rows.append(np.array(engine.sensors()))
@@ -269,36 +320,46 @@ def by_engine(model: Model, run: Solution, every: int) -> dict[str, Array]:
     return {s.name: values[:, s.offset : s.offset + s.count] for s in model.sensors}
 
 
+def off(a: Array, b: Array) -> Array:
+    """Return the largest difference of components (nt,)."""
+    return np.asarray(np.abs(a - b).max(axis=1, initial=0.0, where=np.isfinite(a - b)))
+
+
 def compared(
     sensor: Sensor,
-    runs: list[Solution],
-    frames: list[NaturalRun],
+    run: Solution,
+    times: Array,
     found: tuple[Array, Array],
-    every: int,
     typical: dict[str, float],
 ) -> Compared:
-    """Return how a reading differs: in the runs, and found by both at the same states."""
-    name = sensor.name
-    values = runs[1][name]
-    about = runs[1].about(name)
-    units = list(component_units(about))
-    size = sizes(values, units, typical)
-
-    def off(a: Array, b: Array) -> Array:
-        return np.asarray(np.abs(a - b).max(axis=1, initial=0.0, where=np.isfinite(a - b)))
-
-    apart = off(found[0] / size, found[1] / size)
+    """Return how a reading differs that both found at the same states, instants of a run."""
+    name, reading = sensor.name, sensor.reading
+    about = run.about(name)
+    values = run[name][run.time <= times[-1]]
+    apart = off(*(x / sizes(values, list(component_units(about)), typical) for x in found))
     worst = int(np.argmax(apart))
-    reading = sensor.reading
     unknown = reading.kind == "energy" and reading.of in DONE
     return Compared(
         name=name,
         size=float(np.abs(values).max(initial=0.0)),
         unit=str(about["unit"]),
         at_instants=np.nan if unknown else float(apart[worst]),
-        coarse=float(off(frames[0][name] / size, runs[0][name] / size).max()),
-        fine=float(off(frames[1][name] / size, values / size).max()),
+        coarse=np.nan,
+        fine=np.nan,
         unique=not about["description"].endswith(NOT_UNIQUE),
         direct=reading.kind not in FOLLOWING,
-        worst=float(runs[1].time[::every][worst]),
+        worst=float(times[worst]),
     )
+
+
+def with_runs(
+    row: Compared, runs: list[Solution], frames: list[NaturalRun], typical: dict[str, float]
+) -> Compared:
+    """Return a reading with how it differs in the runs."""
+    units = list(component_units(runs[1].about(row.name)))
+    size = sizes(runs[1][row.name], units, typical)
+    coarse, fine = (
+        float(off(a[row.name] / size, b[row.name] / size).max())
+        for a, b in zip(frames, runs, strict=True)
+    )
+    return replace(row, coarse=coarse, fine=fine)

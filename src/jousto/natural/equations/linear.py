@@ -101,6 +101,12 @@ class Slopes:
         V[:-1] = v.reshape(self.ends.nb, -1)
         return np.asarray(np.einsum("kew,kew->k", self.blocks, V[self.ends.bodies]))
 
+    def sizes(self, v: Array) -> Array:
+        """Return the largest terms (k,) of the rates with velocities v (N,)."""
+        V = np.zeros((self.ends.nb + 1, self.blocks.shape[2]))
+        V[:-1] = v.reshape(self.ends.nb, -1)
+        return np.asarray(np.abs(self.blocks * V[self.ends.bodies]).max(axis=(1, 2), initial=0.0))
+
     def pulled(self, f: Array) -> Array:
         """Return the generalised forces (N,) of forces f (k,) along the functions."""
         flat = (f[:, None, None] * self.blocks).reshape(-1, self.blocks.shape[2])

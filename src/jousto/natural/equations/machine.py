@@ -101,6 +101,7 @@ class Machine:
         self.frames.close()
         self.scalars.close()
         self.rows.close(self.scalars)
+        self.limit = self.rows.scales(self.scalars, self.size)
         self.N = len(self.bodies.mass) * self.bodies.width
         ends = self.frames.body[self.scalars.ends]
         modes = [b.n if isinstance(b, FlexibleBody) else 0 for b in self.mechanism.bodies]

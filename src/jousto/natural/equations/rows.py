@@ -90,6 +90,11 @@ class Rows:
         self.offset = np.array([offset for _, offset in self._rows])
         self._time, self._jets = np.nan, np.zeros((3, len(self._rows)))
 
+    def scales(self, scalars: Scalars, length: float) -> Array:
+        """Return what constraints (m,) are measured with: lengths with one, others with 1."""
+        each = np.where(scalars.long, length, 1.0)
+        return np.asarray((np.abs(self.F) * each).max(axis=1, initial=0.0))
+
     def driven(self, t: float, order: int) -> Array:
         """Return the signals of all rows (m,) at a time, or a derivative of theirs."""
         if t != self._time:  # a step asks for one time again and again

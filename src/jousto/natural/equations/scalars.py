@@ -177,7 +177,13 @@ KINDS: dict[str, Any] = {
 
 
 class Scalars:
-    """All scalar functions of a machine; what is used twice is kept once."""
+    """All scalar functions of a machine; what is used twice is kept once.
+
+    Attributes
+    ----------
+    long : bool array (ns,)
+        Which are lengths, m; others are cosines and angles.
+    """
 
     def __init__(self, frames: Frames) -> None:
         self.frames = frames
@@ -217,6 +223,14 @@ class Scalars:
         self.ends: Index = np.concatenate([np.zeros((0, 2), dtype=np.intp), *every])
         angles = slice(self._first["angle"], count)
         self.turning = np.arange(count)[angles]
+        self.long = np.array(
+            [
+                kind in ("gap", "distance") or (kind == "product" and axes[1] == 0)
+                for kind, found in self._found.items()
+                for _, _, axes in found
+            ],
+            dtype=bool,
+        )
 
     def number(self, place: tuple[str, int]) -> int:
         """Return the number of a function among all of them."""

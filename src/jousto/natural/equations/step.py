@@ -23,6 +23,7 @@ TOLERANCE = 1e-9
 PROJECTIONS = 5  # times that multipliers of velocities are improved
 MOST = 10  # most times, of those of accelerations
 FRICTION = 30  # most times if forces depend on multipliers
+CLOSED = 1e-9  # share of its terms that a constraint on velocities may miss at the start
 AGREED = 1e-12  # change of multipliers, as a share of the largest, that is none
 
 
@@ -97,7 +98,7 @@ class Stepper:
         self._weighed: Place | None = None
         self.weigh(start)
         self.scale = self._scale()
-        self.limit = self._limit()
+        self.limit = machine.limit
 
     def weigh(self, place: Place) -> None:
         """Take ``alpha h^2 / 4`` of every constraint from the mass that it meets at a position."""
@@ -116,11 +117,6 @@ class Stepper:
         shape = largest[:-1]
         out[:, 12:] = self.machine.size / np.where(shape > 0.0, shape, 1.0)
         return np.asarray(out.ravel())
-
-    def _limit(self) -> Array:
-        """Return what constraints (m,) are measured with: lengths with the size of the machine."""
-        F = np.abs(self.machine.rows.F)
-        return np.asarray(np.maximum(1.0, F.max(axis=1, initial=1.0)) * max(1.0, self.machine.size))
 
     def step(self, old: Motion) -> Motion:
         """Return the motion one step later.
@@ -270,7 +266,8 @@ class Stepper:
                 )
                 lam = lam + self.weight * machine.velocity_gaps(place, v, t)
             gap = machine.velocity_gaps(place, v, t)
-            if float(np.abs(gap).max(initial=0.0)) <= 1e-9 * max(1.0, float(np.abs(v).max())):
+            size = place.Cq.sizes(v) + np.abs(machine.rows.driven(t, 1))
+            if np.all(np.abs(gap) <= CLOSED * size):
                 return v
         return v
 

@@ -12,6 +12,7 @@ from jousto.natural.verification import COLUMNS, Verification
 from jousto.output.pages.certificate import COLOUR, CSS
 from jousto.output.style import target
 
+STATUS = {"agree": "ok", "undecided": "warn", "disagree": "fail"}
 BOLD = ' style="font-weight:600"'
 
 
@@ -44,8 +45,7 @@ def write_verification(verification: Verification, path: str | Path) -> Path:
 
 def page(found: Verification) -> str:
     """Return the HTML text of a verification."""
-    name, status = html.escape(found.name), "ok" if found.agrees else "fail"
-    badge = "agree" if found.agrees else "disagree"
+    name, badge = html.escape(found.name), found.word
     head = "".join(f"<th>{html.escape(column)}</th>" for column in COLUMNS)
     wrong = {row.name for row in found.different}
     rows = "".join(
@@ -64,7 +64,7 @@ def page(found: Verification) -> str:
 <meta name="viewport" content="width=device-width, initial-scale=1"><style>{CSS}</style>
 </head><body>
 <h1>{title} of &lsquo;{name}&rsquo;</h1>
-<p class="verdict"><span class="badge" style="background:{COLOUR[status]}">{badge}</span>
+<p class="verdict"><span class="badge" style="background:{COLOUR[STATUS[badge]]}">{badge}</span>
 {html.escape(found.verdict)}</p>
 <table>{facts}</table>
 <h2>Largest differences of {of}, as shares of the size</h2>
