@@ -1,6 +1,7 @@
-"""The machines of the examples, and how long they are verified. As a script: the table of the docs.
+"""The machines of the examples, and those of terms that they hardly excite, with how long they are
+verified. As a script: the table of the docs.
 
-.venv/bin/python tests/natural/gallery.py
+cd tests; ../.venv/bin/python -m natural.gallery
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import jousto as jo
 from jousto.natural.compared import Compared
 from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
+from natural.terms import TERMS
 
 FOLDER = Path(__file__).parents[2] / "examples"
 Begin = Callable[[jo.Model], Any]
@@ -233,6 +235,11 @@ MACHINES: dict[str, Shown] = {
         returned("squeezer", lambda m: m.squeezer()), 0.01, 4e-5, solver=jo.RK4(2e-5)
     ),
     "study_pendulum": Shown(returned("study_pendulum", lambda m: m.pendulum(1.0, 1.0)), 0.5, 2e-3),
+    "rotating slides": Shown(TERMS["rotating slides"], 0.2, 1e-3),
+    "gyroscope": Shown(TERMS["gyroscope"], 0.2, 5e-4),
+    "node frames": Shown(TERMS["node frames"], 0.02, 2e-5),
+    "offset bushings": Shown(TERMS["offset bushings"], 0.2, 1e-3),
+    "reversing friction": Shown(TERMS["reversing friction"], 0.3, 1e-3),
 }
 
 
