@@ -94,7 +94,7 @@ def verify(
     ------
     InputError
         If numbers make no sense, or the mechanism cannot be compiled.
-    RunFailed
+    SimulationError
         If the engine cannot begin.
 
     Examples
