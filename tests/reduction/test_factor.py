@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from jousto.base.errors import InputError, JoustoWarning
+from jousto.base.errors import InputError
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.modes import eigen
 from jousto.reduction.reducer import reduce
@@ -27,6 +26,13 @@ def held(cells: tuple[int, int, int] = (8, 3, 3)) -> sp.csr_array:
     return sp.csr_array(part.K[free][:, free])
 
 
+def places(cells: tuple[int, int, int] = (8, 3, 3)) -> np.ndarray:
+    """Places of the unknowns of a held block."""
+    part = block(cells)
+    free = np.setdiff1d(np.arange(part.K.shape[0]), dofs_of(part.node_sets["left"]))
+    return np.repeat(part.nodes, 3, axis=0)[free]
+
+
 def dofs_of(nodes: tuple[int, ...]) -> np.ndarray:
     return (3 * np.array(nodes)[:, None] + np.arange(3)).ravel()
 
@@ -39,14 +45,14 @@ def label(dof: int) -> str:
 def test_solves_one_and_many(solver: str) -> None:
     K = held()
     x = np.random.default_rng(1).standard_normal((K.shape[0], 37))
-    solve = factor.factorise(K, "part", label, solver=solver)
+    solve = factor.factorise(K, "part", label, places(), solver=solver)
     assert solve(K @ x) == pytest.approx(x, abs=1e-10)
     assert solve(K @ x[:, 3]) == pytest.approx(x[:, 3], abs=1e-10)
     assert solve(np.zeros((K.shape[0], 0))).shape == (K.shape[0], 0)
     # columns read as rows: the same matrix
-    assert factor.factorise(K.tocsc(), "part", label, solver=solver)(K @ x) == pytest.approx(
-        x, abs=1e-10
-    )
+    assert factor.factorise(K.tocsc(), "part", label, places(), solver=solver)(
+        K @ x
+    ) == pytest.approx(x, abs=1e-10)
 
 
 @pytest.mark.parametrize("solver", INSTALLED)
@@ -63,7 +69,9 @@ def test_unsorted_and_doubled_entries(solver: str) -> None:
     twice = sp.csr_array((data, columns[position], indptr), shape=K.shape)
     assert not twice.has_canonical_format
     x = np.linspace(-1.0, 1.0, K.shape[0])
-    assert factor.factorise(twice, "part", label, solver=solver)(K @ x) == pytest.approx(x)
+    assert factor.factorise(twice, "part", label, places(), solver=solver)(K @ x) == pytest.approx(
+        x
+    )
 
 
 @pytest.mark.parametrize("solver", INSTALLED)
@@ -76,14 +84,14 @@ def test_a_mechanism_is_named(solver: str) -> None:
     K[40, 40] = K[43, 43] = 1e9
     K[40, 43] = K[43, 40] = -1e9
     with pytest.raises(InputError, match=r"part: .*lets the body move.* dof4[03] moves most"):
-        factor.factorise(sp.csr_array(K), "part", label, solver=solver)
+        factor.factorise(sp.csr_array(K), "part", label, places(), solver=solver)
     # nearly: the rest is round-off
     K[40, 40] = 1e9 * (1.0 + 1e-15)
     with pytest.raises(InputError, match="dof4[03] moves most"):
-        factor.factorise(sp.csr_array(K), "part", label, solver=solver)
+        factor.factorise(sp.csr_array(K), "part", label, places(), solver=solver)
     # a soft spring is no mechanism
     K[40, 40] = 1e9 * (1.0 + 1e-9)
-    factor.factorise(sp.csr_array(K), "part", label, solver=solver)
+    factor.factorise(sp.csr_array(K), "part", label, places(), solver=solver)
 
 
 @pytest.mark.parametrize("solver", INSTALLED)
@@ -92,7 +100,7 @@ def test_a_degree_of_freedom_without_stiffness_is_named(solver: str) -> None:
     K[12, :] = 0.0
     K[:, 12] = 0.0
     with pytest.raises(InputError, match="dof12 moves most"):
-        factor.factorise(sp.csr_array(K), "part", label, solver=solver)
+        factor.factorise(sp.csr_array(K), "part", label, places(), solver=solver)
 
 
 @pytest.mark.parametrize("solver", INSTALLED)
@@ -110,16 +118,19 @@ def test_the_whole_reduction_with_each_library(
 
 def test_the_best_library_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(factor, "_installed", lambda module: module in {"scipy", "ngsolve"})
-    assert [known.name for known in solvers() if known.installed] == ["ngsolve", "superlu"]
+    always = ["multifrontal", "superlu"]
+    assert [known.name for known in solvers() if known.installed] == ["ngsolve", *always]
     assert factor.choose(factor.SMALL, "part") == "superlu"
     assert factor.choose(factor.SMALL + 1, "part") == "ngsolve"
     assert factor.choose(10, "part", "ngsolve") == "ngsolve"
     monkeypatch.setattr(factor, "_installed", lambda module: module == "scipy")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert factor.choose(factor.LARGE, "part") == "superlu"
-    with pytest.warns(JoustoWarning, match=r"part: 60001 unknowns .*pip install pypardiso"):
-        assert factor.choose(factor.LARGE + 1, "part") == "superlu"
+    assert factor.choose(factor.SMALL + 1, "part") == "multifrontal"
+    assert factor.choose(10**6, "part") == "multifrontal"
+
+
+def test_without_places_superlu_finds_an_order() -> None:
+    solve: Any = factor.factorise(held(), "part", label, solver="multifrontal")
+    assert solve.name == "superlu"
 
 
 def test_solvers_that_are_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,13 +148,14 @@ def test_memory_of_the_factor_is_known() -> None:
     K = held((12, 6, 6))
     lower = 8 * (K.nnz + K.shape[0]) // 2
     for solver in set(INSTALLED) - {"cholmod"}:
-        solve: Any = factor.factorise(K, "part", label, solver=solver)
+        solve: Any = factor.factorise(K, "part", label, places((12, 6, 6)), solver=solver)
+        assert solve.name == solver
         assert lower < solve.memory < 400 * lower
 
 
 def test_a_library_that_fails_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     class Failing(backends.SuperLU):
-        def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
+        def __init__(self, matrix: sp.csr_array, points: Any = None, limit: float = 0) -> None:
             raise MemoryError("no room")
 
     known = factor._KNOWN["superlu"]

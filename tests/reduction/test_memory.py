@@ -128,3 +128,22 @@ def test_a_wide_node_set_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "machine_memory", lambda: 0.999 * need.least)
     with pytest.raises(InputError, match=r"to 488 modes needs .* Interface\(name, nodes\) has 6"):
         reduce(part, method)
+
+
+def test_large_parts_show_their_stages_where_they_are_seen(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from jousto.reduction import reducer
+
+    part = block((4, 1, 1))
+    monkeypatch.setattr(reducer, "AUTOMATIC", part.K.shape[0])
+    reduce(part, METHOD)
+    assert capsys.readouterr().err == ""  # no terminal
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    reduce(part, METHOD)
+    shown = capsys.readouterr().err
+    assert "factorisation" in shown and "invariants" in shown
+    reduce(part, METHOD, progress=False)
+    monkeypatch.setattr(reducer, "AUTOMATIC", part.K.shape[0] + 1)
+    reduce(part, METHOD)
+    assert capsys.readouterr().err == ""

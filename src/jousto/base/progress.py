@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import multiprocessing
 import sys
 import time
 from importlib import import_module
@@ -28,6 +29,15 @@ def bars(*columns: Any) -> Progress:
     if in_notebook():
         return _cell(*columns)
     return Progress(*columns, console=Console(stderr=True))
+
+
+def has_viewer() -> bool:
+    """Return whether bars would be seen: on a terminal, or in the kernel of a notebook.
+
+    Not in one of several processes, whose bars would be drawn over one another.
+    """
+    alone = multiprocessing.parent_process() is None
+    return alone and (in_notebook() or sys.stderr.isatty())
 
 
 def in_notebook() -> bool:

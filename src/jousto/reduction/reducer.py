@@ -17,6 +17,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.complexstep import floats, is_stepping, plainly, real_parts
 from jousto.base.errors import InputError, NotAnalytic, Problem, Problems, warn
+from jousto.base.progress import has_viewer
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.part import Part
 from jousto.parts.solids.scatter import place_scatter
@@ -31,6 +32,7 @@ from jousto.reduction.fields.stiffening import stiffening as second_order_field
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.files import recalled
 from jousto.reduction.files.cache import (
+    AUTOMATIC,
     Entry,
     NotHashable,
     ReductionCache,
@@ -113,8 +115,9 @@ def reduce(
         user's cache folder, False keeps nothing; by default parts of 30,000 degrees of freedom and
         more are kept.
     progress : bool or function, optional
-        True shows a bar for each stage; a function is called with (stage, part of it that is
-        done, from 0 to 1).
+        True shows a bar for each stage, False none; a function is called with (stage, part of it
+        that is done, from 0 to 1). By default parts of 30,000 degrees of freedom and more show
+        bars on a terminal and in a notebook.
 
     Returns
     -------
@@ -182,6 +185,8 @@ def _kept(
     """Return the reduced part, from the cache if it is there."""
     where = f"part '{part.name}'"
     stiffening, solver = options[:2]
+    if progress is None:
+        progress = part.K.shape[0] >= AUTOMATIC and has_viewer()
     with reporter(progress) as report:
         entry = None if chosen is None else _entry(chosen, part, method, options)
         if entry is not None and (finished := entry.finished()) is not None:

@@ -135,7 +135,7 @@ def _basis(
     z = coordinates(plain)
     b = boundary(plain, z, interface_names(plain, method.interfaces))
     run = Run()
-    inside = Inside(z, b, given.K, lambda A, label: run.factorise(A, where, label))
+    inside = Inside(z, b, given.K, lambda A, *about: run.factorise(A, where, *about))
     inside.prepare()
     rows = np.asarray(z.dof[inside.rows])
     Phi, _ = inside.constraint_modes()

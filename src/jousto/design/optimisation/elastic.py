@@ -40,6 +40,8 @@ class Elastic:
     nodes : mapping of str to int
         Nodes by name.
     dofs_per_node : int
+    points : (ndof, 3) array, optional
+        Place of each degree of freedom, m.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Elastic:
     stress: StressOperator | None = None
     nodes: Mapping[str, int] = field(default_factory=dict)
     dofs_per_node: int = 1
+    points: Array | None = None
 
     @classmethod
     def of(cls, name: str, part: Part) -> Elastic:
@@ -59,7 +62,8 @@ class Elastic:
         held = np.sort(order[: R.shape[1]]).astype(np.intp)
         stress = part.stress if isinstance(part.stress, StressOperator) else None
         single = {k: v[0] for k, v in part.node_sets.items() if len(v) == 1}
-        return cls(name, part.K, held, R, stress, single, part.dofs_per_node)
+        d = part.dofs_per_node
+        return cls(name, part.K, held, R, stress, single, d, np.repeat(part.nodes, d, axis=0))
 
     @cached_property
     def _free(self) -> NDArray[np.intp]:
@@ -72,7 +76,10 @@ class Elastic:
         K = sp.csc_array(self.K)[self._free][:, self._free]
         free = self._free
         return factorise(
-            sp.csc_array(K), f"body '{self.name}'", lambda i: f"degree of freedom {free[i]}"
+            sp.csc_array(K),
+            f"body '{self.name}'",
+            lambda i: f"degree of freedom {free[i]}",
+            None if self.points is None else self.points[free],
         )
 
     def solve(self, f: Array) -> Array:

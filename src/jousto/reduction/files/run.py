@@ -68,10 +68,13 @@ class Run:
         K: sp.csc_array | sp.csr_array,
         where: str,
         dof_name: Callable[[int], str],
+        points: Array | None = None,
     ) -> factor.Solver:
         """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
         with self.stage("factorisation"):
-            solve = factor.factorise(K, where, dof_name, solver=self.solver, limit=machine_memory())
+            solve = factor.factorise(
+                K, where, dof_name, points, solver=self.solver, limit=machine_memory()
+            )
         self._use(getattr(solve, "name", ""))
         return solve
 

@@ -89,7 +89,11 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
     from jousto.reduction.reducer import reduce
 
     # trials: none is worth keeping
-    options: dict[str, Any] = {"solver": run.solver, "cache": False, "progress": run.report}
+    options: dict[str, Any] = {
+        "solver": run.solver,
+        "cache": False,
+        "progress": run.report or False,
+    }
     reduced = None
     if limit is not None:
         try:

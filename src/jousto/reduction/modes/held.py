@@ -39,7 +39,7 @@ class Inside:
     K : (ndof, ndof) sparse array
         Stiffness of the part.
     factorise : callable
-        ``(matrix, name of an unknown) -> solve``.
+        ``(matrix, name of an unknown, places of the unknowns) -> solve``.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Inside:
         z: Coordinates,
         b: Boundary,
         K: sp.csr_array,
-        factorise: Callable[[sp.csc_array, Callable[[int], str]], Solver],
+        factorise: Callable[[sp.csc_array, Callable[[int], str], Array], Solver],
     ) -> None:
         self.z, self.b = z, b
         self.rows = np.setdiff1d(np.arange(z.size), b.held)
@@ -88,7 +88,10 @@ class Inside:
             return
         f, r = self._free, self._N.shape[1]
         pinned = self.K_II if not r else sp.csc_array(self.K_II[f][:, f])
-        self._Z = self._factorise(pinned, lambda k: self.z.label(int(self.rows[f[k]])))
+        numbers = self.rows[f]
+        self._Z = self._factorise(
+            pinned, lambda k: self.z.label(int(numbers[k])), self.z.points[numbers]
+        )
         na = self.C.shape[0]
         if not na:
             return

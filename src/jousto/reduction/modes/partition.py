@@ -62,7 +62,7 @@ def craig_bampton_basis(
     loads = residual_loads(part, method.residuals)
     if method.inertia_relief:
         loads = np.concatenate([loads, M @ part.rigid_modes()], axis=1)
-    inside = Inside(z, b, K, lambda A, label: run.factorise(A, where, label))
+    inside = Inside(z, b, K, lambda A, *about: run.factorise(A, where, *about))
 
     kept = run.found("constraint modes")
     if kept is None:
@@ -147,7 +147,7 @@ def whole_part_basis(part: Part, K: sp.csr_array, run: Run | None = None) -> eig
     free = np.setdiff1d(np.arange(z.size), held)
     K_Z = sp.csc_array(z.restrict(K)[free][:, free])
     run = run or Run()
-    solve = run.factorise(K_Z, where, lambda k: z.label(int(free[k])))
+    solve = run.factorise(K_Z, where, lambda k: z.label(int(free[k])), z.points[free])
     return eigen.Flexibility(
         len(free),
         lambda y: z.spread(embedded(y, free, z.size)),

@@ -40,6 +40,8 @@ class Coordinates:
         Numbers of z of each rigid tie.
     length : float
         Size of the body, m.
+    points : (nz, 3) array
+        Places of the nodes, m.
     """
 
     T: sp.csr_array | None
@@ -50,6 +52,7 @@ class Coordinates:
     of_dof: Index
     references: dict[str, Index]
     length: float
+    points: Array
 
     @property
     def size(self) -> int:
@@ -108,7 +111,8 @@ def coordinates(part: Part) -> Coordinates:
     dofs = np.arange(ndof, dtype=np.intp)
     ties = [tie for tie in part.ties if tie.kind == "rigid"]
     if not ties:
-        return Coordinates(None, rigid, dofs // d, dofs % d, (), dofs, {}, length)
+        places = part.nodes[dofs // d]
+        return Coordinates(None, rigid, dofs // d, dofs % d, (), dofs, {}, length, places)
 
     tied = np.zeros(ndof, dtype=bool)
     for tie in ties:
@@ -145,6 +149,7 @@ def coordinates(part: Part) -> Coordinates:
         of_dof=of_dof,
         references=references,
         length=length,
+        points=np.concatenate([part.nodes[kept // d], np.repeat(points, 6, axis=0)]),
     )
 
 

@@ -1,8 +1,8 @@
 """Libraries that factorise sparse symmetric positive definite matrices, behind one interface.
 
-Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, and the
-bytes of memory that it may use, as far as it knows beforehand how many it needs. Libraries are
-imported only when they are used.
+Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, the place
+of each unknown (n, 3), if it orders by places, and the bytes of memory that it may use, as far as
+it knows beforehand how many it needs. Libraries are imported only when they are used.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ class Backend(Protocol):
 class SuperLU:
     """Scipy's SuperLU in symmetric mode."""
 
-    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
+    def __init__(
+        self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
+    ) -> None:
         import scipy.sparse.linalg as spl
 
         try:
@@ -69,6 +71,27 @@ class SuperLU:
         return np.asarray(self._lu.solve(np.ascontiguousarray(f)))
 
 
+class Multifrontal:
+    """Cholesky factors of dense fronts, ordered by nested dissection of the places."""
+
+    def __init__(
+        self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
+    ) -> None:
+        from jousto.reduction.sparse.multifrontal import Cholesky, IndefiniteBlock
+
+        if points is None:
+            raise RuntimeError("the places of the unknowns are not known")
+        try:
+            self._factor = Cholesky(matrix, points, least_pivot=PIVOT, limit=limit)
+        except IndefiniteBlock as error:
+            raise NotPositiveDefinite(error.row) from None
+        self.memory = self._factor.memory
+
+    def solve(self, f: Array) -> Array:
+        """Return x (n, m) for right-hand sides f (n, m)."""
+        return self._factor.solve(f)
+
+
 class Pardiso:
     """PARDISO of Intel MKL: nested dissection, supernodal Cholesky factorisation.
 
@@ -76,7 +99,9 @@ class Pardiso:
     upper triangle, indices from 0.
     """
 
-    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
+    def __init__(
+        self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
+    ) -> None:
         from pypardiso import PyPardisoSolver
 
         # a function object of our own, so that pypardiso keeps its argument types
@@ -179,7 +204,9 @@ def _free(
 class NGSolve:
     """The sparse Cholesky factorisation of NGSolve."""
 
-    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
+    def __init__(
+        self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
+    ) -> None:
         from ngsolve import TaskManager
         from ngsolve.la import SparseMatrixd
 
@@ -207,7 +234,9 @@ class NGSolve:
 class Cholmod:
     """CHOLMOD of SuiteSparse by scikit-sparse."""
 
-    def __init__(self, matrix: sp.csr_array, limit: float = np.inf) -> None:
+    def __init__(
+        self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
+    ) -> None:
         from sksparse import cholmod
 
         columns = sp.csc_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -17,22 +18,17 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array
 from jousto.base.described import described
-from jousto.base.errors import InputError, Problem, suggest, warn
+from jousto.base.errors import InputError, Problem, suggest
 from jousto.reduction.sparse import backends
 
 SMALL = 6000
 """Unknowns up to which SuperLU is used whatever is installed: fast enough, the same everywhere."""
-
-LARGE = 60_000
-"""Unknowns above which SuperLU is slow and needs much memory."""
 
 LOOSE = 2e-14
 """Least eigenvalue of the scaled matrix; below it the body moves without force."""
 
 BLOCK = 16
 """Right-hand sides solved at a time: libraries copy them."""
-
-EXTRA = "pip install pypardiso, or ngsolve on macOS"
 
 
 class Solver(Protocol):
@@ -95,13 +91,14 @@ _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = 
         "LGPL",
         "pip install ngsolve (macOS, where pypardiso is not to be had, and elsewhere)",
     ),
-    "superlu": (
+    "multifrontal": (
         "scipy",
-        backends.SuperLU,
-        "SuperLU of scipy",
-        "BSD",
-        f"always there; up to about {LARGE} unknowns",
+        backends.Multifrontal,
+        "nested dissection by the places of the nodes, dense fronts by LAPACK",
+        "that of jousto",
+        "always there",
     ),
+    "superlu": ("scipy", backends.SuperLU, "SuperLU of scipy", "BSD", "always there; small parts"),
 }
 
 
@@ -133,11 +130,6 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
     ------
     InputError
         An unknown or missing library is asked for.
-
-    Warns
-    -----
-    JoustoWarning
-        Nothing better than SuperLU is installed for a large part.
     """
     if solver is None and n <= SMALL:
         return "superlu"
@@ -151,12 +143,6 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
             message = f"solver '{solver}' ({library}) is not installed: {remark}"
             raise InputError(Problem(where, f"{message}; installed: {', '.join(installed)}"))
         return solver
-    if installed[0] == "superlu" and n > LARGE:
-        warn(
-            where,
-            f"{n} unknowns are factorised by SuperLU, which takes several times the time and "
-            f"memory of other libraries, more so the larger the part: {EXTRA}",
-        )
     return installed[0]
 
 
@@ -192,6 +178,7 @@ def factorise(
     K: sp.csc_array | sp.csr_array,
     where: str,
     dof_name: Callable[[int], str],
+    points: Array | None = None,
     *,
     solver: str | None = None,
     limit: float = np.inf,
@@ -206,6 +193,8 @@ def factorise(
         Name for errors.
     dof_name : callable
         Name of a degree of freedom, for errors.
+    points : (n, 3) array, optional
+        Place of each degree of freedom, m; without them SuperLU orders by the pattern of K.
     solver : str, optional
         Library, see `solvers`; the best that is installed if not given.
     limit : float
@@ -216,14 +205,11 @@ def factorise(
     InputError
         K is not positive definite; `dof_name` names the degree of freedom that is loose. Or the
         library is not there.
-
-    Warns
-    -----
-    JoustoWarning
-        A large matrix is left to SuperLU.
     """
     n = K.shape[0]
     name = choose(n, where, solver)
+    if name == "multifrontal" and points is None:
+        name = "superlu"
     if n == 0:
         return lambda f: f
     diagonal = K.diagonal()
@@ -232,9 +218,9 @@ def factorise(
     # unit diagonal: translations and rotations become comparable
     scale = 1.0 / np.sqrt(diagonal)
     scaled = _scaled(K, scale)
-    make = _KNOWN[name][1]
+    make = partial(_KNOWN[name][1], points=points)
     try:
-        backend = make(scaled, limit)
+        backend = make(scaled, limit=limit)
     except backends.NotPositiveDefinite:
         raise _not_held(where, dof_name(_loosest(scaled, make))) from None
     except (MemoryError, RuntimeError, ImportError, OSError) as error:

@@ -28,7 +28,7 @@ BASE = 150 * MiB
 COPIES = 2.5
 """Times that K and M are there: the part's, the interior's, and the triangle for the library."""
 
-BULKY = {"superlu": 300.0}
+BULKY = {"superlu": 300.0, "multifrontal": 250.0}
 """Bytes of a factor over ``n^(4/3)``, nested dissection of solids; 120 where not named."""
 
 MANY = 200
