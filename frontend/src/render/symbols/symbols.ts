@@ -12,6 +12,7 @@ import { Batch } from "./batch";
 import type { Shape } from "./glyphs";
 import type { Draw, Situation, Tint } from "./kinds";
 import { arrow, kindOf, normalTo } from "./kinds";
+import { sizesOf } from "./sizes";
 
 const TINTS: Record<Tint, THREE.Color> = {
   joint: raw("#e0a33e"),
@@ -47,6 +48,7 @@ export class Symbols {
   readonly picks: THREE.Object3D[] = [];
   private batches = new Map<Shape, Batch>();
   private capacity: number;
+  private sizes: number[] | null = null;
 
   constructor(
     private scene: Scene,
@@ -68,9 +70,11 @@ export class Symbols {
     const gone = this.gone(state);
     const away = (sides: readonly Side[]): boolean => gone !== null && sides.every(({ place }) => gone(place));
     const up = new THREE.Vector3(...this.scene.up).normalize();
+    this.sizes ??= sizesOf(this.scene, row, this.radius);
+    const sizes = this.sizes;
     this.scene.symbols.forEach((symbol, i) => {
       if (!state.symbols[symbol.group] || (symbol.sides.length && away(symbol.sides))) return;
-      kindOf(symbol.kind, symbol.group)(this.situation(symbol, row, state.amplification, up), this.painter(this.firstThing + i));
+      kindOf(symbol.kind, symbol.group)(this.situation(symbol, row, state.amplification, up, sizes[i]), this.painter(this.firstThing + i));
     });
     if (state.markers) this.markers(row, state, away);
     if (state.arrows) {
@@ -105,7 +109,7 @@ export class Symbols {
     return (place) => !seen.has(place) && (isolated !== null || known.has(place));
   }
 
-  private situation(symbol: Symbol, row: ArrayLike<number>, s: number, up: THREE.Vector3): Situation {
+  private situation(symbol: Symbol, row: ArrayLike<number>, s: number, up: THREE.Vector3, size: number): Situation {
     const points = symbol.sides.map((side) => this.local(sidePosition(side, row, s, point)));
     if (symbol.fixed) matrix([1, 0, 0, 0], 0, A);
     else sideAxes(symbol.sides[0], row, A);
@@ -120,7 +124,7 @@ export class Symbols {
     const across = new THREE.Vector3(point[0], point[1], point[2]);
     across.addScaledVector(axis, -across.dot(axis)).normalize();
     if (!(across.lengthSq() > 0.5)) across.copy(normalTo(axis));
-    return { points, axis, across, third: axis.clone().cross(across), up, size: symbol.size ?? 0.028 * this.radius };
+    return { points, axis, across, third: axis.clone().cross(across), up, size };
   }
 
   private local(world: ArrayLike<number>): THREE.Vector3 {
