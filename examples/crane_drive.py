@@ -8,6 +8,7 @@ values are held from one to the next, and is far smaller where they go on along 
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -65,6 +66,8 @@ def described(text: str) -> str:
     end = text.index("  - type: servo\n    name: luffing")
     text = text[:start] + SLEWING.lstrip("\n") + text[end:]
     ring = "sensors:\n  - {type: coordinate, name: ring, coordinate: slew ring.angle}"
+    # nobody knows where it rests beside a unit: it starts straight, as the whole machine does
+    text = re.sub(r"  start: rest.*\n", "", text)
     return text.replace("sensors:", ring)
 
 

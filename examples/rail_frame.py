@@ -20,17 +20,13 @@ from jousto.output.style import COLORS, STYLE
 
 STEEL = jo.material("S355")
 BAYS, BAY, TRACK, HEIGHT = 3, 2.0, 0.8, 1.2  # m
-RAIL, LEG, CROSS = (
-    jo.Box(0.06, 0.08, web=0.004),
-    jo.Box(0.06, 0.06, web=0.003),
-    jo.Box(0.05, 0.05, web=0.003),
-)
+BOXES = (0.06, 0.08, 0.004), (0.06, 0.06, 0.003), (0.05, 0.05, 0.003)  # width, height, wall: m
+RAIL, LEG, CROSS = (jo.Box(*sides, web=wall) for *sides, wall in BOXES)
 WHEEL, EMPTY = 1500.0, 0.25  # N; share of it without the load
 SIZES = (11, 9.5, 8, 6.5, 5)  # of dots, so that none hides another
 BASE, PASS, REST = 0.5, 4.5, 0.5  # m between axles, s one way, s at the ends
-LENGTH, CYCLES_A_DAY = BAYS * BAY, 1500
+LENGTH, CYCLES_A_DAY, RAILS = BAYS * BAY, 1500, ("left rail", "right rail")
 GAUGES = {"rail gauge": (BAY + 0.07, 0, HEIGHT + 0.04), "leg gauge": (BAY + 0.03, 0, HEIGHT - 0.1)}
-RAILS = ("left rail", "right rail")
 WELDS = {  # kind: FAT class of nominal stress (IIW-2259-15, table 3.2), members, where
     "rail splice, butt weld": (71, "rail", lambda x, y, z: abs(x - 1.25 * BAY) < 1e-6),
     "rail on leg, fillet weld": (63, "rail", lambda x, y, z: x % BAY == 0.0 and 0 < x < LENGTH),

@@ -50,12 +50,8 @@ def machine(elements: int, *, hose: bool = True) -> jo.Mechanism:
     """Column, upper arm, forearm with a payload, and the hose over the elbow."""
     arms = []
     for name, start, length in (("arm", 0.0, 0.8), ("forearm", 0.8, 0.7)):
-        part = jo.Part.beam(
-            length=length,
-            section=jo.Box(0.1, 0.1, web=0.005, flange=0.005),
-            elements=8,
-            material=ALUMINIUM,
-        )
+        box = jo.Box(0.1, 0.1, web=0.005, flange=0.005)
+        part = jo.Part.beam(length=length, section=box, elements=8, material=ALUMINIUM)
         reduced = jo.reduce(part, jo.CraigBampton(interfaces=("start", "node5", "end"), modes=4))
         arms.append(
             jo.FlexibleBody(name, reduced, position=(start, 0, 0.5), damping=jo.Rayleigh(0.0, 3e-4))

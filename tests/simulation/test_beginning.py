@@ -67,3 +67,13 @@ def test_words(tmp_path: Path) -> None:
         jo.InputError, match="start is 'up', must be 'initial', 'rest' or 'vibration-free'"
     ):
         jo.Mechanism(start="up")
+
+
+def test_beside_a_unit_of_another_program_rest_is_not_known(tmp_path: Path) -> None:
+    model = jo.compile(mechanism(tmp_path, "rest"))
+    unit = jo.write(jo.compile(mechanism(tmp_path, "initial")), tmp_path / "unit.fmu")
+    items = mechanism(tmp_path, "rest").items
+    beside = jo.Mechanism(*items, jo.Fmu(unit, name="unit"), start="rest")
+    with pytest.raises(jo.InputError, match="fmu 'unit' gives there is not known; take start"):
+        jo.simulate(jo.compile(beside), 0.1)
+    assert jo.simulate(jo.compile(beside), 0.1, state=jo.equilibrium(model)).complete

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
 from jousto.simulation.state import State
 
@@ -17,10 +18,21 @@ def beginning(model: Model, state: State | None = None, start: str | None = None
         What the user gave; it counts.
     start : str, optional
         "initial", "rest" or "vibration-free"; that of the mechanism if not given.
+
+    Raises
+    ------
+    InputError
+        If that is unknown because a model of another program runs beside the machine, or if there
+        is none.
     """
     start = model.start if start is None else start
     if state is not None or start == "initial":
         return state
+    if model.fmus:
+        unit = model.fmus[0].fmu.name
+        told = f"is to start at '{start}', but what fmu '{unit}' gives there is not known; "
+        told += "take start 'initial', or give the state to start from"
+        raise InputError(Problem(f"mechanism {model.name!r}", told))
     if start == "rest":
         from jousto.simulation.statics.equilibrium import equilibrium
 
