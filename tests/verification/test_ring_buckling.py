@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import jousto as jo
+from jousto.simulation.statics.buckling import _Pencil
 
 STIFF = 1e6
 SECTION = jo.mechanism.BeamSection((STIFF, STIFF, STIFF, 1e3, 1e3, 1.0), 1.0, (2e-3, 1e-3, 1e-3))
@@ -175,3 +177,11 @@ def test_soft_springs_add_no_load_and_lose_none(stiffness):
         # 60 elements of order two: 0.8 %, shear of a thick ring 0.3 %
         assert firm[:2] == pytest.approx([wanted, wanted], rel=0.015)
         assert (loads[loads <= 1e-3] < 1e-6).all()
+
+
+def test_a_load_next_to_which_rounding_leaves_no_pivot():
+    """(A + s A') x = 0 with the pivot at s (1 + 1e-9) exactly 0; and one that is 0 at any s."""
+    near = sp.diags_array([-(1.0 + 1e-9), 5.0]).tocsc()
+    assert _Pencil(near, sp.eye_array(2).tocsc()).knows(1.0)
+    never = sp.diags_array([0.0, 5.0]).tocsc()
+    assert not _Pencil(never, sp.diags_array([0.0, 1.0]).tocsc()).knows(1.0)

@@ -264,7 +264,9 @@ class _Pencil:
         ones, and those of other motions beside them wrong.
         """
         A, slope = self.A, self.slope
-        near: Any = spl.splu((A + s * (1.0 + 1e-9) * slope).tocsc().astype(complex))
+        near: Any = _factor(lambda k: A + s * (1.0 + 1e-9 * k) * slope)
+        if near is None:
+            return False
         back = slope.conj().T.tocsc()
         x = y = np.random.default_rng(7).standard_normal(A.shape[0]).astype(complex)
         for _ in range(2):
@@ -274,6 +276,19 @@ class _Pencil:
         size = abs(y) @ ((abs(A) + abs(s) * abs(slope)) @ abs(x))
         missed = abs(y.conj() @ (A @ x) + s * rate)
         return bool(np.finfo(float).eps * size + missed < NEARLY * abs(s * rate))
+
+
+def _factor(matrix: Callable[[int], Any]) -> Any:
+    """Return the factors of a complex matrix(k), k = 1, 2, 3; None where all are singular.
+
+    A matrix next to a singular one may have a pivot that rounding makes exactly 0.
+    """
+    for k in (1, 2, 3):
+        try:
+            return spl.splu(matrix(k).tocsc().astype(complex))
+        except RuntimeError:
+            continue
+    return None
 
 
 def _gap(loads: Any) -> float:
