@@ -53,6 +53,8 @@ class Repeated:
 
     def __init__(self, model: Model, t_end: float, **how: Any) -> None:
         without_fmus(model, "study", "cannot be repeated with other values")
+        # once for all runs, and with the derivatives of the model
+        how = how | {"state": beginning(model, how.get("state"))}
         self.model = model
         self._stepped = has_steps(model)
         with plainly():
@@ -63,7 +65,7 @@ class Repeated:
         self._plain_model = model
         self.t_end = float(t_end)
         self.how = {key: value for key, value in how.items() if value is not None}
-        self._state: State | None = beginning(model, self.how.get("state"))
+        self._state: State | None = self.how.get("state")
         start = 0.0 if self._state is None else self._state.time
         solver, output = self.how.get("solver"), self.how.get("output_step")
         reason = ""
