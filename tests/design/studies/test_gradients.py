@@ -517,3 +517,19 @@ def test_complex_numbers_are_taken_nowhere_else():
     assert ball.mass.imag == STEP
     # what is made inside does not stay as a default of what is made outside
     assert jo.RigidBody("ball", 1.0, (1e-3, 1e-3, 1e-3)).center.dtype == np.float64
+
+
+def hanging(mass, stiffness):
+    body = jo.RigidBody("weight", mass, (1.0, 1.0, 1.0))
+    guide = jo.Prismatic("guide", jo.ground["origin"], body["origin"], axis=(0, 1, 0))
+    spring = jo.Spring("hanger", guide.displacement, stiffness)
+    place = jo.CoordinateSensor("place", guide.displacement)
+    return jo.Mechanism(body, guide, spring, place, jo.Gravity((0, -G, 0)), start="rest")
+
+
+def test_the_start_at_rest_that_a_mechanism_asks_for_moves_with_the_parameters():
+    study = jo.study(hanging, [P("mass", 2.0), P("stiffness", 500.0)], "min(place)", t_end=0.1)
+    found = jo.design.gradient(study)
+    sag = -2.0 * G / 500.0
+    np.testing.assert_allclose(found.values, [sag], rtol=1e-9)
+    np.testing.assert_allclose(found.jacobian[0], [sag / 2.0, -sag / 500.0], rtol=1e-6)

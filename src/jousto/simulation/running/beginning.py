@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, NotAnalytic, Problem
 from jousto.model.model import Model
+from jousto.model.stepped import has_steps
 from jousto.simulation.state import State
 
 
@@ -24,6 +25,8 @@ def beginning(model: Model, state: State | None = None, start: str | None = None
     InputError
         If that is unknown because a model of another program runs beside the machine, or if there
         is none.
+    NotAnalytic
+        If derivatives of it are asked for that there are none of.
     """
     start = model.start if start is None else start
     if state is not None or start == "initial":
@@ -33,6 +36,12 @@ def beginning(model: Model, state: State | None = None, start: str | None = None
         told = f"is to start at '{start}', but what fmu '{unit}' gives there is not known; "
         told += "take start 'initial', or give the state to start from"
         raise InputError(Problem(f"mechanism {model.name!r}", told))
+    if has_steps(model):
+        if start != "rest":
+            raise NotAnalytic("a start without vibration is sought by iterations")
+        from jousto.simulation.statics.stepped import rest
+
+        return rest(model)
     if start == "rest":
         from jousto.simulation.statics.equilibrium import equilibrium
 
