@@ -531,5 +531,6 @@ def test_the_start_at_rest_that_a_mechanism_asks_for_moves_with_the_parameters()
     study = jo.study(hanging, [P("mass", 2.0), P("stiffness", 500.0)], "min(place)", t_end=0.1)
     found = jo.design.gradient(study)
     sag = -2.0 * G / 500.0
+    assert found.exact  # of the values alone, complex steps and differences disagreed
     np.testing.assert_allclose(found.values, [sag], rtol=1e-9)
     np.testing.assert_allclose(found.jacobian[0], [sag / 2.0, -sag / 500.0], rtol=1e-6)
