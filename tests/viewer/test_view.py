@@ -347,3 +347,13 @@ def test_ctrl_c_ends_the_command_once_the_address_is_out(capsys: pytest.CaptureF
     until_ctrl_c(page, opens=True)
     assert page.ended
     assert capsys.readouterr() == ("here\n", "Ctrl-C ends it\n")
+
+
+def test_ctrl_c_ends_the_command_from_its_first_words_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    def pressed(*words: object, **how: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jousto.cli.terminal.say", pressed)
+    page = Interrupted()
+    until_ctrl_c(page, opens=True)
+    assert page.ended

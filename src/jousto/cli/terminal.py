@@ -101,8 +101,8 @@ def until_ctrl_c(page: _Page, *, opens: bool) -> None:
     The address stands alone on its line, so that it can be copied and read by programs. From then
     on Ctrl-C is how the command ends, and not an error.
     """
-    say("Ctrl-C ends it", error=True)
-    try:
+    try:  # entered before the words are read, so that they hold from the first letter on
+        say("Ctrl-C ends it", error=True)
         say(page.address)
         if opens and not page.open():
             say("no browser was found: open the address yourself", error=True, style="yellow")
