@@ -15,7 +15,8 @@ static int closed(const jo_model *m, jo_data *d)
         return jo_tree_close(m, d);
     }
     jo_project(m, d, &jo_now);
-    return jo_most(jo_joint_residual(m, d)) <= 1e-12 * m->size && jo_most(jo_joint_residual_rate(m, d)) <= 1e-10 * m->size;
+    return jo_most(jo_joint_residual(m, d)) <= JO_CLOSED * m->size
+           && jo_most(jo_joint_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
 }
 
 /* a row at a time within the last step; the state stays at its end */

@@ -144,6 +144,8 @@ static void lay_newton(const jo_model *m, arena *a, jo_data *d)
     d->lag = reals(a, m->nv);
     d->sum = reals(a, m->nv);
     d->pivot = take(a, (size_t)(m->nv + m->nrow) * sizeof(int));
+    d->unit = take(a, (size_t)(m->nv + m->nrow) * sizeof(double));
+    d->unit_of_row = take(a, (size_t)(m->nv + m->nrow) * sizeof(double));
 }
 
 /* the iteration for forces of friction */

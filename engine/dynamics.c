@@ -213,7 +213,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
-    const double small = 1e-12 * m->size, small_rate = 1e-10 * m->size;   /* m, m/s */
+    const double small = JO_CLOSED * m->size;   /* m */
     d->tree.narrow = d->tree.on;
     if (d->tree.narrow) jo_ports_place(m, d);
     else jo_refresh(m, d);
@@ -230,9 +230,11 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
     }
     jo_marker_velocity(m, d, m->nactive);
-    jo_joint_residual_rate(m, d);
+    const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
+    residual = jo_joint_residual_rate(m, d);
     open = JO_ALL;
     for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+        const jo_real before = residual;
         newton(m, d, stage, 1);
         jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nbody; i++) {
@@ -242,7 +244,8 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
             jo_body_twist(b, &d->body[i], d->v + b->iv);
         }
         jo_marker_velocity(m, d, m->nactive);
-        open &= JO_LESS(jo_same(small_rate), jo_joint_residual_rate(m, d));
+        residual = jo_joint_residual_rate(m, d);
+        open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
     }
     d->fresh = 0;
     d->current = !d->tree.narrow;
@@ -284,7 +287,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
             residual = jo_most(jo_joint_residual(m, d));
             if (sum_of_squares(m, d) < merit) break;
         }
-        if (residual > 0.5 * before && residual < 1e-12 * m->size) break;   /* round-off */
+        if (residual > 0.5 * before && residual < JO_CLOSED * m->size) break;   /* round-off */
     }
 #ifdef JO_COMPLEX
     for (int k = 0; k < 2; k++) {   /* derivatives converge behind the values: full steps, however small */

@@ -279,22 +279,17 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     return JO_NO_CONVERGENCE;
 }
 
-/* d->x = -[0; residual of the rows], of positions or velocities; returns the largest */
-static double gaps(const jo_model *m, jo_data *d, int velocity)
+/* d->x = -[0; residual of the rows], of positions or velocities */
+static void set_gaps(const jo_model *m, jo_data *d, int velocity)
 {
-    double gap = 0.0;
     for (int i = 0; i < m->nbody; i++) {
         jo_real *x = solution_of(m, d, i);
         for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
     }
     for (int i = 0; i < m->njoint; i++) {
         jo_real *x = solution_of(m, d, m->nbody + i);
-        for (int r = 0; r < m->joint[i].nrow; r++) {
-            x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
-            gap = jo_larger(gap, fabs(JO_RE(x[r])));
-        }
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
     }
-    return gap;
 }
 
 /* q or v moves by the solution in d->x */
@@ -315,19 +310,20 @@ static void correct(const jo_model *m, jo_data *d, int velocity)
 static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_CORRECTIONS = 10 };
-    const double small[2] = {1e-12 * m->size, 1e-10 * m->size};
+    const double small[2] = {JO_CLOSED * m->size, JO_CLOSED * jo_most(jo_speed(m, d))};
     jo_real largest[2];
     for (int velocity = 0; velocity < 2; velocity++) {
         double before = 0.0;
         for (int k = 0; k < JO_CORRECTIONS; k++) {
             if (k || velocity) jo_residuals(m, d, largest);
-            const double gap = gaps(m, d, velocity);
+            else largest[0] = jo_joint_residual(m, d);   /* bodies and markers stand at q */
+            const double gap = JO_RE(largest[velocity]);
             if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
             if (d->aged > (d->softened ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
                 const int status = factors(m, d, stage);
                 if (status != JO_OK) return status;
-                gaps(m, d, velocity);
             }
+            set_gaps(m, d, velocity);
             before = gap;
             correct(m, d, velocity);
         }

@@ -317,6 +317,7 @@ struct jo_data {
     jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     int *pivot;             /* (nv + nrow) */
+    double *unit, *unit_of_row;   /* (nv + nrow) of the unknowns of N, and as the rows of a node lie while they are exchanged */
     int current;            /* bodies and active markers stand at the present q, v */
     int fresh;              /* a and lam belong to the present time, q, v and set 0 */
     int again;              /* they did before the caller could change the state */
@@ -425,8 +426,8 @@ void jo_count_turns(const jo_model *m, jo_data *d);                /* the presen
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
 
 /* joint.c */
-jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest */
-jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot */
+jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest, m (jo_row_metres) */
+jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot, m/s */
 jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
 jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
 void jo_joint_rows(const jo_model *m, jo_data *d);
@@ -511,6 +512,7 @@ void jo_refresh(const jo_model *m, jo_data *d);
 void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
+jo_real jo_speed(const jo_model *m, const jo_data *d);   /* m/s, the largest; turns on an arm of the size of the mechanism */
 int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
 
 /* force.c */
@@ -621,6 +623,7 @@ void jo_tree_increments(const jo_model *m, jo_real *dq, const jo_real *x0, const
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_mirror_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
+#define JO_CLOSED 1e-12       /* of the size of a mechanism, or of its speed: residuals of closed joints, m and m/s */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
 

@@ -15,17 +15,39 @@ static void clear(jo_real *x, int count)
     for (int i = 0; i < count; i++) x[i] = jo_same(0.0);
 }
 
-/* the larger one; a NaN stays */
-static jo_real larger(jo_real x, jo_real y) { return jo_choose(JO_LESS_OR_EQUAL(y, x), x, y); }
+/* m of a unit of the residual of a line: the largest of its coordinates counts, angles on an arm of the size of the mechanism */
+static inline jo_real line_metres(const jo_model *m, const jo_line *line)
+{
+    jo_real most = {0.0};
+    for (int j = 0; j < line->count; j++) {
+        const int angle = m->coordinate[line->coordinate[j]].type == JO_COORDINATE_ANGLE;
+        most = jo_maximum(most, jo_magnitude(line->data->factor[j]) * (angle ? 1.0 / m->size : 1.0));
+    }
+    return 1.0 / most;
+}
 
-static jo_real largest(const jo_real *c, int count)
+/* m of a unit of the residual of a row: cosines count as angles do */
+static inline jo_real row_metres(const jo_model *m, const jo_joint *k, int row)
+{
+    if (row >= first_line(k)) return line_metres(m, &m->line[k->line + row - first_line(k)]);
+    return jo_same(k->coincident && row < 3 ? 1.0 : m->size);
+}
+
+void jo_row_metres(const jo_model *m, jo_real *out)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) out[m->joint[i].row + r] = row_metres(m, &m->joint[i], r);
+}
+
+/* of the residuals of the rows of a joint, m, or of their rates, m/s */
+static inline jo_real largest(const jo_model *m, const jo_joint *k, const jo_real *c)
 {
     jo_real x = {0.0};
-    for (int r = 0; r < count; r++) x = larger(x, jo_magnitude(c[r]));
+    for (int r = 0; r < k->nrow; r++) x = jo_maximum(x, jo_magnitude(c[r]) * row_metres(m, k, r));
     return x;
 }
 
-/* of one joint: fills c, returns the largest */
+/* of one joint: fills c, returns the largest, m */
 static inline jo_real gap(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
@@ -49,7 +71,7 @@ static inline jo_real gap(const jo_model *m, jo_data *d, int joint)
         c[k->nperp + l] = value;
     }
     if (jo_absent(d, k)) clear(d->joint[joint].c, k->nrow);
-    return largest(d->joint[joint].c, k->nrow);
+    return largest(m, k, d->joint[joint].c);
 }
 
 jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint) { return gap(m, d, joint); }
@@ -58,11 +80,11 @@ jo_real jo_joint_residual(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_away(d, i)) worst = larger(worst, gap(m, d, i));
+        if (!jo_joint_away(d, i)) worst = jo_maximum(worst, gap(m, d, i));
     return worst;
 }
 
-/* of one joint, whose coordinates have their rates: fills cdot, returns the largest */
+/* of one joint, whose coordinates have their rates: fills cdot, returns the largest, m/s */
 static inline jo_real gap_rate(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
@@ -94,7 +116,7 @@ static inline jo_real gap_rate(const jo_model *m, jo_data *d, int joint)
         c[k->nperp + l] = rate;
     }
     if (jo_absent(d, k)) clear(d->joint[joint].cdot, k->nrow);
-    return largest(d->joint[joint].cdot, k->nrow);
+    return largest(m, k, d->joint[joint].cdot);
 }
 
 jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint) { return gap_rate(m, d, joint); }
@@ -104,7 +126,7 @@ jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d)
     jo_real worst = {0.0};
     if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_away(d, i)) worst = larger(worst, gap_rate(m, d, i));
+        if (!jo_joint_away(d, i)) worst = jo_maximum(worst, gap_rate(m, d, i));
     return worst;
 }
 

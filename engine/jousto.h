@@ -439,7 +439,9 @@ int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
 void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
-void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, |Cq v| */
+void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times their metres */
+/* (nrow) m of a unit of each row of C: 1 where it is a length, the size of the mechanism where it is an angle or a cosine */
+void jo_row_metres(const jo_model *m, jo_real *out);
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */

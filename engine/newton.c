@@ -7,7 +7,7 @@
 #include "internal.h"
 
 #define JO_REGULAR 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
-#define JO_VANISHED 1e-14     /* a pivot below this, relative to its column, belongs to rows that repeat one another */
+#define JO_VANISHED 1e-14     /* a pivot below this, relative to the units of its row and column, repeats others */
 
 /* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
@@ -53,8 +53,17 @@ static void swap_rows(jo_real *x, jo_real *y, int count)
     }
 }
 
-/* LU with scaled partial pivoting; the inverse of the diagonal is kept. Returns the row whose pivot vanishes, or -1 */
-static inline int factor_dense(jo_real *restrict A, const int n, const int stride, int *pivot, double vanished)
+static void swap(double *x, double *y)
+{
+    const double t = *x;
+    *x = *y;
+    *y = t;
+}
+
+/* LU with partial pivoting; the inverse of the diagonal is kept. A_ij has the unit row[i] column[j]. Returns the row whose pivot
+ * vanishes beside it, or -1 */
+static inline int factor_dense(jo_real *restrict A, const int n, const int stride, int *pivot, const double *column, double *row,
+                               const double vanished)
 {
     for (int k = 0; k < n; k++) {
         int best = k;
@@ -64,8 +73,11 @@ static inline int factor_dense(jo_real *restrict A, const int n, const int strid
             if (!(x <= value)) { value = x; best = i; }
         }
         pivot[k] = best;
-        if (best != k) swap_rows(A + k * stride, A + best * stride, stride);
-        if (!(value > vanished)) return k;
+        if (best != k) {
+            swap_rows(A + k * stride, A + best * stride, stride);
+            swap(row + k, row + best);
+        }
+        if (!(value > vanished * row[k] * column[k])) return k;
         const jo_real inverse = 1.0 / A[k * stride + k];
         A[k * stride + k] = inverse;
         const int from = (k + 1) & ~(JO_PAD - 1);
@@ -266,6 +278,19 @@ static double row_size(const jo_model *m, jo_data *d, int joint, int row)
     return sum;
 }
 
+/* Units of the unknowns, in which the diagonal of the matrix is 1: roots of masses and inertias, and of the diagonal of S of
+ * joints. Before the elimination begins */
+static void set_units(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody + m->njoint; i++) {
+        const jo_block D = jo_newton_find(m, d, i, i);
+        const int joint = i - m->nbody, count = joint < 0 ? 6 + m->body[i].n : m->joint[joint].nrow;
+        double *unit = d->unit + m->node[m->place[i].node].at + m->place[i].local;
+        for (int r = 0; r < count; r++)
+            unit[r] = sqrt(joint < 0 ? fabs(JO_RE(D.at[r * (D.stride + 1)])) : row_size(m, d, joint, r));
+    }
+}
+
 /* rows that repeat one another: the multipliers of least norm */
 static void regularise(const jo_model *m, jo_data *d)
 {
@@ -291,25 +316,26 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
     d->softened = redundant;
+    const double vanished = redundant ? 0.0 : JO_VANISHED;
+    set_units(m, d);
     if (redundant) regularise(m, d);
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
         jo_real *A = d->N + node->diagonal;
-        double largest = 0.0;
-        for (int i = 0; i < node->size * stride; i++) {
-            const double x = fabs(JO_RE(A[i]));
-            if (!(x <= largest)) largest = x;
-        }
-        if (!isfinite(largest)) {
+        double sum = 0.0;
+        for (int i = 0; i < node->size * stride; i++) sum += fabs(JO_RE(A[i]));
+        if (!isfinite(sum)) {
             d->error_index = node->body < 0 ? 0 : node->body;
             return JO_NOT_FINITE;
         }
-        const double vanished = redundant ? 0.0 : JO_VANISHED * (largest < 1.0 ? largest : 1.0);
         const int six = node->size == JO_SIX;
         int *pivot = d->pivot + node->at;
-        const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, vanished)
-                               : factor_dense(A, node->size, stride, pivot, vanished);
+        const double *column = d->unit + node->at;
+        double *row = d->unit_of_row + node->at;
+        for (int i = 0; i < node->size; i++) row[i] = column[i];
+        const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, column, row, vanished)
+                               : factor_dense(A, node->size, stride, pivot, column, row, vanished);
         if (failed >= 0) {
             const int joint = node_joint(m, c);
             d->error_index = joint >= 0 ? joint : node->body;

@@ -116,6 +116,9 @@ static inline jo_real jo_dot3(const jo_real *a, const jo_real *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+/* the larger one; a NaN stays */
+static inline jo_real jo_maximum(jo_real x, jo_real y) { return jo_choose(JO_LESS_OR_EQUAL(y, x), x, y); }
+
 static inline double jo_larger(double a, double b) { return a > b ? a : b; }
 
 #ifndef JO_VECTOR

@@ -45,7 +45,20 @@ void jo_refresh(const jo_model *m, jo_data *d)
     if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
 }
 
-/* largest position and velocity residual */
+/* m/s, the largest of the bodies; they turn on an arm of the size of the mechanism */
+jo_real jo_speed(const jo_model *m, const jo_data *d)
+{
+    jo_real fastest = {0.0};
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *v = d->v + m->body[i].iv;
+        if (jo_body_away(d, i)) continue;
+        for (int j = 0; j < 3; j++)
+            fastest = jo_maximum(fastest, jo_maximum(jo_magnitude(v[j]), m->size * jo_magnitude(v[3 + j])));
+    }
+    return fastest;
+}
+
+/* largest position residual, m, and velocity residual, m/s */
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_refresh(m, d);

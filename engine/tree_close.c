@@ -2,8 +2,6 @@
 #include "tree.h"
 
 enum { JO_CORRECTIONS = 4 };
-#define JO_CLOSED 1e-12         /* of the size of the mechanism, m */
-#define JO_CLOSED_RATE 1e-10    /* the same, m/s */
 #define JO_UNTOUCHED 0.01       /* of these: so small a gap is left as it is */
 
 /* bodies and markers of the loops where x and u are */
@@ -33,6 +31,20 @@ static double gap(const jo_model *m, jo_data *d, int velocity)
     return worst;
 }
 
+/* m/s, the largest of the joints, as jo_speed of the bodies */
+static double speed(const jo_model *m, const jo_data *d)
+{
+    double fastest = 0.0;
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const int turns = k->type == JO_LINK_HINGE || k->type == JO_LINK_BALL, frees = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
+        const int count = k->type == JO_LINK_FIXED ? 0 : frees ? 6 : k->type == JO_LINK_BALL ? 3 : 1;
+        for (int j = 0; j < count; j++)
+            fastest = jo_larger(fastest, fabs(JO_RE(d->tree.u[k->u + j])) * (turns || (frees && j > 2) ? m->size : 1.0));
+    }
+    return fastest;
+}
+
 /* change of x or of u that closes the residuals, into d->rate */
 static void correct(const jo_model *m, jo_data *d, int velocity)
 {
@@ -58,8 +70,8 @@ static int untouched(double residual, double small, int k)
 
 int jo_tree_close(const jo_model *m, jo_data *d)
 {
-    const double small = JO_CLOSED * m->size, small_rate = JO_CLOSED_RATE * m->size;
     if (!m->nloop) return 1;
+    const double small = JO_CLOSED * m->size, small_rate = JO_CLOSED * speed(m, d);
     place(m, d);
     double residual = gap(m, d, 0), before = HUGE_VAL;
     for (int k = 0; k < JO_CORRECTIONS && !untouched(residual, small, k) && residual < 0.5 * before; k++) {

@@ -2,7 +2,7 @@
 #include "tree.h"
 
 #define JO_OPEN 1e-9        /* of the size of the mechanism: joints that are open by more are closed before they are read */
-#define JO_OPENING 1e-7     /* the same of their velocities, 1/s */
+#define JO_OPENING 1e-7     /* of the speed of the mechanism: the same of their velocities */
 
 /* joint angles as many turns on as the counted ones of their coordinates */
 static void follow_turns(const jo_model *m, jo_data *d)
@@ -21,7 +21,7 @@ static int close_gaps(const jo_model *m, jo_data *d)
 {
     jo_real open[2];
     jo_residuals(m, d, open);
-    if (JO_RE(open[0]) <= JO_OPEN * m->size && JO_RE(open[1]) <= JO_OPENING * m->size) return JO_OK;
+    if (JO_RE(open[0]) <= JO_OPEN * m->size && JO_RE(open[1]) <= JO_OPENING * JO_RE(jo_speed(m, d))) return JO_OK;
     d->current = 0;
     const int status = jo_evaluate(m, d, &jo_now);
     if (status == JO_OK) jo_project(m, d, &jo_now);

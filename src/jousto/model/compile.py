@@ -32,6 +32,7 @@ from jousto.model.packing.foreign import fmu_models
 from jousto.model.packing.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
+from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start import quiet_velocities, started
 from jousto.model.stepped import with_start
 from jousto.model.symbols import symbols
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 log = logging.getLogger(__name__)
+CHANGED = 1e-6  # of the largest velocity: velocities that were replaced
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
 
 
@@ -373,8 +375,7 @@ def _consistent(model: Model) -> Model:
     model.v0[:] = engine.v if quiet is None else quiet
     model.q0.setflags(write=False)
     model.v0.setflags(write=False)
-    scale = max(1.0, float(np.abs(given).max(initial=0.0)))
-    names = _changed(model, given, 1e-6 * scale)
+    names = _changed(model, given)
     if names and not any(line.signal >= 0 for joint in model.joints for line in joint.lines):
         warn(
             f"mechanism {model.name!r}",
@@ -393,8 +394,10 @@ def _check_reachable(model: Model) -> None:
         check_closed(model, engine, None)
 
 
-def _changed(model: Model, given: Array, tolerance: float) -> str:
-    change = np.abs(model.v0 - given)
+def _changed(model: Model, given: Array) -> str:
+    """Return the bodies whose velocities were replaced by others."""
+    change = np.abs(model.v0 - given) * velocity_metres(model)
+    tolerance = CHANGED * max(largest_speed(model, given), largest_speed(model, model.v0))
     names: Iterable[str] = (
         f"'{body.name}'"
         for body in model.bodies

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.arrays import Array
 from jousto.base.rounding import Scales
 from jousto.model.model import Model
 
@@ -21,6 +25,49 @@ def scales_of(model: Model) -> Scales:
     sections = (section for beam in model.beam_shapes for section in beam.sections)
     stress += [real(s.elasticity[0]) for s in sections if s.elasticity is not None]
     return Scales(mass, size, max(stress, default=0.0))
+
+
+def velocity_metres(model: Model) -> Array:
+    """Return what a unit of each velocity or increment (nv,) moves a body by, m (or m/s).
+
+    ``[R', w, p']`` count ``[1, size, 1 / sqrt(m)]``: turns on an arm of the size of the mechanism,
+    and modal coordinates, which are normalised to the mass, as the root mean square over the body.
+    With `Engine.row_metres` all that is closed, moved or compared is a length, so that a machine
+    is treated alike in every consistent system of units.
+    """
+    out = np.ones(model.nv)
+    for body in model.bodies:
+        out[body.iv + 3 : body.iv + 6] = real(model.size)
+        if body.n:
+            out[body.iv + 6 : body.iv + 6 + body.n] = real(body.mass[0]) ** -0.5
+    return out
+
+
+def position_metres(model: Model) -> Array:
+    """Return the same for the coordinates ``[R, e, p]`` (nq,)."""
+    v = velocity_metres(model)
+    parts = [v[b.iv + np.r_[0:3, [3] * 4, 6 : 6 + b.n]] for b in model.bodies]
+    return np.concatenate(parts)
+
+
+def largest_speed(model: Model, v: NDArray[Any]) -> float:
+    """Return the largest of velocities (nv,) in m/s, see `velocity_metres`."""
+    return float(np.abs(v * velocity_metres(model)).max(initial=0.0))
+
+
+def speed_scale(model: Model, v: NDArray[Any], a: NDArray[Any]) -> float:
+    """Return what speeds of a mechanism come to, m/s: its own, or gained over its size.
+
+    ``max(|v|, sqrt(|a| size))``; it is zero where nothing moves or begins to.
+
+    Parameters
+    ----------
+    model : Model
+    v, a : (nv,) arrays
+        Velocities and accelerations.
+    """
+    gained = np.sqrt(largest_speed(model, a) * real(model.size))
+    return max(largest_speed(model, v), float(gained))
 
 
 def real(x: complex) -> float:

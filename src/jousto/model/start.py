@@ -18,15 +18,17 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.ordering import eliminate
 from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
+from jousto.model.scales import largest_speed, velocity_metres
 
 SAME = 1e-12  # of the velocities: round-off
-FITS = 1e-9  # m/s or rad/s of a mechanism of 1 m and velocities of 1: the velocities fit
+FITS = 1e-9  # of the largest velocity: what rows may miss, m/s
 MOST = 2000  # velocities and rows that are worth dense matrices
 
 
 PIECE = 0.1  # rad, or of the size of the mechanism: how far a coordinate is moved at a time
 ITERATIONS = 30
-CLOSED = 1e-12  # of the size of the mechanism, or rad
+CLOSED = 1e-12  # of the size of the mechanism
+FAR = 1e3  # of the size of the mechanism: a step that leads nowhere
 REACHED = 1e-9  # of the largest velocity: rates that agree
 
 
@@ -58,9 +60,9 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
         return None
     modal = modal_velocities(model)
     nearest = np.array(engine.v)
-    scale = max(float(np.abs(nearest).max(initial=0.0)), float(np.abs(given).max(initial=0.0)))
-    changed = float(np.abs((nearest - given)[modal]).max(initial=0.0))
-    if changed <= SAME * max(scale, model.size):
+    metres = velocity_metres(model)
+    changed = float(np.abs((nearest * metres)[modal]).max(initial=0.0))
+    if changed <= SAME * largest_speed(model, nearest):
         return None
     if model.nv > MOST or model.nrow > MOST:
         warn(
@@ -79,11 +81,10 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     dv = least_motion(model, engine, Cq, asked)
     if dv is None:
         return None
-    v = given + dv
-    engine.v[:] = v
-    fits = engine.residuals()[1] <= FITS * max(1.0, model.size) * max(1.0, scale)
+    engine.v[:] = dv
+    fits = engine.residuals()[1] <= FITS * largest_speed(model, dv)
     engine.v[:] = nearest
-    return v if fits else None
+    return dv if fits else None
 
 
 def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array | None:
@@ -238,20 +239,16 @@ def _pose(model: Model, initials: Sequence[Initial]) -> Array:
     """Return q (nq,) with closed joints at which the coordinates have their values."""
     engine = Engine(model, implicit=False)
     first = model.permanent - len(initials)
-    angles = np.array(
-        [model.coordinates[_coordinate(j)].kind == "angle" for j in model.joints[-len(initials) :]]
-    )
     goal = np.array([initial.value for initial in initials])
     # where the given pose is rough, the joints close first
     begin = np.array(engine.constraints()[0][first:])
     way = goal - begin
-    unit = np.where(angles, 1.0, model.size)
-    pieces = max(1, int(np.ceil(np.max(np.abs(way) / (PIECE * unit)))))
+    sizes = np.abs(way) * engine.row_metres[first:] / model.size
+    pieces = max(1, int(np.ceil(np.max(sizes) / PIECE)))
     for piece in range(1, pieces + 1):
         aim = begin + way * (piece / pieces)
-        if not _close(model, engine, first, angles, aim):
-            share = np.abs(aim - begin).argmax()
-            raise InputError(_unreachable(model, engine, initials, int(share), aim))
+        if not _close(model, engine, first, aim):
+            raise InputError(_unreachable(model, engine, initials, int(sizes.argmax()), aim))
     return np.array(engine.q)
 
 
@@ -259,24 +256,27 @@ def _coordinate(joint: JointModel) -> int:
     return joint.lines[0].coordinates[0]
 
 
-def _close(model: Model, engine: Engine, first: int, angles: Array, aim: Array) -> bool:
+def _close(model: Model, engine: Engine, first: int, aim: Array) -> bool:
     """Close the joints with the coordinates at their aim; False where they do not."""
+    kinds = (model.coordinates[_coordinate(j)].kind for j in model.joints[-len(aim) :])
+    angles = np.array([kind == "angle" for kind in kinds])
+    metres = velocity_metres(model)
     before = np.inf
     for _ in range(ITERATIONS):
         c = np.array(engine.constraints()[0])
         miss = c[first:] - aim
         c[first:] = np.where(angles, np.arctan2(np.sin(miss), np.cos(miss)), miss)
-        gap = float(np.abs(c).max())
-        if gap <= CLOSED * max(1.0, model.size):
+        gap = float(np.abs(c * engine.row_metres).max())
+        if gap <= CLOSED * model.size:
             return True
         if not gap < 10.0 * before:
             return False
         before = min(gap, before)
         step = least_motion(model, engine, constraint_matrix(model, engine), -c)
-        if step is None or not np.abs(step).max() < 1e3 * max(1.0, model.size):
+        if step is None or not np.abs(step * metres).max() < FAR * model.size:
             return False
         engine.q[:] = displaced(model, engine.q, step)
-    return gap <= 1e3 * CLOSED * max(1.0, model.size)
+    return gap <= 1e3 * CLOSED * model.size
 
 
 def _unreachable(
@@ -309,9 +309,10 @@ def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
     if dv is None:
         return given
     engine.v[:] = given + dv
-    miss = np.abs(engine.constraints()[1] - np.concatenate([np.zeros(first), rates]))
-    scale = max(float(np.abs(rates).max()), float(np.abs(engine.v).max()), 1e-300)
-    if miss.max() > REACHED * scale * max(1.0, model.size):
+    asked = np.concatenate([np.zeros(first), rates]) * engine.row_metres
+    miss = np.abs(engine.constraints()[1] * engine.row_metres - asked)
+    scale = max(float(np.abs(asked).max()), largest_speed(model, engine.v))
+    if miss.max() > REACHED * scale:
         raise InputError(_contradictions(model, engine, initials, miss[first:]))
     return np.array(engine.v)
 
@@ -338,5 +339,5 @@ def _contradictions(
             "many rates as motions are free, the others follow",
         )
     if not problems.found:
-        problems.add("initial rates", f"do not fit the joints by {miss.max():.3g} m/s or rad/s")
+        problems.add("initial rates", f"do not fit the joints by {miss.max():.3g} m/s")
     return tuple(problems.found)

@@ -15,6 +15,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import RANK, constraint_matrix
+from jousto.model.scales import largest_speed, position_metres
 from jousto.model.start import modal_velocities
 
 SMALL = 1e-9  # of what is compared
@@ -58,13 +59,14 @@ def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequenc
         made = finish(replace(plain, q0=plain.q0.copy(), v0=given.copy()))
     engine = Engine(replace(model, redundant=made.redundant), complex_scalars=True)
     engine.assemble()
-    if np.abs(engine.q.real - made.q0).max(initial=0.0) > SMALL * model.size:
+    moved = np.abs(engine.q.real - made.q0) * position_metres(plain)
+    if moved.max(initial=0.0) > SMALL * plain.size:
         raise NotAnalytic("its joints close on another way with complex numbers")
     v = engine.v
     modal = modal_velocities(plain)
     if not given.any() and np.any(v[modal]):
         v = _quiet(model, engine, np.asarray(model.v0))
-    if np.abs(v.real - made.v0).max(initial=0.0) > SMALL * max(1.0, float(np.abs(made.v0).max())):
+    if largest_speed(plain, v.real - made.v0) > SMALL * largest_speed(plain, made.v0):
         raise NotAnalytic("the velocities at the start are none that complex steps can follow")
     start: Any = (made.q0 + 1j * engine.q.imag, made.v0 + 1j * v.imag)
     sensors = made.sensors if made.redundant else model.sensors

@@ -16,7 +16,7 @@ from jousto.model.rank.redundancy import is_drive, place
 from jousto.robots.tree import Tree
 from jousto.simulation.state import State, put, take
 
-FITS = 1e-8  # of the size of the machine, or rad: what assembly leaves
+FITS = 1e-8  # of the size of the machine, or rad: what assembly and rounding leave
 
 
 @explained
@@ -95,8 +95,10 @@ def _check(model: Model, engine: Engine) -> None:
     problems = Problems()
     gaps = np.abs(engine.constraints()[0])
     for joint in model.joints:
-        gap = float(gaps[joint.row : joint.row + joint.rows].max(initial=0.0))
-        if joint.lock >= 0 or gap <= FITS * max(1.0, model.size):
+        rows = slice(joint.row, joint.row + joint.rows)
+        gap = float(gaps[rows].max(initial=0.0))
+        far = float((gaps * engine.row_metres)[rows].max(initial=0.0))
+        if joint.lock >= 0 or far <= FITS * model.size:
             continue
         if is_drive(joint):
             sentence = (

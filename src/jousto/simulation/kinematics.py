@@ -25,7 +25,7 @@ from jousto.simulation.statics.bending import Bending
 TURN = 0.5  # rad, largest turn of a body between two assembled positions
 STRAY = 0.2  # rad, largest turn between the predicted and the assembled position
 SHORTEST = 1e-7  # share of the span of time below which a piece is not halved
-CLOSED = 1e-9  # of the size of the mechanism, or rad: joints that count as closed
+CLOSED = 1e-9  # of the size of the mechanism: joints that count as closed
 SOFT = "the elastic bodies are too soft for such a motion without vibration, run simulate"
 UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, which are not formed
 
@@ -257,7 +257,7 @@ def _advance(model: Model, engine: Engine, bending: Bending | None, instant: flo
     try:
         good = (
             _close(engine, bending)
-            and engine.residuals()[0] <= CLOSED * max(1.0, model.size)
+            and engine.residuals()[0] <= CLOSED * model.size
             and _turned(model, guess, engine.q) < STRAY
             and _turned(model, kept[0], engine.q) < 2.0 * TURN
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ STATE = (
 )
 # fields of jo_pace
 PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
+CLOSED = 1e-14  # of the size of the mechanism or its distance from the origin: joints are closed
 IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
 
 
@@ -151,8 +153,10 @@ class Engine:
 
     def assemble(self, iterations: int = 100) -> None:
         """Close the joints by projecting q and v in the mass metric."""
-        scale = 1e-14 * max(1.0, float(np.abs(self.q).max(initial=0.0)))
-        self._check(self._library.jo_assemble(self._model, self._data, iterations, scale))
+        places = self.q[self._origins]
+        farthest = max(self.model.size, float(np.abs(places).max(initial=0.0)))
+        closed = CLOSED * farthest
+        self._check(self._library.jo_assemble(self._model, self._data, iterations, closed))
 
     def step(self, solver: Any) -> None:
         """Advance by one step of a native solver (see `native_solver`)."""
@@ -309,10 +313,26 @@ class Engine:
         self._library.jo_constraints(self._model, self._data, self._pointer(c), self._pointer(cdot))
         return c, cdot
 
+    @cached_property
+    def row_metres(self) -> NDArray[np.float64]:
+        """Lengths (nrow,) of a unit of each row of the constraints, m.
+
+        1 where a row is a length, the size of the mechanism where it is an angle or a cosine.
+        """
+        out = np.zeros(self.model.nrow, self.dtype)
+        self._library.jo_row_metres(self._model, self._pointer(out))
+        return np.asarray(out.real)
+
+    @cached_property
+    def _origins(self) -> NDArray[np.intp]:
+        """Places of the origins R of the bodies in q."""
+        first = np.array([body.iq for body in self.model.bodies], dtype=np.intp)
+        return np.asarray((first[:, None] + np.arange(3)).ravel())
+
     def residuals(self) -> tuple[float, float]:
-        """Return the largest position and velocity residual."""
-        c, cdot = self.constraints()
-        return float(np.abs(c).max(initial=0.0)), float(np.abs(cdot).max(initial=0.0))
+        """Return the largest position residual, m, and velocity residual, m/s."""
+        gaps = [np.abs(x * self.row_metres).max(initial=0.0) for x in self.constraints()]
+        return float(gaps[0]), float(gaps[1])
 
     def mass_matrix(self, body: int) -> Scalars:
         """Return the mass matrix (6+n, 6+n) of a body for [R'' (body frame), w', p'']."""

@@ -15,6 +15,7 @@ from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.ordering import Elimination, eliminate
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
+from jousto.model.scales import velocity_metres
 
 MOVES = 1e-6  # of unit motions in the mass metric: what is less is round-off
 SMALL = 3 * DENSE  # velocities up to which one singular value decomposition is quick
@@ -136,10 +137,11 @@ def _order(model: Model, joints: Sequence[JointModel]) -> Elimination:
 def neighbour(model: Model) -> Array | None:
     """Return a position (nq,) a small way along a motion that the rows allow, None without one."""
     engine = Engine(replace(model, redundant=True), implicit=False)
-    engine.v[:] = np.random.default_rng(0).standard_normal(model.nv)
+    metres = velocity_metres(model) / model.size
+    engine.v[:] = np.random.default_rng(0).standard_normal(model.nv) / metres
     try:
         engine.assemble()
-        size = float(np.abs(engine.v).max(initial=0.0))
+        size = float(np.abs(engine.v * metres).max(initial=0.0))
         if size < MOVES:
             return None
         engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))

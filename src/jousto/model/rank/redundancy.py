@@ -14,13 +14,16 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import BodyModel, JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.dependency import dependencies, joint_fronts
+from jousto.model.scales import speed_scale, velocity_metres
 
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 WEAK = 2e-7  # as small with 1e-12 of the largest moment of inertia about an axis: digits are lost
 """The same, of rows that are independent, below which solving with repeated rows loses digits: the
 diagonal is raised by 1e-9, and three steps leave ``(1e-9 / (1e-9 + s^2))^3`` of a multiplier."""
 SHARE = 1e-6  # share of a row in a dependency that counts
-NEARBY = 1e-2  # m or rad, how far the neighbouring position is
+NEARBY = 1e-2  # of the size of the mechanism, or rad: how far the neighbouring position is
+STILL = 1e-6  # of the size of the mechanism, or rad: what is left of a motion that nothing allows
+OPEN = 1e-8  # of the size of the mechanism, or of its speed: joints that contradict one another
 LISTED = 24  # names in a sentence
 TOGETHER = 100  # rows left out before the whole basis is renewed
 DENSE = 400  # rows up to which one singular value decomposition is quick
@@ -196,10 +199,11 @@ def _inertia_ratio(body: BodyModel) -> float:
 def _repeated_nearby(model: Model) -> int:
     """Return how many rows repeat others a small way along a motion that the joints allow."""
     engine = Engine(replace(model, redundant=True), implicit=False)
-    engine.v[:] = np.random.default_rng(0).normal(size=model.nv)
+    metres = velocity_metres(model) / model.size
+    engine.v[:] = np.random.default_rng(0).normal(size=model.nv) / metres
     engine.assemble()
-    size = float(np.abs(engine.v).max(initial=0.0))
-    if size < 1e-6:
+    size = float(np.abs(engine.v * metres).max(initial=0.0))
+    if size < STILL:
         return model.permanent  # nothing can move
     engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))
     engine.v[:] = model.v0
@@ -292,17 +296,18 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
         The rows that repeat one another.
     """
     problems = Problems()
-    c, cdot = engine.constraints()
-    speed = max(1.0, float(np.abs(engine.v).max(initial=0.0)))
+    c, cdot = (np.abs(x) for x in engine.constraints())
+    metres, speed = engine.row_metres, speed_scale(model, engine.v, engine.a)
     for joint in model.joints:
         rows = slice(joint.row, joint.row + joint.rows)
-        gap, rate = np.abs(c[rows]).max(initial=0.0), np.abs(cdot[rows]).max(initial=0.0)
-        if gap <= 1e-8 * model.size and rate <= 1e-8 * speed:
+        gap, rate = c[rows].max(initial=0.0), cdot[rows].max(initial=0.0)
+        open_by = (c * metres)[rows].max(initial=0.0)
+        if open_by <= OPEN * model.size and (cdot * metres)[rows].max(initial=0.0) <= OPEN * speed:
             continue
         names = [f"'{name}'" for name in (found.joints if found else ()) if name != joint.name]
         others = ", ".join(names) or "the others"
         where = place(joint)
-        if not gap <= 1e-8 * model.size:
+        if not open_by <= OPEN * model.size:
             problems.add(
                 where,
                 f"cannot be closed, {gap:.3g} (m or rad) remain; it conflicts with {others}: "
@@ -337,9 +342,11 @@ def disagreement(model: Model, q: Array, time: float) -> str:
     engine = Engine(model, implicit=False)
     engine.q[:], engine.time[0] = q, time
     c = np.abs(engine.constraints()[0])
-    gaps = [float(c[j.row : j.row + j.rows].max(initial=0.0)) for j in model.joints]
-    worst = model.joints[int(np.argmax(gaps))]
-    text = f"{place(worst)} is open by {max(gaps):.3g} (m or rad)"
+    rows = [slice(j.row, j.row + j.rows) for j in model.joints]
+    far = [(c * engine.row_metres)[r].max(initial=0.0) for r in rows]
+    worst = model.joints[int(np.argmax(far))]
+    gap = c[rows[int(np.argmax(far))]].max(initial=0.0)
+    text = f"{place(worst)} is open by {gap:.3g} (m or rad)"
     found = repeated_rows(model) if model.redundant else None
     others = [f"'{n}'" for n in (found.joints if found else ()) if n != worst.name]
     if others and found and worst.name in found.joints:

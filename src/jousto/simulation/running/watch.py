@@ -16,6 +16,7 @@ from jousto.simulation.spin import spins
 
 SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
 GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
+STILL = 1e-9  # of the size of the mechanism: moved in a whole run by what stands still
 OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
 
 
@@ -35,6 +36,7 @@ class RunWatch:
         self._low = np.full(len(ENERGIES), np.inf)
         self._high = np.full(len(ENERGIES), -np.inf)
         self._start: float | None = None
+        self._since = self._until = 0.0
         self._missed = 0.0
         self._gap = 0.0
         self._open: NDArray[np.float64] | None = None  # the row with the largest gap
@@ -52,7 +54,8 @@ class RunWatch:
         self._low = np.fmin(self._low, terms.min(axis=0))
         self._high = np.fmax(self._high, terms.max(axis=0))
         if self._start is None:
-            self._start = float(balance[0])
+            self._start, self._since = float(balance[0]), float(rows[0, 0])
+        self._until = float(rows[-1, 0])
         self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
         for k, spin in enumerate(self._spins):
             self._turning[k] = max(self._turning[k], spin.squared(rows))
@@ -68,10 +71,12 @@ class RunWatch:
 
     def _small(self, level: float, potential: float) -> float:
         """Return what is nothing beside energies of such a size, J."""
+        size = self._model.size
         mass = sum(float(b.mass[0]) for b in self._model.bodies)
         weight = mass * float(np.abs(self._model.gravity).max())
-        still = 1e-18 * mass  # a speed of 1 nm/s
-        return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * self._model.size, still)
+        lasted = self._until - self._since
+        still = mass * (STILL * size / lasted) ** 2 if lasted > 0.0 else 0.0
+        return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * size, still)
 
     def _gaping(self, row: NDArray[np.float64]) -> str:
         """Return which joint is open at an instant, and why."""
@@ -115,6 +120,6 @@ class RunWatch:
         if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
             warn(
                 where,
-                f"joints opened by up to {self._gap:.3g} (m, or rad) in spite of the projection, "
+                f"joints opened by up to {self._gap:.3g} m in spite of the projection, "
                 f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
             )

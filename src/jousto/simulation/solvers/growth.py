@@ -10,13 +10,14 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
+from jousto.model.scales import velocity_metres
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 
 ELASTIC = ("along", "bushing", "stop")  # kinds of forces that may be stiff
-DISTANCE = 1e-7  # m and rad, of the differences
-SPEED = 1e-5  # m/s and rad/s
+DISTANCE = 1e-7  # of the size of the mechanism, or rad, of the differences
+SPEED = 1e-8  # the same in a step
 
 
 def excess(model: Model, solver: Solver, step: float) -> float:
@@ -67,14 +68,13 @@ def _largest(model: Model, solver: Solver, step: float) -> float:
 
     after(np.zeros(2 * nv))
     back = np.linalg.pinv(engine.increments())  # small changes of q as increments
+    unit = model.size / velocity_metres(model)
+    sizes = np.concatenate([DISTANCE * unit, SPEED * unit / step])
     columns = []
-    for j in range(2 * nv):
-        size = DISTANCE if j < nv else SPEED
-        x = np.zeros(2 * nv)
-        x[j] = size
+    for x in np.diag(sizes):
         (q1, v1), (q0, v0) = after(x), after(-x)
         change = np.concatenate([back @ (q1 - q0), v1 - v0])
-        columns.append(change / (2.0 * size))
+        columns.append(change / (2.0 * sizes))
     matrix = np.stack(columns, axis=1)
     if not np.isfinite(matrix).all():
         return float("inf")

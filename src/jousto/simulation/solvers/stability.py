@@ -12,6 +12,7 @@ from jousto.mechanism.beams.limits import element_matrices
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.model.scales import velocity_metres
 from jousto.simulation.solvers.explicit import Solver
 
 Eigenvalues = NDArray[np.complex128]
@@ -77,22 +78,23 @@ def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
 def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
 
-    Central differences of the engine's accelerations in the increments of q and v, scaled so that
-    both are of one size. All eigenvalues of small mechanisms, else the four of largest magnitude
+    Central differences of the engine's accelerations in the increments of q and v, as shares of the
+    size of the mechanism and of that in a radian of the fastest body mode. All eigenvalues of small
+    mechanisms, else the four of largest magnitude
     (Arnoldi iteration). Without friction: one that sticks jumps at rest and has no derivative
     there; the smooth law is looked at by `friction_warning`.
     """
     engine = Engine(replace(model, frictions=()))
     free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
     free += all_beam_eigenvalues(model)
-    scale = max(1.0, *(np.abs(e).max(initial=0.0) for e in free))
-    nv = model.nv
+    scale = max(np.abs(e).max(initial=0.0) for e in free)
+    nv, unit = model.nv, model.size / velocity_metres(model)
 
     def rate(x: Array) -> Array:
-        engine.q[:] = displaced(model, model.q0, x[:nv])
-        engine.v[:] = model.v0 + scale * x[nv:]
+        engine.q[:] = displaced(model, model.q0, unit * x[:nv])
+        engine.v[:] = model.v0 + scale * unit * x[nv:]
         a, _ = engine.accelerations()
-        return np.concatenate([engine.v, a / scale])
+        return np.concatenate([engine.v / unit, a / (scale * unit)])
 
     def product(x: Array) -> Array:
         size = DIFFERENCE / max(float(np.abs(x).max()), 1e-300)

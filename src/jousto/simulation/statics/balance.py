@@ -16,10 +16,12 @@ from jousto.base.rotations import parse_direction, rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.model.scales import velocity_metres
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
 
 LIGHT = 1e-12  # of the largest mass, inertia or modal mass: the least that counts
+SOFT = 1e-10  # of the largest compliance: what rows that repeat one another give way by
 FIXED = 1e-9  # of the size: a rotation that the joints allow
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
 
@@ -197,8 +199,8 @@ class Balance:
         moved = self.engine.constraints()[1]
         self.engine.v[:] = 0.0
         still = self.engine.constraints()[1]
-        most = np.abs(moved - still).max(initial=0.0)
-        return bool(most <= FIXED * max(1.0, self.model.size))
+        most = np.abs((moved - still) * self.engine.row_metres).max(initial=0.0)
+        return bool(most <= FIXED * self.model.size)
 
     # -- residual and matrices ------------------------------------------------------------------
 
@@ -280,10 +282,10 @@ class Balance:
     def _bordered(self, A: Any, q: Array) -> Any:
         nv, nrow = self.model.nv, self.model.nrow
         if self.model.redundant and nrow:
-            K = abs(A[:nv, :nv]).max()
-            A = A - sp.block_diag(
-                [sp.csc_matrix((nv, nv)), 1e-10 / max(K, 1e-300) * sp.eye(nrow)], format="csc"
-            )
+            moves = sp.diags(1.0 / velocity_metres(self.model))
+            K = max(abs(moves @ A[:nv, :nv] @ moves).max(), 1e-300)  # N/m
+            soft = SOFT / (K * self.engine.row_metres**2)
+            A = A - sp.diags(np.concatenate([np.zeros(nv), soft]))
         if not self.gauge:
             return A.tocsc()
         g = np.concatenate([self.spin(q), np.zeros(nrow)])[:, None]

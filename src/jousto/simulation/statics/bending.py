@@ -7,10 +7,11 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
+from jousto.model.scales import velocity_metres
 from jousto.simulation.modes.linear import free_motions
 
 ITERATIONS = 40
-CLOSE = 1e-11  # of the size of the mechanism, or rad, or the modal coordinates: converged
+CLOSE = 1e-11  # of the size of the mechanism: converged
 FAR = 1e3  # the same: lost
 
 
@@ -28,7 +29,7 @@ class Bending:
     """
 
     def __init__(self, model: Model) -> None:
-        self._model = model
+        self._model, self._metres = model, velocity_metres(model)
         self._twin = Engine(model, complex_scalars=True)
         self._modal = np.array(
             [body.iv + 6 + j for body in model.bodies for j in range(body.n)], dtype=int
@@ -37,7 +38,9 @@ class Bending:
     def settle(self, engine: Engine) -> bool:
         """Solve at the engine's time, from its q and lam; set q and v. False: no convergence."""
         Cq, K = self._slopes(engine)
-        N, inverse = free_motions(Cq)
+        rows = engine.row_metres
+        N, inverse = free_motions(rows[:, None] * Cq / self._metres)
+        N, inverse = N / self._metres[:, None], inverse / self._metres[:, None] * rows
         bend = np.linalg.pinv(N[self._modal])
         stiffness = N.T @ K @ N
         for _ in range(ITERATIONS):
@@ -46,18 +49,15 @@ class Bending:
             r, c = engine.residual(), engine.constraints()[0]
             closing = -inverse @ c
             move = closing + N @ np.linalg.solve(stiffness, -N.T @ (r + K @ closing))
-            if not np.abs(move).max(initial=0.0) < FAR * self._scale(engine):
+            far = np.abs(move * self._metres).max(initial=0.0) / self._model.size
+            if not far < FAR:
                 return False
             engine.q[:] = displaced(self._model, engine.q, move)
             engine.lam[:] -= inverse.T @ (r + K @ move)
-            if np.abs(move).max(initial=0.0) <= CLOSE * self._scale(engine):
+            if far <= CLOSE:
                 engine.v[:] = self._motion(engine, N, inverse, bend)[0]
                 return True
         return False
-
-    def _scale(self, engine: Engine) -> float:
-        modal = [engine.q[b.iq + 7 : b.iq + 7 + b.n] for b in self._model.bodies]
-        return max(self._model.size, *(float(np.abs(p).max(initial=0.0)) for p in modal))
 
     def _motion(self, engine: Engine, N: Array, inverse: Array, bend: Array) -> tuple[Array, Array]:
         """Velocities and accelerations that follow the drives, least in the modes."""

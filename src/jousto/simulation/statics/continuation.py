@@ -13,6 +13,7 @@ import scipy.sparse.linalg as spl
 
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
+from jousto.model.scales import largest_speed, velocity_metres
 from jousto.simulation.modes.linear import rotations
 from jousto.simulation.modes.spectrum import Spectrum, nearest
 from jousto.simulation.statics.balance import Balance
@@ -98,7 +99,7 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
     metric = balance.metric(point.q, point.lam, point.value)
     r = balance.residual(point.q, point.lam, point.value)
     A = balance.matrix(point.q, point.lam, point.value)
-    fall = float((np.abs(r[:nv]) / metric).max())
+    fall = largest_speed(balance.model, r[:nv] / metric)  # m/s2
     least = max(least_stiffness(A, metric), NEUTRAL * fall / balance.model.size)  # no stiffness
     added = np.concatenate([least * metric, np.zeros(len(r) - nv)])
     try:
@@ -316,7 +317,8 @@ def _checked(balance: Balance, step: Array, length: float, before: float, k: int
 def mover(balance: Balance, step: Array) -> str:
     """Return the name of the body that an increment moves most."""
     bodies = balance.model.bodies
-    size = [float(np.linalg.norm(step[b.iv : b.iv + 6])) for b in bodies]
+    moves = step[: balance.model.nv] * velocity_metres(balance.model)
+    size = [float(np.linalg.norm(moves[b.iv : b.iv + 6])) for b in bodies]
     return str(bodies[int(np.argmax(np.nan_to_num(size, nan=np.inf)))].name)
 
 

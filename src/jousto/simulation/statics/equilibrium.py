@@ -9,6 +9,7 @@ from jousto.base.errors import InputError, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.model.scales import largest_speed
 from jousto.simulation.bent import warn_far
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
@@ -101,9 +102,10 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         push = np.linalg.lstsq(shapes, force, rcond=None)[0]
         # reach of the forces: a stiff direction at its round-off must not keep the others waiting
         rates = np.abs(squares)
-        amounts = push / np.maximum(rates, FREE * max(float(rates.max()), 1.0))
-        step = t.N @ np.real(shapes @ amounts)
-        largest = max(largest, float(np.abs(t.a).max()), float(np.linalg.norm(model.gravity)))
+        pull = largest_speed(model, t.a)  # m/s2
+        least = FREE * max(float(rates.max()), pull / model.size, 1e-300)
+        step = t.N @ np.real(shapes @ (push / np.maximum(rates, least)))
+        largest = max(largest, pull, float(np.linalg.norm(model.gravity)))
         moves = [np.abs(step[b.iv : b.iv + 3]).max() for b in model.bodies]
         turns = [np.abs(step[b.iv + 3 : b.iv + 6]).max() for b in model.bodies]
         # a body whose frame is held bends all the same
@@ -113,7 +115,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         )
         reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN, 1e-300)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
-        if np.abs(t.a).max() <= tolerance * max(largest, 1e-300) or reach < 1e-13:
+        if pull <= tolerance * largest or reach < 1e-13:
             return State(q, rest, t.lam, time)
         before = float(force @ force)
         factor = min(1.0, bound / reach)

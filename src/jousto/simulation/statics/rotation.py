@@ -100,9 +100,9 @@ def _check(balance: Balance, at: Point) -> None:
     """Refuse what does not turn steadily."""
     model, speed = balance.model, at.value
     engine = balance.at(at.q, at.lam, speed)
-    gap = engine.constraints()[1]
+    gap = engine.constraints()[1] * engine.row_metres
     rate = max(abs(speed), 1e-300)
-    if np.abs(gap).max(initial=0.0) > FITS * rate * max(1.0, model.size):
+    if np.abs(gap).max(initial=0.0) > FITS * rate * model.size:
         row = int(np.argmax(np.abs(gap)))
         name = next(j.name for j in model.joints if j.row <= row < j.row + j.rows)
         raise SimulationError(

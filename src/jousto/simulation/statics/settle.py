@@ -9,6 +9,7 @@ import scipy.sparse.linalg as spl
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.model.model import Model
+from jousto.model.scales import largest_speed
 from jousto.simulation.state import State
 from jousto.simulation.statics.balance import TIME, Balance
 from jousto.simulation.statics.continuation import (
@@ -78,7 +79,8 @@ class _Flow:
         at = (self.start.q, self.start.lam, self.time)
         self.metric = balance.metric(*at)
         self.least = least_stiffness(balance.matrix(*at), self.metric)
-        self.fall = float((np.abs(balance.residual(*at)[: len(self.metric)]) / self.metric).max())
+        r = balance.residual(*at)[: len(self.metric)]
+        self.fall = largest_speed(balance.model, r / self.metric)  # m/s2
 
     def step(self, start: Point, s: float) -> tuple[Point, float]:
         """Return ``r(q + x, lam) + s D x = 0`` under the constraints, and the length of x.

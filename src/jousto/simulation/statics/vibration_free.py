@@ -13,17 +13,19 @@ from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.model.scales import velocity_metres
 from jousto.model.start import MOST, modal_velocities
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.state import State, put, take
 
 ITERATIONS = 60
 FRESH = 8  # iterations with one set of slopes
-CLOSE = 1e-12  # of the size of the mechanism, rad, or the modal coordinates: converged
+CLOSE = 1e-12  # of the size of the mechanism: converged
 FAR = 1e3  # the same: lost
 SLOW = 0.1  # of the bending: largest change by the inertia of its own rates
 RIGID = 1e-9  # singular values of modal rates below this: a motion without bending
 SHORT = 5e-3  # rad that the fastest body turns between the instants of a difference
+REST = 1e-5  # of the lowest frequency of a body, rad/s: the same of a machine at rest
 
 
 @explained
@@ -85,10 +87,15 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
 
 @dataclass(frozen=True)
 class _Motions:
-    """Free motions (nv, f): those that bend nothing and the others, and pseudoinverses."""
+    """Free motions (nv, f): those that bend nothing and the others, orthonormal in metres.
+
+    `inverse` is a pseudoinverse of Cq, `parts` gives the shares (f, nv) of rigid motions in a
+    velocity, `follow` those of the others that bend as modal rates say.
+    """
 
     inverse: Array
     rigid: Array
+    parts: Array
     bending: Array
     follow: Array
 
@@ -120,6 +127,7 @@ class _Slow:
 
     def __init__(self, model: Model, modal: NDArray[np.int_]) -> None:
         self._model, self._modal = model, modal
+        self._metres = velocity_metres(model)
         self._twin = Engine(model, complex_scalars=True)
 
     def settle(self, engine: Engine) -> None:
@@ -156,7 +164,8 @@ class _Slow:
         K = np.concatenate([b.K for b in self._model.bodies])
         energy, other = (float(K @ p**2) for p in (still, settled - still))
         share = np.sqrt(other / energy) if energy > 0.0 else 0.0
-        if share > SLOW and np.abs(still).max() > CLOSE * max(self._model.size, 1.0):
+        bent = np.abs(still * self._metres[self._modal]).max()
+        if share > SLOW and bent > CLOSE * self._model.size:
             raise SimulationError(
                 "the elastic bodies would have to bend about as fast as they vibrate (the inertia "
                 f"of their bending changes it by {100.0 * share:.3g} %): something that nothing "
@@ -173,11 +182,11 @@ class _Slow:
 
     def _step(self, v: Array, a: Array) -> float:
         """Return the time in which the fastest body turns by SHORT, s."""
-        fastest = 1e-3  # 1/s, at rest
-        size = max(self._model.size, 1e-300)
+        K = np.concatenate([b.K for b in self._model.bodies])
+        fastest = REST * float(np.sqrt(K[K > 0.0].min()))
         for b in self._model.bodies:
             rigid = slice(b.iv, b.iv + 6)
-            scale = np.array([1.0 / size] * 3 + [1.0] * 3)
+            scale = self._metres[rigid] / self._model.size
             fastest = max(fastest, float(np.linalg.norm(v[rigid] * scale)))
             fastest = max(fastest, float(np.sqrt(np.linalg.norm(a[rigid] * scale))))
         return SHORT / fastest
@@ -195,7 +204,7 @@ class _Slow:
                 engine.v[:] = self._velocities(engine, free, given, rates)
                 before = np.array(engine.a)
                 engine.a[:] = self._accelerations(engine, free, accelerations)
-                alpha = free.rigid.T @ (before - engine.a)
+                alpha = free.parts @ (before - engine.a)
                 engine.a[:] += free.rigid @ alpha
                 K, M = self._slopes(engine)
                 along = np.hstack([free.bending, free.rigid])
@@ -204,8 +213,7 @@ class _Slow:
             closing = -free.inverse @ c
             solved = system.solve(-along.T @ (r + K @ closing))
             move = closing + free.bending @ solved[:count]
-            scale = max(self._model.size, float(np.abs(self._p(engine.q)).max()))
-            far = float(np.abs(move).max(initial=0.0)) / scale
+            far = float(np.abs(move * self._metres).max(initial=0.0)) / self._model.size
             if not far < FAR:
                 break
             engine.q[:] = displaced(self._model, engine.q, move)
@@ -215,7 +223,7 @@ class _Slow:
             if far <= CLOSE:  # velocities are to fit to round-off
                 drift = free.rigid @ alpha
                 free = self._motions(engine)
-                alpha = free.rigid.T @ drift
+                alpha = free.parts @ drift
             engine.v[:] = self._velocities(engine, free, given, rates)
             engine.a[:] = self._accelerations(engine, free, accelerations) + free.rigid @ alpha
             if far <= CLOSE:
@@ -228,17 +236,24 @@ class _Slow:
 
     def _motions(self, engine: Engine) -> _Motions:
         """Return what the joints leave free at the engine's position."""
-        N, inverse = free_motions(self._jacobian(engine))
+        metres, rows = self._metres, engine.row_metres
+        N, inverse = free_motions(rows[:, None] * self._jacobian(engine) / metres)
         _, s, Vt = np.linalg.svd(N[self._modal])
         count = int((s > RIGID).sum())
-        bending = N @ Vt[:count].T
-        return _Motions(inverse, N @ Vt[count:].T, bending, np.linalg.pinv(bending[self._modal]))
+        rigid, bending = N @ Vt[count:].T, N @ Vt[:count].T / metres[:, None]
+        return _Motions(
+            inverse=inverse / metres[:, None] * rows,
+            rigid=rigid / metres[:, None],
+            parts=rigid.T * metres,
+            bending=bending,
+            follow=np.linalg.pinv(bending[self._modal]),
+        )
 
     def _velocities(self, engine: Engine, free: _Motions, given: Array, rates: Array) -> Array:
         """Velocities that fit joints and drives, with the given rigid motion and modal rates."""
         engine.v[:] = 0.0
         v = -free.inverse @ engine.constraints()[1]
-        v = v + free.rigid @ (free.rigid.T @ (given - v))
+        v = v + free.rigid @ (free.parts @ (given - v))
         return np.asarray(v + free.bending @ (free.follow @ (rates - v[self._modal])))
 
     def _accelerations(self, engine: Engine, free: _Motions, modal: Array) -> Array:
@@ -248,7 +263,7 @@ class _Slow:
         twin.q[:] = displaced(self._model, engine.q, 1j * IMAGINARY * v)
         twin.v[:], twin.time[0] = v, engine.time[0] + 1j * IMAGINARY
         a = -free.inverse @ (twin.constraints()[1].imag / IMAGINARY)
-        a = a - free.rigid @ (free.rigid.T @ a)
+        a = a - free.rigid @ (free.parts @ a)
         return np.asarray(a + free.bending @ (free.follow @ (modal - a[self._modal])))
 
     def _copy(self, engine: Engine) -> None:
