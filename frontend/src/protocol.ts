@@ -23,13 +23,17 @@ export interface Side {
 }
 
 /** An exact beam: rings of its sections between the poses of the ends of its elements. */
-export interface Rings {
-  places: Block<Uint32Array>;
-  ends: Block<Float64Array>;
+/** Where the vertices of a beam or frame are: in sections along its elements. */
+export interface Sections {
   element: Block<Uint32Array>;
   share: Block<Float64Array>;
   vertex_ring: Block<Uint32Array>;
   yz: Block<Float32Array>;
+}
+
+export interface Rings extends Sections {
+  places: Block<Uint32Array>;
+  ends: Block<Float64Array>;
   /** `yz` as they are, m, where thin sections are drawn thicker. */
   section?: Float32Array;
   forces: number;
@@ -60,6 +64,7 @@ export interface Body {
   mass: number | null;
   about: string;
   rings: Rings | null;
+  sections: Sections | null;
 }
 
 export interface Symbol {

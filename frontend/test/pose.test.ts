@@ -22,7 +22,7 @@ const body: Body = {
   stress_scale: [1e6, 2e6],
   static: block(new Float32Array([0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0, 0]), [2, 6], "f4"),
   known: block(new Uint8Array([0, 1]), [2], "u1"),
-  nodes: null, damage: null, life: null, mass: null, about: "", rings: null,
+  nodes: null, damage: null, life: null, mass: null, about: "", rings: null, sections: null,
 };
 // one column before the body: R = (10, 20, 30), a quarter turn about z, p = (0.1, 0.2)
 const row = [99, 10, 20, 30, Math.SQRT1_2, 0, 0, Math.SQRT1_2, 0.1, 0.2];

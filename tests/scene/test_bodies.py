@@ -14,6 +14,7 @@ from jousto.recovery.shape import positions, rotation_matrices
 from jousto.scene.make import make_scene
 from jousto.scene.posed import stresses as recovered, vertices as posed
 from jousto.scene.scene import Body
+from jousto.sections.points import stress_points
 from recovery.beams.cases import cantilever
 from scene.machines import SECTION, STEEL, corner, reduced
 
@@ -152,6 +153,31 @@ def test_stress_of_frames_is_that_of_the_points_of_their_sections(part, foot):
                 found[:, half[0]], expected[:, place], rtol=0, atol=1e-10 * np.abs(expected).max()
             )
     assert seen >= 8 * len(made.elements)  # all points on the outlines
+
+
+def test_vertices_of_frames_know_their_place_in_the_section():
+    """Where a vertex is a named point of a section, element, end and (y, z) are its own."""
+    made = corner()
+    run = swinging(made, "foot")
+    body = make_scene(run).bodies[0]
+    at = body.sections
+    modes = run.stress_modes("arm")
+    known = [
+        {p.name: (p.y, p.z) for p in stress_points(s)}
+        for s in (SECTION, SECTION, jo.Tube(0.04, 0.003))
+    ]
+    seen = 0
+    for position, label in zip(modes.positions, modes.labels, strict=True):
+        element, end, point = label[1:].split(".")
+        vertices = np.flatnonzero(np.linalg.norm(body.positions - position, axis=1) < 1e-9)
+        ring = at.vertex_ring[vertices]
+        own = (at.element[ring] == int(element) - 1) & (at.share[ring] == "ab".index(end))
+        yz = at.yz[vertices[own]]
+        for found in yz:
+            np.testing.assert_allclose(found, known[int(element) - 1][point], atol=1e-15)
+        seen += len(yz)
+    assert seen >= 8 * len(made.elements)
+    assert len(at.element) == len(at.share) == at.vertex_ring.max() + 1
 
 
 def test_normal_stress_between_points_of_a_section_is_linear():

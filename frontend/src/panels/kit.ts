@@ -17,16 +17,16 @@ export interface Kit {
 
 export const bodyOf = (app: App, place: Place) => app.runs[place.run].scene.bodies[place.body];
 
-/** Name of a place for people: `boom, node 1203`, or `cable, element 3 at 50.0 %, y 5 mm, z 0 mm`. */
+/** Name of a place for people: `lug, node 1203`, or `boom, element 3 at 50.0 %, y 5 mm, z 0 mm`. */
 export function placeName(app: App, place: Place): string {
   const body = bodyOf(app, place);
   const node = body.nodes ? body.nodes.data[place.vertex] : null;
   const run = app.runs.length > 1 ? `${app.runs[place.run].title}: ` : "";
-  const { rings } = body;
-  if (rings) {
-    const ring = rings.vertex_ring.data[place.vertex], yz = rings.section ?? rings.yz.data;
+  const sections = body.rings ?? body.sections;
+  if (sections) {
+    const ring = sections.vertex_ring.data[place.vertex], yz = body.rings?.section ?? sections.yz.data;
     const [y, z] = [0, 1].map((i) => quantity(yz[2 * place.vertex + i], "m", 3));
-    return `${run}${body.name}, element ${rings.element.data[ring] + 1} at ${number(100 * rings.share.data[ring], 3)} %, y ${y}, z ${z}`;
+    return `${run}${body.name}, element ${sections.element.data[ring] + 1} at ${number(100 * sections.share.data[ring], 3)} %, y ${y}, z ${z}`;
   }
   return `${run}${body.name}, ${node ? `node ${node}` : `point ${place.vertex + 1}`}`;
 }

@@ -12,7 +12,7 @@ from jousto.base.arrays import Array, Index
 from jousto.model.frame_record import FrameShape
 from jousto.parts.frames.element import BeamElements, end_displacements, shape_functions
 from jousto.reduction.fields.stress import StressModes
-from jousto.scene.scene import Body
+from jousto.scene.scene import Body, Sections
 from jousto.scene.sections import fan, outline_weights, outlines, walls
 from jousto.scene.surfaces import feature_edges
 from jousto.simulation.results.records import BodyShape
@@ -64,7 +64,12 @@ def frame_body(shape: BodyShape, frame: FrameShape, modes: StressModes | None) -
         stress=stress,
         known=known,
         nodes=np.broadcast_to(ends, (ne, pieces + 1, k)).ravel() + 1,
-        section=np.repeat(np.arange(ne * (pieces + 1)), k),
+        sections=Sections(
+            element=np.repeat(np.arange(ne), pieces + 1),
+            share=np.tile(xi, ne),
+            vertex_ring=np.repeat(np.arange(ne * (pieces + 1)), k),
+            yz=np.repeat(yz, pieces + 1, axis=0).reshape(-1, 2),
+        ),
         about=f"{shape.n} modes, {ne} beam elements, {len(frame.edges)} sections",
     )
 

@@ -155,6 +155,9 @@ def picked(body: Body, which: Index) -> Body:
             yz=rings.yz[which],
             corner=rings.corner[which],
         )
+    sections = body.sections
+    if sections is not None:
+        sections = replace(sections, vertex_ring=sections.vertex_ring[which], yz=sections.yz[which])
     return replace(
         body,
         positions=body.positions[which],
@@ -168,7 +171,7 @@ def picked(body: Body, which: Index) -> Body:
         nodes=None if body.nodes is None else body.nodes[which],
         damage=some(body.damage),
         life=some(body.life),
-        section=None if body.section is None else body.section[which],
+        sections=sections,
         rings=rings,
     )
 
@@ -179,9 +182,9 @@ def thickened(body: Body, least: float) -> Body:
     if rings is not None:
         yz = rings.yz * _factor(rings.yz, rings.vertex_ring, least)[:, None]
         return replace(body, rings=replace(rings, yz=yz))
-    if body.section is None:
+    if body.sections is None:
         return body
-    at = body.section
+    at = body.sections.vertex_ring
     centre = _means(body.positions, at)
     factor = _factor(body.positions - centre, at, least)[:, None]
     shapes = body.shapes

@@ -63,6 +63,27 @@ class Rings:
 
 @described
 @dataclass(frozen=True, eq=False)
+class Sections:
+    """Where the vertices of a modal frame are: in sections along its elements.
+
+    Attributes
+    ----------
+    element, share : (nring,) arrays
+        The element of each section, and where on it: 0 at its first end, 1 at its second.
+    vertex_ring : (nv,) int array
+        The section of each vertex.
+    yz : (nv, 2) array
+        Where each vertex is in its section, m.
+    """
+
+    element: Index
+    share: Array
+    vertex_ring: Index
+    yz: Array
+
+
+@described
+@dataclass(frozen=True, eq=False)
 class Body:
     """A body of a scene: ``x = R + A(e) (x0 + sum_j phi_j p_j)``.
 
@@ -100,8 +121,8 @@ class Body:
         Facts in one line.
     rings : Rings or None
         Of exact beams, which have neither shapes nor stress.
-    section : (nv,) int array or None
-        Of frames, the number of the section that each vertex is of.
+    sections : Sections or None
+        Of modal frames.
     """
 
     name: str
@@ -122,7 +143,7 @@ class Body:
     mass: float | None = None
     about: str = ""
     rings: Rings | None = None
-    section: Index | None = None
+    sections: Sections | None = None
 
 
 @described

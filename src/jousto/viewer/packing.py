@@ -94,8 +94,6 @@ def body_header(body: Body, *, half: bool) -> dict[str, Any]:
     """Return the header of a body."""
     found: dict[str, Any] = {}
     for field in dataclasses.fields(body):
-        if field.name == "section":  # the page needs no sections of frames
-            continue
         value = getattr(body, field.name)
         if field.name in MODAL and value is not None:
             found[field.name], scales = scaled(value) if half else rounded(value)
