@@ -97,6 +97,7 @@ BENCHES := $(addprefix bench-,speed mechanisms beams overhead)
 bench-short: $(BENCHES)  ## the same with the smallest cases: that all of it still runs
 $(BENCHES): bench-%: $(VENV)/.bench
 	@$(PY) benchmarks/$*.py short
+
 # the page of the viewer: with the Node of this computer, else with that of a Python package; who has
 # neither can do everything but look into a browser
 PAGE := src/jousto/viewer/page/viewer.js

@@ -305,3 +305,39 @@ def test_thousands_of_mistakes_are_told_once_each() -> None:
     assert len(told) == n and all(f"no body 'c{i}'" in told[i] for i in range(n))
     # likely names are looked for while a person may still read them
     assert "known: b0" in told[0] and told[-1].endswith(f"no body 'c{n - 1}'")
+
+
+NAMING = """\
+bodies:
+  - {name: block, mass: 1 kg, inertia: [1, 1, 1], markers: {tip: [1, 0, 0]}}
+joints:
+  - {type: revolute, name: hinge, a: ground.orign, b: blok.tip, axs: [0, 0, 1]}
+  - {type: revolute, name: weld, a: ground, b: block.tap, axis: [0, 0]}
+couplings:
+  - {type: gear, name: gears, a: hing.angle, b: hinge.angle, rat: 2}
+forces:
+  - {type: spring, name: spring, coordinate: wedl.angle, stiffness: 1 m}
+frictions:
+  - {name: rub, joint: hings, mu_kinetic: -}
+sensors:
+  - {type: force, name: f, force: sprang, unit: N}
+events:
+  - {name: stop, watch: fs, threshold: 1 kg}
+"""
+
+
+def test_names_beside_other_mistakes_of_an_entry_are_told_in_the_same_pass():
+    found = problems(NAMING)
+    for line, sentence in (
+        (4, "joints.0.a: ground: no point 'orign'"),
+        (4, "joints.0.b: no body 'blok'; did you mean 'block'?"),
+        (5, "joints.1.b: body 'block': no marker 'tap'; did you mean 'tip'?"),
+        (7, "couplings.0.a: no joint 'hing'; did you mean 'hinge'?"),
+        (9, "forces.0.coordinate: no joint 'wedl'; did you mean 'weld'?"),
+        (11, "frictions.0.joint: no joint 'hings'; did you mean 'hinge'?"),
+        (13, "sensors.0.force: no force 'sprang'; did you mean 'spring'?"),
+    ):
+        assert any(text.startswith(f"m.yaml:{line}: {sentence}") for text in found), (line, found)
+    # what was wrong as text is told once, and broken entries are no unknown names
+    assert sum("joints.1.a:" in text for text in found) == 1
+    assert not any("no joint 'hinge'" in text for text in found)

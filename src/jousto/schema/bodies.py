@@ -33,8 +33,9 @@ def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> di
         Everything that is wrong with these values, with lines.
     """
     document = expand(document, values).document
-    entry, _, invalid, broken = validate(document)
-    builder = ModelBuilder(document, broken, trust=trust)
+    valid = validate(document)
+    entry = valid.entry
+    builder = ModelBuilder(document, valid.broken, trust=trust)
     made: dict[str, Any] = {}
     found: dict[str, Part] = {}
     entries = {} if entry is None or entry.parts is None else entry.parts
@@ -46,5 +47,5 @@ def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> di
         if name not in made:
             made[name] = builder.part(("parts", name), name, part)
         found[body.name] = made[name]
-    finish(document, [*invalid, *builder.found], [])
+    finish(document, [*valid.problems, *builder.found], [])
     return found

@@ -174,15 +174,17 @@ def build_model(
             "a model takes it among its parts"
         )
         raise InputError(Problem(document.name, message))
-    entry, index, invalid, broken = validate(document)
+    valid = validate(document)
+    entry = valid.entry
     options = {} if progress is None else {"progress": progress}
-    builder = ModelBuilder(document, broken, rigid=rigid, trust=trust, options=options)
+    builder = ModelBuilder(document, valid.broken, rigid=rigid, trust=trust, options=options)
     builder.kept = {} if kept is None else kept
     mechanism, simulation, fatigue, monitor = None, None, None, None
     limits: tuple[Requirement, ...] = ()
     reliability = Reliability()
     if entry is not None:
-        mechanism = builder.mechanism(entry, index)
+        mechanism = builder.mechanism(entry, valid.index)
+        builder.check_names(valid.rest, {loc[:3] for loc, _ in valid.problems})
         if entry.simulation is not None:
             simulation = build_declared(builder, ("simulation",), entry.simulation)
         if entry.fatigue is not None:
@@ -198,7 +200,7 @@ def build_model(
         for name in expanded.unused
         if name not in named
     )
-    finish(document, [*invalid, *builder.found], [*unused, *builder.warnings])
+    finish(document, [*valid.problems, *builder.found], [*unused, *builder.warnings])
     assert mechanism is not None
     variants = Variants(build_model, whole, expanded.parameters, rigid, trust, expanded.idle)
     given = (mechanism, simulation, document.text, fatigue, monitor)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 from pydantic import ValidationError
@@ -13,13 +14,12 @@ from jousto.schema.file.explain import explain
 from jousto.schema.make.model import LISTS
 
 
-def validate(
-    document: Document,
-) -> tuple[ModelEntry | None, dict[str, list[int]], list[tuple[Loc, Problem]], list[Any]]:
-    """Return what is valid of a document.
+@dataclass(frozen=True, eq=False)
+class Valid:
+    """What is valid of a document.
 
-    Returns
-    -------
+    Parameters
+    ----------
     entry : ModelEntry or None
         The file without its invalid entries; None if that cannot be read either.
     index : dict
@@ -28,7 +28,19 @@ def validate(
         What is wrong with the others.
     broken : list of (section, name)
         Names of the entries that were left out; None if any name may be missing.
+    rest : list of (path, class)
+        The entries of lists that were left out, and what each declares.
     """
+
+    entry: ModelEntry | None
+    index: dict[str, list[int]]
+    problems: list[tuple[Loc, Problem]] = field(default_factory=list)
+    broken: list[Any] = field(default_factory=list)
+    rest: list[tuple[Loc, Any]] = field(default_factory=list)
+
+
+def validate(document: Document) -> Valid:
+    """Return what is valid of a document."""
     data = document.data
     if "robots" in data:  # they bring bodies
         data = {"bodies": [], **data}
@@ -36,12 +48,13 @@ def validate(
     index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
     classes: dict[int, Any] = {}
     try:
-        return ModelEntry.model_validate(data, context=classes), index, [], []
+        return Valid(ModelEntry.model_validate(data, context=classes), index)
     except ValidationError as error:
         problems = explain(error, document, classes)
     # leave out what is wrong, so that references and the rest can be checked all the same
     rest: dict[str, Any] = dict(data)
     broken: list[Any] = []
+    left: list[tuple[Loc, Any]] = []
     for path in {loc[:2] for loc, _ in problems if loc}:
         key: Any = path[0]
         place: Any = path[1] if len(path) > 1 else None
@@ -53,6 +66,8 @@ def validate(
             name = item.get("name") if isinstance(item, dict) else None
             broken.append((key, name if isinstance(name, str) else None))
             index[key] = [i for i in index[key] if i != place]
+            if (of := classes.get(id(item))) is not None:
+                left.append(((key, place), of))
         else:
             # whatever the section should have defined
             broken.append((key, None))
@@ -65,6 +80,7 @@ def validate(
         rest["bodies"] = []
         broken.append(("bodies", None))
     try:
-        return ModelEntry.model_validate(rest, context=classes), index, problems, broken
+        entry = ModelEntry.model_validate(rest, context=classes)
     except ValidationError:
-        return None, index, problems, broken
+        entry = None
+    return Valid(entry, index, problems, broken, left)

@@ -110,6 +110,33 @@ def build_declared(
     return builder.make(loc, cls, *items, **values, **more)
 
 
+def check_names(
+    builder: Builder, loc: Loc, cls: Any, given: Mapping[str, Any], known: Known, wrong: set[Loc]
+) -> None:
+    """Note the names without a meaning in an entry that cannot be made for other reasons.
+
+    Parameters
+    ----------
+    builder, loc
+        As everywhere.
+    cls : class
+        What the entry declares.
+    given : mapping
+        The entry as it stands in the document.
+    known : mapping
+        What it may name.
+    wrong : set of paths
+        Fields that were found wrong already.
+    """
+    for field in cls.fields.values():
+        place = Place(builder, (*loc, field.key), field, known, {})
+        if field.form not in NAMING or place.loc in wrong:
+            continue
+        names = given.get(field.key)
+        if isinstance(names, str) or (isinstance(names, list) and set(map(type, names)) == {str}):
+            (builder.forms.get(field.form) or FORMS[field.form])(place, names)
+
+
 def build_material(builder: Builder, loc: Loc, entry: Any) -> Any:
     """Return the material of an entry or of a name in the library."""
     from jousto.materials.library import material
@@ -254,6 +281,10 @@ FORMS: dict[str, Callable[[Place, Any], Any]] = {
     "event": event,
 }
 """How a value of each form becomes an object; those of other forms stay as they are."""
+
+
+NAMING = ("marker", "reference", "references", "coordinate", "coordinates", "event")
+"""Forms whose values name entries of the file."""
 
 
 def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:

@@ -20,7 +20,7 @@ from jousto.schema.entries import model as sm, parts as sp
 from jousto.schema.file.document import Loc
 from jousto.schema.make.blocks.fatigue import FORMS as OF_FATIGUE, build_curves
 from jousto.schema.make.builder import Builder, Section
-from jousto.schema.make.declared import build_declared
+from jousto.schema.make.declared import build_declared, check_names
 from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.foreign import FORMS as OF_FMUS
 from jousto.schema.make.machines import FORMS as OF_ROBOTS, Joined
@@ -152,6 +152,19 @@ class ModelBuilder(Builder):
         if isinstance(made, Fmu) and not self.trust:
             object.__setattr__(made, "untrusted", self.document.where((*loc, "file")))
         return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
+
+    def check_names(self, entries: list[tuple[Loc, Any]], wrong: set[Loc]) -> None:
+        """Note names without a meaning in entries that were left out for other reasons.
+
+        Parameters
+        ----------
+        entries : list of (path, class)
+            Entries of the lists, and what they are read as.
+        wrong : set of paths
+            What was found wrong already.
+        """
+        for loc, entry in entries:
+            check_names(self, loc, entry.declared, self.document.at(loc), self.known, wrong)
 
     def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
         """Return the Mechanism of a file; None if anything is wrong.
