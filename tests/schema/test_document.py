@@ -166,7 +166,7 @@ def test_nested_too_deeply(text):
 
 
 def test_a_tree_that_the_parser_can_read_but_not_the_reader(monkeypatch):
-    def deep(self, node, loc):
+    def deep(self, node):
         raise RecursionError
 
     monkeypatch.setattr("jousto.schema.file.document._Reader.value", deep)

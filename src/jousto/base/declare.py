@@ -59,6 +59,8 @@ class Declared:
     fields: ClassVar[Mapping[str, Field[Any, Any]]] = {}
     usage: ClassVar[str] = ""
     """What to call instead where arguments are of another number than the constructor takes."""
+    spread: ClassVar[tuple[str, ...]] = ()
+    """The fields whose items the constructor takes one after the other."""
     together: ClassVar[tuple[str, ...]] = ()
     """The fields that `consistent` needs, where it does not need all of them."""
 
@@ -99,6 +101,7 @@ class Declared:
         problems.raise_if_any()
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
+        cls.spread = tuple(key for key, kind in cls.fields.items() if kind.spread)
         # dataclasses look words up in the module, which code that is only executed has not
         words = cls.__module__ in sys.modules
         cls.__annotations__ = {key: made.annotation if words else Any for key, made in own.items()}
@@ -123,10 +126,10 @@ class Declared:
         problems = Problems()
         where = self.heading(problems)
         wrong = {"name"} if problems.found else set()
+        values = vars(self)
         for key, kind in self.fields.items():
-            value = getattr(self, key)
-            left_out = value is None and (kind.optional or kind.default is None)
-            if left_out and not kind.checks_none:
+            value = values[key]
+            if value is None and not kind.checks_none and (kind.optional or kind.default is None):
                 continue
             if value is not kind.default or kind.default_kept is MISSING:
                 before = len(problems.found)
@@ -137,7 +140,7 @@ class Declared:
                     kind.default_kept = found
             else:  # checked before
                 found = kind.default_kept
-            object.__setattr__(self, key, found)
+            values[key] = found
         if wrong.isdisjoint(self.together or self.fields):
             self.consistent(problems, where)
         problems.raise_if_any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import difflib
 import math
 import re
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from jousto.base.complexstep import floats, is_stepping, scalar
 
 T = TypeVar("T")
+FEW = 9  # numbers up to which those of Python are faster than those of NumPy
 ASK_TRUST = (
     "which may do anything on this computer; if you trust the model file, run it with --trust "
     "(in Python: read_model(path, trust=True))"
@@ -197,27 +199,37 @@ class Problems:
 
         None in the shape allows any length.
         """
-        wanted = "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
         try:
             array = np.array(floats(value))
         except (TypeError, ValueError, OverflowError):
             if shape:
+                wanted = _shape(shape)
                 self.add(where, f"{name} is not an array of numbers of shape {wanted}")
             else:
                 self.add(where, f"{name} is {value!r}, must be a number")
             return None
-        if array.ndim != len(shape) or any(
-            n is not None and n != m for n, m in zip(shape, array.shape, strict=True)
+        if array.shape != shape and (
+            array.ndim != len(shape)
+            or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True))
         ):
-            self.add(where, f"{name} has shape {array.shape}, must be {wanted}")
+            self.add(where, f"{name} has shape {array.shape}, must be {_shape(shape)}")
             return None
-        if not np.isfinite(array).all():
+        if array.size <= FEW:
+            finite = all(map(cmath.isfinite, array.ravel().tolist()))
+        else:
+            finite = bool(np.isfinite(array).all())
+        if not finite:
             index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
             place = list(index) if index else ""
             self.add(where, f"{name}{place} is {array[index]}, must be finite")
             return None
         array.setflags(write=False)
         return array
+
+
+def _shape(shape: tuple[int | None, ...]) -> str:
+    """Return a shape for messages, ``(any, 3)``."""
+    return "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
 
 
 def suggest(name: object, candidates: Iterable[str]) -> str:

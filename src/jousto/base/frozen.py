@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
 from typing import TypeVar
 
 from jousto.base.described import FEW, LIMIT
@@ -33,6 +33,21 @@ class Frozen(Mapping[K, V]):
 
     def __len__(self) -> int:
         return len(self._items)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._items
+
+    def keys(self) -> KeysView[K]:
+        """Return the keys, as a dictionary does."""
+        return self._items.keys()
+
+    def values(self) -> ValuesView[V]:
+        """Return the values, as a dictionary does."""
+        return self._items.values()
+
+    def items(self) -> ItemsView[K, V]:
+        """Return keys and values, as a dictionary does."""
+        return self._items.items()
 
     def __repr__(self) -> str:
         shown = repr(self._items)

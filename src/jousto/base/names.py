@@ -34,7 +34,7 @@ def check_name(problems: Problems, kind: str, name: Any) -> str:
             problems.add(where, f"name must not contain {forbidden[0]!r}")
         elif name in (".", ".."):
             problems.add(where, "name must not be '.' or '..'")
-        elif any(unicodedata.category(c) in ("Cc", "Cs") for c in name):
+        elif not name.isprintable() and any(unicodedata.category(c) in ("Cc", "Cs") for c in name):
             problems.add(where, "name must not contain control characters")
         elif kind == "body" and name == "ground":
             problems.add(where, "the name 'ground' is taken by the ground")

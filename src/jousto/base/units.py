@@ -118,6 +118,7 @@ USUAL = {
         *(("N", "N", "1"), ("kN", "N", "1e3"), ("N m", "N m", "1"), ("kg/m3", "kg/m3", "1")),
     )
 }
+WHOLE = 2**53  # whole numbers below are numbers of any kind
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
@@ -226,6 +227,22 @@ def quantity(value: Any, unit: str) -> float:
     >>> quantity("7.85 g/cm3", "kg/m3"), quantity("60 rpm", "Hz"), quantity(0.5, "m")
     (7850.0, 1.0, 0.5)
     """
+    kind = type(value)
+    if kind is float or (kind is int and abs(value) < WHOLE):
+        if math.isfinite(value):
+            return float(value)
+    elif kind is str:
+        return _of_text(value, unit)
+    return _quantity(value, unit)
+
+
+@functools.lru_cache(1024)
+def _of_text(text: str, unit: str) -> float:
+    """Return `quantity` of a text; those of a model repeat."""
+    return _quantity(text, unit)
+
+
+def _quantity(value: Any, unit: str) -> float:
     kind = kind_of(unit)
     example = "" if unit == "1" else f" such as 3 or '3 {unit}'"
     if isinstance(value, str):

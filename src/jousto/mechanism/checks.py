@@ -302,7 +302,9 @@ def used_joints(mechanism: Members) -> set[int]:
 def check_joints(problems: Problems, mechanism: Members) -> None:
     """Note joints that connect nothing and joints that are open at the initial pose."""
     tolerance = GAP_TOLERANCE * mechanism.size
-    for joint in mechanism.joints:
+    apart = mechanism.joint_ends[:, 1] - mechanism.joint_ends[:, 0]
+    distances = np.linalg.norm(apart, axis=1).tolist()
+    for joint, distance in zip(mechanism.joints, distances, strict=True):
         a, b = joint.a, joint.b
         if isinstance(a.body, Ground) and isinstance(b.body, Ground):
             problems.add(where(joint), f"both markers are on the ground, {a.label} and {b.label}")
@@ -316,7 +318,7 @@ def check_joints(problems: Problems, mechanism: Members) -> None:
                     "a joint connects two bodies",
                 )
         else:
-            check_gap(problems, joint, tolerance)
+            check_gap(problems, joint, distance, tolerance)
 
 
 BEGINS = 1e-3
@@ -428,19 +430,26 @@ def warn_jumps(mechanism: Members) -> None:
             )
 
 
-def check_gap(problems: Problems, joint: Joint, tolerance: float) -> None:
-    """Note that a joint is open at the initial pose, unless that pose may be rough."""
-    a, b = joint.a, joint.b
-    at = f"{a.label} is at {world_point(a)}, {b.label} at {world_point(b)} m"
+def check_gap(problems: Problems, joint: Joint, distance: float, tolerance: float) -> None:
+    """Note that a joint is open at the initial pose, unless that pose may be rough.
+
+    Parameters
+    ----------
+    distance : float
+        Between its markers at the initial pose, m.
+    tolerance : float
+        Largest gap that is none, m.
+    """
     distances = [line for line in joint.lines if isinstance(line.coordinates[0], Distance)]
     if any(line.coordinates[0].initial <= tolerance for line in distances):
         problems.add(
-            where(joint), f"has no length: {at}; a rod needs two points apart, Spherical joins them"
+            where(joint),
+            f"has no length: {places(joint)}; a rod needs two points apart, Spherical joins them",
         )
     if not joint.as_placed:
         return
     if joint.coincident:
-        gap = float(np.linalg.norm(b.r - a.r))
+        gap = distance
         remedy = "move a body until they meet"
     else:
         off = [line.initial - line.offset for line in joint.lines]
@@ -456,7 +465,13 @@ def check_gap(problems: Problems, joint: Joint, tolerance: float) -> None:
             hint = remedy
         else:
             hint = f"{remedy}, or let as_placed=False do it"
-        problems.add(where(joint), f"initial gap of {1e3 * gap:.6g} mm: {at}; {hint}")
+        problems.add(where(joint), f"initial gap of {1e3 * gap:.6g} mm: {places(joint)}; {hint}")
+
+
+def places(joint: Joint) -> str:
+    """Return where the markers of a joint are, for messages."""
+    a, b = joint.a, joint.b
+    return f"{a.label} is at {world_point(a)}, {b.label} at {world_point(b)} m"
 
 
 def world_point(marker: Marker) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from jousto.mechanism.assembly import Assembly, unpacked
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
+from jousto.mechanism.bodies.marker import world_positions
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
@@ -94,15 +96,24 @@ class Members:
             **fields,
         )
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Diagonal of the box around all bodies and joints at the initial pose, m."""
-        points = [body_points(x) for x in self.bodies if not isinstance(x, BeamNode)]
+        rigid = [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
+        points = [named_points(rigid)] if rigid else []
+        points += [node_points(x) for x in self.bodies if isinstance(x, FlexibleBody)]
         points += [beam_points(beam) for beam in self.beams]
-        points += [marker.r[None] for joint in self.joints for marker in (joint.a, joint.b)]
+        if self.joints:
+            points += [self.joint_ends.reshape(-1, 3)]
         cloud = np.vstack(points) if points else np.zeros((1, 3))
         size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
         return size if size > 0 else 1.0
+
+    @cached_property
+    def joint_ends(self) -> Array:
+        """World positions (k, 2, 3) of the markers a and b of the joints at the initial pose, m."""
+        ends = [marker for joint in self.joints for marker in (joint.a, joint.b)]
+        return world_positions(ends).reshape(-1, 2, 3)
 
 
 def flattened(items: Sequence[Any]) -> Iterator[MovingBody]:
@@ -119,10 +130,17 @@ def beam_points(beam: BeamBody) -> Array:
     return np.asarray(beam.position + beam.nodes @ rotation_matrix(beam.orientation).T)
 
 
-def body_points(body: MovingBody) -> Array:
-    """Return the world positions (k, 3) of a body's nodes or named points, undeformed."""
-    if isinstance(body, FlexibleBody):
-        points = floats(body.reduced.nodes)
-    else:
-        points = np.stack([np.zeros(3), body.center, *body.markers.values()])
+def node_points(body: FlexibleBody) -> Array:
+    """Return the world positions (k, 3) of a body's nodes, undeformed."""
+    points = floats(body.reduced.nodes)
     return np.asarray(body.position + points @ rotation_matrix(body.orientation).T)
+
+
+def named_points(bodies: Sequence[RigidBody]) -> Array:
+    """Return the world positions (k, 3) of the origins, centres and named points of bodies."""
+    R = floats([body.position for body in bodies])
+    A = rotation_matrix([body.orientation for body in bodies])
+    points = [(body.center, *body.markers.values()) for body in bodies]
+    owner = np.repeat(np.arange(len(bodies)), [len(some) for some in points])
+    u = floats([point for some in points for point in some])
+    return np.vstack([R, R[owner] + (A[owner] @ u[..., None])[..., 0]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -401,7 +402,7 @@ class Model:
         What results keep of each beam: its elements, nodes and the stress of its section.
     beams : tuple of BeamModel
         Elements of geometrically exact beams between bodies.
-    symbols : tuple of SymbolShape
+    symbols : sequence of SymbolShape
         Where joints, forces, sensors and named points are, for pictures.
     fmus : tuple of FmuModel
         Models of other programs, which `simulate` runs beside it.
@@ -435,7 +436,7 @@ class Model:
     meters: tuple[MeterModel, ...] = ()
     beam_shapes: tuple[BeamShape, ...] = ()
     beams: tuple[BeamModel, ...] = ()
-    symbols: tuple[SymbolShape, ...] = ()
+    symbols: Sequence[SymbolShape] = ()
     fmus: tuple[FmuModel, ...] = ()
     tree: tuple[LinkModel, ...] = ()
     tree_of: tuple[Any, ...] = ()

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from functools import cached_property
+from typing import Any, overload
 
 import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.complexstep import floats
+from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
@@ -44,6 +46,40 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
         *(symbol for sensor in mechanism.sensors for symbol in make.sensor(sensor)),
         *(symbol for body in mechanism.bodies for symbol in make.named(body)),
     )
+
+
+class Symbols(Sequence[SymbolShape]):
+    """The symbols of a mechanism, made when one is looked at: few models are drawn.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    index : mapping of int to int
+        The place of every moving body by its id.
+    """
+
+    def __init__(self, mechanism: Mechanism, index: Mapping[int, int]) -> None:
+        self._given = mechanism, index
+
+    @cached_property
+    def _made(self) -> tuple[SymbolShape, ...]:
+        return symbols(*self._given)
+
+    @overload
+    def __getitem__(self, place: int) -> SymbolShape: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[SymbolShape]: ...
+    def __getitem__(self, place: int | slice) -> SymbolShape | Sequence[SymbolShape]:
+        return self._made[place]
+
+    def __len__(self) -> int:
+        return len(self._made)
+
+    def __repr__(self) -> str:
+        return f"<Symbols {self._given[0].name!r}: {count(len(self), 'symbol')}>"
+
+    def __reduce__(self) -> Any:
+        return tuple, (self._made,)  # bodies have other ids elsewhere
 
 
 class SymbolMaker:
@@ -119,8 +155,8 @@ class SymbolMaker:
             modes = np.array(floats(marker.Phi))
         return SymbolPoint(
             self._index.get(id(marker.body), -1),
-            np.array(floats(marker.position_local)),
-            np.array(floats(marker.axes)),
+            floats(marker.position_local),
+            floats(marker.axes),
             -1 if marker.node is None else marker.node,
             modes,
         )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import TypeAdapter, ValidationError
 
 from jousto.base.arguments import explained
+from jousto.base.collecting import uncollected
 from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.design.studies.parameters.parameter import Parameter
@@ -153,6 +154,7 @@ def parse_model(
     return build_model(parse_document(text, name=name, folder=folder), trust=trust)
 
 
+@uncollected()
 def build_model(
     document: Document,
     *,

@@ -18,7 +18,7 @@ from jousto.base.numbers import Number, Vector, set_fields
 from jousto.base.rotations import Direction
 from jousto.base.units import LENGTHS
 from jousto.mechanism.bodies.inertia import check_mass, damping_diagonal
-from jousto.mechanism.bodies.marker import Marker, marker_axes
+from jousto.mechanism.bodies.marker import NO_TURN, Marker, marker_axes
 from jousto.mechanism.bodies.posed import (
     ZERO3,
     Inertia,
@@ -41,6 +41,11 @@ from jousto.mechanism.bodies.shapes import (
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart as ReducedPart
+
+
+ORIGIN = read_only(ZERO3)
+UNTURNED = read_only([1.0, 0.0, 0.0, 0.0])
+NO_MODES = read_only(np.zeros(0))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,17 +97,17 @@ class Ground:
     @property
     def position(self) -> Array:
         """World position of the frame origin (3,), zero."""
-        return read_only(ZERO3)
+        return ORIGIN
 
     @property
     def orientation(self) -> Array:
         """Euler parameters (4,) of the world frame."""
-        return read_only([1.0, 0.0, 0.0, 0.0])
+        return UNTURNED
 
     @property
     def modal_coordinates(self) -> Array:
         """No modal coordinates, shape (0,)."""
-        return read_only(np.zeros(0))
+        return NO_MODES
 
 
 ground = Ground()
@@ -293,15 +298,15 @@ class RigidBody(Posed, tag="rigid"):
             If there is no such point; names the nearest one.
         """
         if point == "origin":
-            return self.at(ZERO3, name=point)
+            return Marker(self, point, ORIGIN, None, NO_TURN)
         if point == "center":
-            return self.at(self.center, name=point)
+            return Marker(self, point, self.center, None, NO_TURN)
         if point not in self.markers:
             known = ["origin", "center", *self.markers]
             raise InputError(
                 Problem(f"body {self.name!r}", f"no marker {point!r}{suggest(str(point), known)}")
             )
-        return self.at(self.markers[point], name=point)
+        return Marker(self, point, self.markers[point], None, NO_TURN)
 
     @explained
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
@@ -311,12 +316,12 @@ class RigidBody(Posed, tag="rigid"):
     @property
     def modal_coordinates(self) -> Array:
         """No modal coordinates, shape (0,)."""
-        return read_only(np.zeros(0))
+        return NO_MODES
 
     @property
     def modal_velocities(self) -> Array:
         """No modal velocities, shape (0,)."""
-        return read_only(np.zeros(0))
+        return NO_MODES
 
 
 class Reduced(Reference["ReducedPart", "ReducedPart"]):

@@ -27,9 +27,10 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
     tensor = problems.array(where, "inertia", inertia, (3,) if shape == (3,) else (3, 3))
     if tensor is None:
         return None
-    J = np.diag(tensor) if shape == (3,) else tensor
-    scale = float(np.abs(J).max())
-    if np.abs(J - J.T).max() > 1e-9 * scale:
+    diagonal = shape == (3,)
+    J = np.diag(tensor) if diagonal else tensor
+    scale = float(np.abs(tensor).max())
+    if not diagonal and np.abs(J - J.T).max() > 1e-9 * scale:
         i, j = np.unravel_index(int(np.argmax(np.abs(J - J.T))), (3, 3))
         problems.add(
             where,
@@ -37,20 +38,24 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
             f"({j + 1},{i + 1}) is {J[j, i]:g} kg m2",
         )
         return None
-    J1, J2, J3 = np.linalg.eigvalsh((J + J.T).real / 2)
-    moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
+    if diagonal:
+        J1, J2, J3 = sorted(tensor.real.tolist())
+    else:
+        J1, J2, J3 = np.linalg.eigvalsh((J + J.T).real / 2)
     if J1 <= 1e-14 * scale:
         hint = ""
         if J2 > 0 and J1 > -1e-14 * scale:
             hint = "; all mass on one line cannot be simulated, give it a moment about that line"
+        moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
         problems.add(where, f"inertia is not positive: {moments}{hint}")
     elif J3 > (J1 + J2) * (1 + 1e-9):
+        moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
         problems.add(
             where,
             f"inertia breaks the triangle inequality: {moments}, the largest must not exceed "
             f"the sum of the others, {J1 + J2:g}",
         )
-    return read_only((J + J.T) / 2)
+    return read_only(J if diagonal else (J + J.T) / 2)
 
 
 def damping_diagonal(

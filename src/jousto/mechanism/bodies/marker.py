@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -16,6 +17,9 @@ from jousto.base.rotations import exp_rotation, parse_orientation, rotation_matr
 if TYPE_CHECKING:
     from jousto.reduction.points import Followed as Followed
     from jousto.reduction.reduced import ReducedPart
+
+
+NO_TURN = read_only(np.eye(3))
 
 
 class Placed(Protocol):
@@ -139,11 +143,17 @@ class Marker:
         return np.concatenate([field.translations[self.node], field.rotations[self.node]])
 
     @property
+    def displaced_local(self) -> Array:
+        """Position (3,) in the body frame at the initial state, ``u0 + Phi p``, m."""
+        Phi = self.Phi
+        if not Phi.size:
+            return self.position_local
+        return np.asarray(self.position_local + Phi @ self.body.modal_coordinates)
+
+    @property
     def r(self) -> Array:
         """World position (3,) at the initial state, ``R + A (u0 + Phi p)``, m."""
-        body = self.body
-        u = self.position_local + self.Phi @ body.modal_coordinates
-        return read_only(body.position + rotation_matrix(body.orientation) @ u)
+        return read_only(world_positions([self])[0])
 
     @property
     def carrier(self) -> Array:
@@ -157,10 +167,19 @@ class Marker:
         return read_only(self.carrier @ self.axes)
 
 
+def world_positions(markers: Sequence[Marker]) -> Array:
+    """Return the world positions (n, 3) of markers at the initial state, m, see `Marker.r`."""
+    bodies = [marker.body for marker in markers]
+    R = floats([body.position for body in bodies]).reshape(-1, 3)
+    A = rotation_matrix(floats([body.orientation for body in bodies]).reshape(-1, 4))
+    u = floats([marker.displaced_local for marker in markers]).reshape(-1, 3)
+    return np.asarray(R + (A @ u[..., None])[..., 0])
+
+
 def marker_axes(label: str, axes: Any) -> Array:
     """Return A_0 (3, 3) of an orientation given by the user, exactly E for None."""
     if axes is None:
-        return read_only(np.eye(3))
+        return NO_TURN
     problems = Problems()
     e = parse_orientation(problems, f"marker {label}", "axes", axes)
     problems.raise_if_any()

@@ -11,7 +11,6 @@ A new joint is one class: two tuples and, where it slides, its lines.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -196,4 +195,5 @@ def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
 def aligned(marker: Marker, frame: Array) -> Marker:
     """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
     axes = read_only(marker.carrier.T @ frame)
-    return replace(marker, axes=axes)
+    given = marker.body, marker.point, marker.position_local, marker.node
+    return Marker(*given, axes, marker.followed)

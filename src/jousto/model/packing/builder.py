@@ -110,20 +110,17 @@ class Builder:
             for marker, turns in zip(joint.frames, joint.turns, strict=True)
         )
         lines = tuple(self.line(line) for line in joint.lines)
-        place = self._rows(joint.name, sides, joint.coincident, joint.perpendicular, lines)
+        rows = sides, joint.coincident, joint.perpendicular, lines
         release = self._releases.get(id(joint), -1)
-        self.joints[place] = replace(self.joints[place], used=used, release=release)
-        return place
+        return self._rows(joint.name, *rows, used=used, release=release)
 
     def coupling(self, coupling: Coupler) -> int:
         """Return the index of a gear, rack, coupling or drive: one row, two or four markers."""
         lines = tuple(self.line(line) for line in coupling.lines)
         used = [self.coordinates[s] for line in lines for s in line.coordinates]
         sides = tuple(marker for s in used for marker in (s.a, s.b))
-        place = self._rows(coupling.name, sides, False, (), lines)
         release = self._releases.get(id(coupling), -1)
-        self.joints[place] = replace(self.joints[place], release=release)
-        return place
+        return self._rows(coupling.name, sides, False, (), lines, release=release)
 
     def friction(self, friction: Friction, joint: int) -> int:
         """Return the index of a friction of joint `joint`; to be added after all other rows."""
@@ -164,10 +161,10 @@ class Builder:
         coincident: bool,
         perpendicular: tuple[tuple[int, int], ...],
         lines: tuple[LineModel, ...],
-        lock: int = -1,
+        **more: Any,
     ) -> int:
         row = self.joints[-1].row + self.joints[-1].rows if self.joints else 0
-        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, lock))
+        self.joints.append(JointModel(name, sides, coincident, perpendicular, row, lines, **more))
         return len(self.joints) - 1
 
     def signal(self, signal: Signal | None) -> int:
@@ -208,7 +205,7 @@ class Builder:
         self.force_places[id(force)] = place = len(self.forces)
         release = self._releases.get(id(force), -1)
         made = (self._push(force.name, push) for push in force.pushes)
-        self.forces += [replace(push, release=release) for push in made]
+        self.forces += made if release < 0 else [replace(push, release=release) for push in made]
         return place
 
     def _push(self, name: str, push: Push) -> ForceModel:

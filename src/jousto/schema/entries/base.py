@@ -37,12 +37,11 @@ class Entry(BaseModel):
 
     def given(self, *leave_out: str) -> dict[str, Any]:
         """Return the values that the file gives, by field; what is not given is left out."""
+        known, given, left = vars(self), self.model_fields_set, ("type", *leave_out)
         return {
             key: value
-            for key in type(self).model_fields
-            if key in self.model_fields_set
-            and key not in ("type", *leave_out)
-            and (value := getattr(self, key)) is not None
+            for key, value in known.items()  # in the order of the fields
+            if value is not None and key in given and key not in left
         }
 
 

@@ -79,6 +79,12 @@ def _libyaml() -> Any:
             Words.__init__(self)
             self.tags: dict[Any, Any] = {}
 
+        def descend_resolver(self, *_: Any) -> None:
+            """Tags do not depend on where a node stands."""
+
+        def ascend_resolver(self) -> None:
+            """The same."""
+
         def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
             """Return the tag of a node; the words of a model repeat."""
             word = (kind, value, implicit)

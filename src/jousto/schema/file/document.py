@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -37,20 +38,25 @@ class Document:
         The text of the file.
     data : dict
         Plain mappings, lists, strings, numbers, booleans and None.
-    lines : dict
-        Line number (from 1) of every entry by its path, such as ``("joints", 0, "b")``.
     folder : Path
         Folder against which file names in the document are resolved.
     expressions : dict
         Text of every expression that was replaced by its value, by its path.
+    lines : dict
+        Line number (from 1) of every entry by its path, such as ``("joints", 0, "b")``; found when
+        a message needs it.
     """
 
     name: str
     text: str
     data: dict[str, Any]
-    lines: dict[Loc, int]
     folder: Path = field(default_factory=Path)
     expressions: dict[Loc, str] = field(default_factory=dict)
+
+    @cached_property
+    def lines(self) -> dict[Loc, int]:
+        """Line number (from 1) of every entry by its path, such as ``("joints", 0, "b")``."""
+        return read_lines(self.text)
 
     def line(self, loc: Loc) -> int:
         """Return the line of an entry, or of the innermost existing one around it."""
@@ -150,9 +156,8 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
     if root is None:
         raise InputError(Problem(name, "is empty"))
     problems = Problems()
-    reader = _Reader(name, problems)
     try:
-        data = reader.value(root, ())
+        data = _Reader(name, problems).value(root)
     except RecursionError:
         raise InputError(Problem(name, TOO_DEEP)) from None
     problems.raise_if_any()
@@ -160,7 +165,15 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
         raise InputError(
             Problem(f"{name}:1", "must be a mapping such as 'bodies: ...' at the top level")
         )
-    return Document(name, text, data, reader.lines, folder or Path())
+    return Document(name, text, data, folder or Path())
+
+
+@uncollected()
+def read_lines(text: str) -> dict[Loc, int]:
+    """Return the line (from 1) of every entry of a text that can be read, by its path."""
+    reader = _Reader("", Problems(), lines={})
+    reader.value(compose(shielded(text)))
+    return reader.lines or {}
 
 
 def syntax_hint(error: Any, text: str, line: int, column: int) -> str:
@@ -217,61 +230,98 @@ def unclosed(lines: Sequence[str]) -> tuple[str, int] | None:
 
 
 class _Reader:
-    """Turns a tree of YAML nodes into plain data and notes lines and problems."""
+    """Turns a tree of YAML nodes into plain data and notes problems, and lines where asked to."""
 
-    def __init__(self, name: str, problems: Problems) -> None:
+    def __init__(self, name: str, problems: Problems, lines: dict[Loc, int] | None = None) -> None:
         self.name = name
         self.problems = problems
-        self.lines: dict[Loc, int] = {}
+        self.lines = lines
+        self.path: list[int | str] = []  # of the node that is read
         self.open: set[int] = set()
         self.count = 0
+        self.section = 1  # line of the key at the top
+        self.words: dict[tuple[str, str, Any], Any] = {}  # values of scalars; those repeat
 
-    def value(self, node: Any, loc: Loc) -> Any:
+    def value(self, node: Any) -> Any:
+        """Return the plain data of a node."""
         self.count += 1
         if self.count > MOST_ENTRIES:
-            line = self.lines[loc[:1]]
             raise InputError(
-                Problem(f"{self.name}:{line}", "too many entries, aliases repeat too often")
+                Problem(f"{self.name}:{self.section}", "too many entries, aliases repeat too often")
             )
-        self.lines.setdefault(loc, node.start_mark.line + 1)
+        if self.lines is not None:
+            self.lines.setdefault(tuple(self.path), node.start_mark.line + 1)
+        if node.id == "scalar":
+            return self.scalar(node)
         if id(node) in self.open:
-            self.note(node, loc, "refers to itself")
+            self.note(node, "refers to itself")
             return None
         self.open.add(id(node))
         try:
-            if node.id == "mapping":
-                return self.mapping(node, loc)
-            if node.id == "sequence":
-                return [self.value(item, (*loc, i)) for i, item in enumerate(node.value)]
-            return self.scalar(node, loc)
+            return self.mapping(node) if node.id == "mapping" else self.sequence(node)
         finally:
             self.open.discard(id(node))
 
-    def mapping(self, node: Any, loc: Loc) -> dict[str, Any]:
+    def at(self, key: int | str, node: Any) -> Any:
+        """Return the plain data of a node below the present one."""
+        if node.id == "scalar" and self.lines is None:
+            word = (node.value, node.tag, node.style)
+            if word in self.words:
+                self.count += 1
+                return self.words[word]
+        self.path.append(key)
+        found = self.value(node)
+        self.path.pop()
+        return found
+
+    def sequence(self, node: Any) -> list[Any]:
+        """Return the list of a node."""
+        return [self.at(i, item) for i, item in enumerate(node.value)]
+
+    def mapping(self, node: Any) -> dict[str, Any]:
+        """Return the dictionary of a node, its merged keys included."""
         data: dict[str, Any] = {}
+        first: dict[str, int] = {}  # lines of the keys
         merged: list[dict[str, Any]] = []
         for key_node, value_node in node.value:
             line = key_node.start_mark.line + 1
+            if not self.path:
+                self.section = line
             if key_node.id != "scalar":
-                self.note(key_node, loc, "a key must be a plain word")
+                self.note(key_node, "a key must be a plain word")
                 continue
-            key = self.text(key_node, loc, str(key_node.value))
+            key = self.text(key_node, str(key_node.value))
             if key_node.tag.endswith(":merge"):
                 parts = value_node.value if value_node.id == "sequence" else [value_node]
-                merged += [d for part in parts if isinstance(d := self.value(part, loc), dict)]
+                merged += [d for part in parts if isinstance(d := self.value(part), dict)]
                 continue
             if key in data:
-                first = self.lines[*loc, key]
-                self.note(key_node, (*loc, key), f"given twice, first in line {first}", line)
+                self.path.append(key)
+                self.note(key_node, f"given twice, first in line {first[key]}")
+                self.path.pop()
                 continue
-            self.lines[*loc, key] = line
-            data[key] = self.value(value_node, (*loc, key))
+            first[key] = line
+            if self.lines is not None:
+                self.lines[*self.path, key] = line
+            data[key] = self.at(key, value_node)
         for other in merged:
             data = {**other, **data}
         return data
 
-    def scalar(self, node: Any, loc: Loc) -> Any:
-        text, kind = self.text(node, loc, bare(str(node.value))), str(node.tag).rpartition(":")[2]
+    def scalar(self, node: Any) -> Any:
+        """Return the text, number, truth or None of a node."""
+        word = (node.value, node.tag, node.style)
+        if word in self.words:
+            return self.words[word]
+        noted = len(self.problems.found)
+        found = self.plain(node)
+        if len(self.problems.found) == noted:
+            self.words[word] = found
+        return found
+
+    def plain(self, node: Any) -> Any:
+        """Return the same, of a word that was not read before."""
+        text, kind = self.text(node, bare(str(node.value))), str(node.tag).rpartition(":")[2]
         if node.style in ("'", '"', "|", ">"):
             # ruamel.yaml marks with a bell where it folded a line
             return text.replace("\a", "") if node.style == ">" else text
@@ -284,12 +334,12 @@ class _Reader:
         if kind == "float":
             return parse_float(text)
         if not str(node.tag).startswith("tag:yaml.org,2002:"):
-            self.note(node, loc, f"unknown tag {node.tag}")
+            self.note(node, f"unknown tag {node.tag}")
         return text
 
-    def text(self, node: Any, loc: Loc, found: str) -> str:
+    def text(self, node: Any, found: str) -> str:
         """Return text whose pairs of escapes, two of ``uXXXX`` in JSON, are the characters."""
-        if not SURROGATE.search(found):
+        if found.isascii() or not SURROGATE.search(found):
             return found
         code = "utf-16-le"
         text = found.encode(code, "surrogatepass").decode(code, "replace")
@@ -298,12 +348,13 @@ class _Reader:
             message = (
                 f"contains \\u{ord(half[0]):04x}, half of a character: leave it out or pair it"
             )
-            self.note(node, loc, message)
+            self.note(node, message)
         return text
 
-    def note(self, node: Any, loc: Loc, message: str, line: int | None = None) -> None:
-        path = ".".join(str(key) for key in loc)
-        place = f"{self.name}:{line or node.start_mark.line + 1}" + (f": {path}" if path else "")
+    def note(self, node: Any, message: str) -> None:
+        """Note a problem at the present path, with the line of a node."""
+        path = ".".join(map(str, self.path))
+        place = f"{self.name}:{node.start_mark.line + 1}" + (f": {path}" if path else "")
         self.problems.add(place, message)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -57,10 +58,26 @@ class Builder:
         self.found: list[tuple[Loc, Problem]] = []
         self.noted: set[Problem] = set()
         self.warnings: dict[str, None] = {}  # in their order
+        self.caught: list[warnings.WarningMessage] | None = None  # while they are caught
+        self.foreign: list[warnings.WarningMessage] = []  # of others than jousto
         self.curves: dict[str, Any] = {}
         self.known: dict[str, Mapping[str, Any]] = {}  # what entries may name, by section
         self.sensors: list[str] = []  # names of all sensors of the file
         self.kept: dict[Any, Any] = {}  # reduced parts of variants of the file
+
+    @contextmanager
+    def catching(self) -> Iterator[None]:
+        """Catch what constructors warn of; pass on at the end what is not jousto's."""
+        try:
+            with warnings.catch_warnings(record=True) as self.caught:
+                warnings.simplefilter("always")
+                yield
+        finally:
+            self.caught = None
+        # outside of the block, or what is passed on would be caught again
+        foreign, self.foreign = self.foreign, []
+        for item in foreign:
+            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
 
     def note(self, loc: Loc, message: str) -> None:
         """Note a problem at a place of the document."""
@@ -71,6 +88,20 @@ class Builder:
 
     def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
         """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
+        if self.caught is None:
+            with self.catching():
+                return self.make(loc, make, *args, **kwargs)
+        result, errors = None, None
+        before = len(self.caught)
+        try:
+            result = make(*args, **kwargs)
+            if isinstance(result, Declared):
+                result = result.made
+        except InputError as error:
+            errors = error
+        if len(self.caught) == before and errors is None:
+            return result
+        caught, self.caught[before:] = self.caught[before:], []
         own = {
             str(loc[-1]).lower() if loc else "",
             make.__name__.lower(),
@@ -78,16 +109,6 @@ class Builder:
         }
         name = kwargs.get("name", args[0] if args else kwargs.get("coordinate"))
         name = getattr(name, "name", name)
-        result, errors = None, None
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            try:
-                result = make(*args, **kwargs)
-                if isinstance(result, Declared):
-                    result = result.made
-            except InputError as error:
-                errors = error
-        # outside of the block, or what is passed on would be caught again without end
         for item in caught:
             self.warn(loc, item, own, name)
         for problem in errors.problems if errors else ():
@@ -99,9 +120,9 @@ class Builder:
     def warn(
         self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
     ) -> None:
-        """Keep a warning with its place, pass on those that are not jousto's."""
+        """Keep a warning with its place; those that are not jousto's are passed on later."""
         if not issubclass(item.category, JoustoWarning):
-            warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
+            self.foreign.append(item)
             return
         where, colon, message = str(item.message).partition(": ")
         if colon:

@@ -96,7 +96,7 @@ def build_declared(
         if field.key not in given:
             continue
         make = builder.forms.get(field.form) or FORMS.get(field.form)
-        if make is None:
+        if make is None or (make is number and type(given[field.key]) is float):
             values[key] = given[field.key]
         elif values.get(getattr(field.unit, "field", ""), given) is None:
             values[key] = None  # of no unit, since the coordinate that it depends on is wrong
@@ -105,8 +105,8 @@ def build_declared(
             values[key] = make(place, given[field.key])
     if any(value is None for value in values.values()):
         return None
-    for key in [key for key in values if cls.fields[key].spread]:
-        items = values.pop(key)
+    for key in cls.spread:
+        items = values.pop(key, ())
     return builder.make(loc, cls, *items, **values, **more)
 
 

@@ -198,7 +198,8 @@ class ModelBuilder(Builder):
             key: Joined(named[key], named["robots"], key) for key in ("bodies", "joints", "sensors")
         }
         self.sensors = list(dict.fromkeys([*self.sensors, *known["sensors"]]))
-        items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
+        with self.catching():  # once for all of them
+            items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
         if not known["bodies"] and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]

@@ -175,7 +175,7 @@ class MemoryRecords:
 
     def symbols(self) -> tuple[SymbolShape, ...]:
         """Return where joints, forces, sensors and named points are."""
-        return self.model.symbols
+        return tuple(self.model.symbols)
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Return where the nodes of each beam have their state in q and v."""
