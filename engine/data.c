@@ -119,13 +119,15 @@ static void lay_joints(const jo_model *m, arena *a, jo_data *d)
     d->S = reals(a, JO_BLOCK * m->nblock);
     d->S0 = reals(a, m->redundant >= 0 ? JO_BLOCK * m->nblock : 0);
     for (int s = 0; s < 2; s++) d->gram[s] = reals(a, 36 * m->npair);
-    d->joint = take(a, (size_t)m->njoint * sizeof(jo_joint_work));
+    d->joint = take(a, (size_t)(m->njoint + m->nhub) * sizeof(jo_joint_work));
     for (int i = 0; i < m->njoint; i++) {
         jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
         w->side = take(a, (size_t)m->joint[i].nside * sizeof *w->side);
     }
     const int nbelow = m->nblock - m->ncolumn, nupdate = m->ncolumn ? m->update_first[m->ncolumn] : 0;
     d->pairs = take(a, (size_t)m->npair * sizeof *d->pairs);
+    d->pulls = take(a, (size_t)m->npull * sizeof *d->pulls);
+    d->hubs = take(a, (size_t)m->nhub * sizeof *d->hubs);
     d->columns = take(a, (size_t)m->ncolumn * sizeof *d->columns);
     d->belows = take(a, (size_t)nbelow * sizeof *d->belows);
     d->updates = take(a, (size_t)nupdate * sizeof *d->updates);

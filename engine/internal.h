@@ -172,7 +172,8 @@ static inline int jo_stabilised(const jo_stage *stage) { return stage->alpha != 
 /* The block Cholesky of S as it is carried out: what the model's lists mean in memory. `kind` says which numbers of rows
  * and columns occur, see schur.c. `lock` is that of an optional joint, else 0: where it is switched off its blocks are 0. */
 typedef struct { jo_real *S; const jo_side_work *k, *l; int kind, first, flexible; const int *lock_k, *lock_l; } jo_pair_plan;
-typedef struct { jo_real *S, *x, *scale; int n, first, count, update, updates; const int *lock; } jo_column_plan;
+typedef struct { jo_real *S; const jo_side_work *side; int rows, later, first; const int *lock; } jo_pull_plan;
+typedef struct { jo_real *S, *x, *scale; double sign; int n, first, count, update, updates; const int *lock; } jo_column_plan;
 typedef struct { jo_real *X, *x; int rows, kind; const int *lock; } jo_below_plan;
 typedef struct { jo_real *T; const jo_real *X, *Y; int rows, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
@@ -295,6 +296,8 @@ struct jo_data {
     jo_counts counts;
     int regular;            /* S is regularised */
     jo_pair_plan *pairs;
+    jo_pull_plan *pulls;
+    jo_real **hubs;         /* (nhub) diagonal blocks of the hubs */
     jo_column_plan *columns;
     jo_below_plan *belows;
     jo_update_plan *updates;
@@ -519,6 +522,11 @@ int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite a
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
+
+/* hub.c */
+void jo_hub_plan(const jo_model *m, jo_data *d);      /* after the pairs */
+void jo_hub_assemble(const jo_model *m, jo_data *d);
+void jo_hub_scales(const jo_model *m, jo_data *d);    /* adds what hubs give to the diagonal of S */
 
 /* schur.c */
 void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */

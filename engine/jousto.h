@@ -51,7 +51,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 14 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 15 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -231,6 +231,14 @@ typedef struct {
     int block;              /* block of S, or its transpose, that receives it */
 } jo_pair;
 
+/* A hub is a rigid body with many joints, whose rows would fill a dense S. Its six velocities in units of unit mass are
+ * unknowns of the factorisation beside the multipliers, pseudo joints without a side behind the joints:
+ * [D V; V^T -1] with S = D + V V^T, V = Cq L^-T of the rows on hubs and M = L L^T. */
+typedef struct {
+    int joint, side;        /* on a hub */
+    int block, later;       /* that V goes to; whether the joint is eliminated after the hub */
+} jo_pull;
+
 /* Sparse block Cholesky S = L L^T: S_ij is block `block` (36 reals, leading dimension 6). */
 typedef struct { int joint, first, count; } jo_column;   /* diagonal; range in below[] */
 typedef struct { int block, joint; } jo_below;           /* L_ij below the diagonal of a column */
@@ -346,6 +354,7 @@ typedef struct {
     int nq, nv, nrow, nout;
     int nlink, nx, nu;      /* joint coordinates and rates of a tree; 0: everything runs in q and v */
     int nloop, nreach, nmeet;
+    int nhub, npull;        /* rigid bodies with many joints */
     int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
                              * -1: never, a singular position is an error */
     double size;            /* m, of the mechanism: measure of what is small */
@@ -354,9 +363,10 @@ typedef struct {
     const jo_beam *beam;
     const jo_marker *marker;   /* the first nactive belong to joints and forces, the rest to sensors */
     const jo_coordinate *coordinate;
-    const jo_joint *joint;
+    const jo_joint *joint;     /* (njoint + nhub) */
     const jo_line *line;
     const jo_pair *pair;
+    const jo_pull *pull;
     const jo_column *column;
     const jo_below *below;
     const jo_update *update;

@@ -129,6 +129,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
 {
     plan_sides(m, d);
     plan_pairs(m, d);
+    jo_hub_plan(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
         if (c == d->tree.column) d->tree.fill = d->nfill;
         const jo_column *col = &m->column[c];
@@ -137,6 +138,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->S = d->S + JO_BLOCK * c;
         w->x = joint->x;
         w->scale = joint->scale;
+        w->sign = col->joint < m->njoint ? 1.0 : -1.0;
         w->n = m->joint[col->joint].nrow;
         w->first = col->first;
         w->count = col->count;
@@ -233,16 +235,17 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
     for (int r = 0; r < ld; r += 4) add_gram_rows(S + r, ld, Ck + r, 0, 6, Cl, ldl, n, moving, both, gram);
 }
 
-/* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1. A pivot that vanishes
- * against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular, -1: not finite */
-static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_real *scale)
+/* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1, of the given sign. A pivot
+ * that vanishes against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular,
+ * -1: not finite */
+static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_real *scale, const double sign)
 {
     const int ld = jo_padded(n);
     int regular = 1;
     for (int k = 0; k < n; k++) {
         jo_real *column = S + ld * k;
         jo_real x = column[k];
-        if (jo_spoil(&x, JO_LESS(1e-12 * scale[k], x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
+        if (jo_spoil(&x, JO_LESS(1e-12 * sign * scale[k], sign * x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
         const jo_real inverse = 1.0 / x;
         for (int j = k + 1; j < n; j++) {
             const jo_real y = column[j] * inverse;
@@ -328,6 +331,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, set);
         add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
+    jo_hub_assemble(m, d);
     for (int i = d->tree.narrow ? d->tree.fill : 0; i < d->nfill; i++)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
@@ -373,12 +377,13 @@ static int factor(const jo_model *m, jo_data *d, int set)
         if (off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
+    jo_hub_scales(m, d);
     if (d->regular) regularise(m, d);
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         int regular;
         if (off(w->lock)) continue;
-#define CALL(n) regular = factor_diagonal(w->S, n, w->scale)
+#define CALL(n) regular = factor_diagonal(w->S, n, w->scale, w->sign)
         JO_BY_ROWS(w->n, CALL)
 #undef CALL
         if (regular != 1) {
@@ -505,7 +510,7 @@ static void solve_factored(const jo_model *m, jo_data *d)
 /* residual = right - S0 sum, into x */
 static void residual(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->njoint; i++)
+    for (int i = 0; i < m->njoint + m->nhub; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].right[r];
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
@@ -528,11 +533,13 @@ static void residual(const jo_model *m, jo_data *d)
  * regularised factor converges to a solution, the one of least norm in the scale of the diagonal */
 void jo_joint_solve(const jo_model *m, jo_data *d)
 {
+    for (int h = 0; h < m->nhub; h++)   /* nothing but the joints acts on the hubs here */
+        for (int r = 0; r < 6; r++) d->joint[m->njoint + h].x[r] = jo_same(0.0);
     if (!d->regular) {
         solve_factored(m, d);
         return;
     }
-    for (int i = 0; i < m->njoint; i++)
+    for (int i = 0; i < m->njoint + m->nhub; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) {
             d->joint[i].right[r] = d->joint[i].x[r];
             d->joint[i].sum[r] = jo_same(0.0);
@@ -540,7 +547,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
     for (int k = 0; k <= JO_REFINE; k++) {
         if (k) residual(m, d);
         solve_factored(m, d);
-        for (int i = 0; i < m->njoint; i++)
+        for (int i = 0; i < m->njoint + m->nhub; i++)
             for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] += d->joint[i].x[r];
     }
     for (int i = 0; i < m->njoint; i++)

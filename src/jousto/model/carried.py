@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from jousto.model.hubs import joints_on
 from jousto.model.model import JointModel, LinkModel, Model
 from jousto.model.ordering import Elimination, eliminate
 
@@ -60,10 +61,7 @@ def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int,
 def links_first(model: Model, links: tuple[LinkModel, ...]) -> Elimination:
     """Return an order of elimination that begins with the joints that are links."""
     inside = {place for link in links for place in (link.joint, link.drive)} - {-1}
-    on_body: dict[int, list[int]] = {}
-    for k, joint in enumerate(model.joints):
-        for body in {model.markers[side].body for side in joint.sides} - {-1}:
-            on_body.setdefault(body, []).append(k)
+    on_body = joints_on(model.joints, model.markers)
     after = {k: inside for k in range(len(model.joints)) if k not in inside}
     return eliminate([joint.rows for joint in model.joints], on_body.values(), after)
 

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array, skew
+from jousto.base.arrays import Array
 from jousto.base.collecting import uncollected
 from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
-from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
-from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.frame_record import frame_shape
+from jousto.model.hubs import joints_on, order_joints
 from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.moved import warn_moved
 from jousto.model.native.native import Engine, SingularJoints
-from jousto.model.ordering import MOST, Elimination, TooDense, eliminate
+from jousto.model.ordering import MOST, Elimination, TooDense
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
@@ -35,7 +35,7 @@ from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start import quiet_velocities, started
 from jousto.model.stepped import with_start
-from jousto.model.symbols import symbols
+from jousto.model.symbols import Symbols
 from jousto.model.tree import with_core
 from jousto.reduction.located import located
 
@@ -46,6 +46,13 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 CHANGED = 1e-6  # of the largest velocity: velocities that were replaced
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
+ROWS, COLUMNS = (list(places) for places in zip(*SYMMETRIC, strict=True))
+NO_MODES: dict[str, Any] = {
+    **{key: np.zeros((rows, 0)) for key, rows in (("I3", 3), ("B0", 3), ("D0", 6))},
+    **{key: np.zeros((rows, 0, 0)) for key, rows in (("ED", 6), ("EB", 3))},
+    **{key: np.zeros(0) for key in ("K", "D")},
+}
+"""Arrays of a body without modes."""
 
 
 @uncollected()
@@ -115,12 +122,6 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     active = len(builder.markers)
     sensors = sensor_models(mechanism, builder, index, watched)
     builder.events += event_models(mechanism, gauges, sensors)
-    on_body: dict[int, list[int]] = {}
-    for k, jm in enumerate(builder.joints):
-        for side in jm.sides:
-            body = builder.markers[side].body
-            if body >= 0 and k not in on_body.setdefault(body, []):
-                on_body[body].append(k)
     model = Model(
         name=mechanism.name,
         gravity=np.array(floats(mechanism.gravity)),
@@ -131,7 +132,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         signals=tuple(builder.signals),
         forces=tuple(builder.forces),
         sensors=sensors,
-        elimination=_elimination(mechanism, builder, on_body),
+        elimination=_elimination(mechanism, builder, bodies),
         q0=q0,
         v0=v0,
         shapes=tuple(_shape(body) for body in mechanism.bodies),
@@ -142,7 +143,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         meters=meter_models(mechanism, sensors),
         beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
-        symbols=() if is_stepping() else symbols(mechanism, index),
+        symbols=() if is_stepping() else Symbols(mechanism, index),
         fmus=fmu_models(mechanism, sensors),
         start=mechanism.start,
     )
@@ -165,16 +166,15 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
 
 
 def _elimination(
-    mechanism: Mechanism, builder: Builder, on_body: dict[int, list[int]]
+    mechanism: Mechanism, builder: Builder, bodies: Sequence[BodyModel]
 ) -> Elimination:
     """Return the order of the joints; InputError where too many act on one another."""
     try:
-        rows = [joint.rows for joint in builder.joints]
-        return eliminate(rows, on_body.values(), most=MOST)
+        return order_joints(builder.joints, builder.markers, bodies, most=MOST)
     except TooDense as error:
         found, dense = f"mechanism {mechanism.name!r}", error
     cost = f"{dense.products:.2g} products of blocks at each evaluation, {MOST:.2g} at the most"
-    for body, joints in on_body.items():
+    for body, joints in joints_on(builder.joints, builder.markers).items():
         if dense.clique and tuple(joints) == dense.clique:
             found = f"body '{mechanism.bodies[body].name}'"
             reason = f"carries {count(len(joints), 'joint')}, which all act on one another"
@@ -182,9 +182,6 @@ def _elimination(
                 "divide it into several bodies, each fixed to the one before, so that none carries "
                 "more than some hundred joints"
             )
-            holds = (mechanism.joints[k] for k in joints if k < len(mechanism.joints))
-            if any(isinstance(j, Fixed) and ground in (j.a.body, j.b.body) for j in holds):
-                remedy = "it is fixed to the ground: put the joints on the ground itself"
             break
     else:
         reason = "has so many loops that a great share of its joints acts on one another"
@@ -210,30 +207,28 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
         models.append(model)
         iq += 7 + model.n
         iv += 6 + model.n
-        A = rotation_matrix(body.orientation)
+        w = body.angular_velocity
+        if w.any():
+            w = rotation_matrix(body.orientation).T @ w
         q += [body.position, body.orientation, body.modal_coordinates]
-        v += [body.velocity, A.T @ body.angular_velocity, body.modal_velocities]
+        v += [body.velocity, w, body.modal_velocities]
     empty = np.zeros(0)
     return tuple(models), np.concatenate([empty, *q]), np.concatenate([empty, *v])
 
 
 def _rigid(body: RigidBody, iq: int, iv: int) -> BodyModel:
-    c = skew(body.center)
-    J = body.inertia - body.mass * c @ c  # Steiner
+    c = floats(body.center)
+    J = body.inertia
+    if c.any():
+        J = J + body.mass * (c @ c * np.eye(3) - np.outer(c, c))  # Steiner
     return BodyModel(
         name=body.name,
         iq=iq,
         iv=iv,
         mass=np.array([body.mass]),
-        S0=body.mass * np.asarray(body.center),
-        J0=np.array([J[i, j] for i, j in SYMMETRIC]),
-        I3=np.zeros((3, 0)),
-        B0=np.zeros((3, 0)),
-        D0=np.zeros((6, 0)),
-        ED=np.zeros((6, 0, 0)),
-        EB=np.zeros((3, 0, 0)),
-        K=np.zeros(0),
-        D=np.zeros(0),
+        S0=body.mass * c,
+        J0=J[ROWS, COLUMNS],
+        **NO_MODES,
         alpha=body.damping if isinstance(body, BeamNode) else 0.0,
     )
 
@@ -309,8 +304,9 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
         triangles = corners.reshape(-1, 3).astype(np.int64)
         return Shape("rigid", nodes, triangles, np.zeros((len(nodes), 3, 0)))
     if points is None:  # a star from the centre of mass to the origin and the named points
-        points = np.vstack([body.center, np.zeros(3), *body.markers.values()])
-        elements = np.array([[0, i] for i in range(1, len(points))], dtype=np.int64)
+        points = floats([body.center, (0.0, 0.0, 0.0), *body.markers.values()])
+        elements = np.zeros((len(points) - 1, 2), np.int64)
+        elements[:, 1] = range(1, len(points))
     else:
         elements = np.array([[i, i + 1] for i in range(len(points) - 1)], dtype=np.int64)
     nodes = np.array(floats(points))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import skew
+from jousto.base.collecting import uncollected
 from jousto.base.described import described
 from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.rotations import rotation_matrix
@@ -127,6 +128,7 @@ class Diagnosis:
         return "\n".join(f"{name}: {text}" for name, text in self.lines())
 
 
+@uncollected()
 @explained
 def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     """Examine how a mechanism can move and whether its joints repeat or contradict one another.

@@ -50,6 +50,8 @@ class Elimination:
         Block of (joint of the row, joint of the column), the row eliminated later.
     fill : int
         Blocks of the factor that are zero in S itself.
+    hubs : tuple of int
+        Bodies whose velocities are eliminated, too; they count behind the joints in the order.
     """
 
     order: tuple[int, ...]
@@ -57,6 +59,7 @@ class Elimination:
     updates: tuple[tuple[tuple[int, int, int, int, int], ...], ...]
     blocks: dict[tuple[int, int], int]
     fill: int
+    hubs: tuple[int, ...] = ()
 
     @property
     def count(self) -> int:
@@ -120,7 +123,8 @@ def eliminate(
 
     def missing(i: int) -> int:
         """Pairs of neighbours that do not touch yet: the fill if i were eliminated now."""
-        return sum(len(near[i] - near[a]) - 1 for a in near[i]) // 2
+        degree = len(near[i])
+        return (degree * (degree - 1) - sum(len(near[i] & near[a]) for a in near[i])) // 2
 
     def at_most(i: int, clique: int) -> int:
         """A bound of `missing`: those neighbours that the last joint left touch one another."""

@@ -13,9 +13,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.initial import Initial
+from jousto.model.hubs import order_joints
 from jousto.model.model import JointModel, LineModel, Model, SignalModel
 from jousto.model.native.native import Engine, displaced
-from jousto.model.ordering import eliminate
 from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
 from jousto.model.scales import largest_speed, velocity_metres
@@ -208,15 +208,11 @@ def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> M
             JointModel(initial.name, (s.a, s.b), False, (), row, (LineModel((place,), (1.0,)),))
         )
         row += 1
-    on_body: dict[int, list[int]] = {}
-    for k, joint in enumerate(fixed):
-        for body in {model.markers[side].body for side in joint.sides} - {-1}:
-            on_body.setdefault(body, []).append(k)
     # friction and its rows do not matter for a start
     return replace(
         model,
         joints=tuple(fixed),
-        elimination=eliminate([joint.rows for joint in fixed], on_body.values()),
+        elimination=order_joints(fixed, model.markers, model.bodies),
         frictions=(),
         forces=(),
         sensors=(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,16 @@ JOINT = "joint coordinates"
 BODIES = "positions of the bodies"
 PARALLEL = {(0, 2), (1, 2)}
 NO_TURN = {(0, 2), (1, 2), (0, 1)}
+# links by whether the origins are kept together, x and y held in the axes of a, and the pairs of
+# axes that stay perpendicular
+LINKS = {
+    (True, False, frozenset(PARALLEL)): "hinge",
+    (True, False, frozenset(NO_TURN)): "fixed",
+    (True, False, frozenset({(2, 2)})): "universal",
+    (True, False, frozenset[tuple[int, int]]()): "ball",
+    (False, True, frozenset(NO_TURN)): "slide",
+    (False, True, frozenset(PARALLEL)): "cylindrical",
+}
 ALIGNED = 0.5  # least cosine between axes of a and b that a joint keeps together
 JUMP = 1e-9  # of the values and rates of a signal: what counts as continuous
 KINDS = "revolute, prismatic, cylindrical, universal, spherical and fixed"
@@ -108,6 +119,7 @@ class _Tree:
     made: list[LinkModel] = field(default_factory=list)
     of_body: dict[int, int] = field(default_factory=dict)
     drives: dict[int, int] = field(default_factory=dict)  # joint of the drive by coordinate
+    kinds: dict[str, str] = field(default_factory=dict)  # of the joints that can be links, by name
 
     def links(self) -> tuple[LinkModel, ...]:
         """Return the links, parents first; _Unfit if there are none."""
@@ -139,6 +151,9 @@ class _Tree:
         if m.frictions:
             friction = m.frictions[0].name
             raise _Unfit(f"body '{soft}' is flexible, and '{friction}' is friction")
+        if hubs := m.elimination.hubs:
+            hub = m.bodies[hubs[0]].name
+            raise _Unfit(f"body '{soft}' is flexible, and '{hub}' has very many joints")
         alone = [k for k, joint in enumerate(m.joints) if joint.release < 0 and joint.lock < 0]
         known = {k for k in alone if is_link(m.joints[k]) and self._known(m.joints[k])}
         drives = {k for k in alone if not is_link(m.joints[k]) and self._drives(m.joints[k])}
@@ -222,7 +237,7 @@ class _Tree:
 
     def _known(self, joint: JointModel) -> bool:
         try:
-            self._kind(joint)
+            self.kinds[joint.name] = self._kind(joint)
         except _Unfit:
             return False
         return True
@@ -256,7 +271,7 @@ class _Tree:
 
     def _hang(self, k: int, parent: int, body: int, reversed_: bool) -> None:
         joint = self.model.joints[k]
-        kind = self._kind(joint)
+        kind = self.kinds[joint.name]
         outer, inner = joint.sides[::-1] if reversed_ else joint.sides
         above = self.of_body[parent] if parent >= 0 else -1
         if above >= 0 and self.made[above].kind == "fixed":
@@ -277,15 +292,16 @@ class _Tree:
     def _add(self, link: LinkModel, joint: JointModel | None = None, kind: str = "") -> None:
         """Append a link with its places and the coordinates that are its own."""
         last = self.made[-1] if self.made else None
+        more: dict[str, Any] = {}
         if last is not None:
-            link = replace(link, x=last.x + last.positions, u=last.u + last.rates)
+            more = {"x": last.x + last.positions, "u": last.u + last.rates}
         if joint is not None:
-            link = replace(link, coordinates=self._own(link, joint, kind))
-        for coordinate in link.coordinates:
-            if coordinate in self.drives and link.drive < 0:
+            more["coordinates"] = self._own(link, joint, kind)
+        for coordinate in more.get("coordinates", link.coordinates):
+            if coordinate in self.drives and "drive" not in more and link.drive < 0:
                 drive = self.drives.pop(coordinate)
-                link = replace(link, drive=drive, driven=self.first_line[drive])
-        self.made.append(link)
+                more |= {"drive": drive, "driven": self.first_line[drive]}
+        self.made.append(replace(link, **more) if more else link)
 
     def _own(self, link: LinkModel, joint: JointModel, kind: str) -> tuple[int, ...]:
         """Coordinates that the position of a link is, up to the sign."""
@@ -341,22 +357,15 @@ class _Tree:
     def _kind(self, joint: JointModel) -> str:
         """Return what a joint is as links, _Unfit where it is none of them."""
         rows, sliding = set(joint.perpendicular), self._slides(joint)
-        kinds = {
-            (True, False, frozenset(PARALLEL)): "hinge",
-            (True, False, frozenset(NO_TURN)): "fixed",
-            (True, False, frozenset({(2, 2)})): "universal",
-            (True, False, frozenset()): "ball",
-            (False, True, frozenset(NO_TURN)): "slide",
-            (False, True, frozenset(PARALLEL)): "cylindrical",
-        }
-        kind = kinds.get((joint.coincident, sliding, frozenset(rows)))
+        kind = LINKS.get((joint.coincident, sliding, frozenset(rows)))
         if kind is None or (joint.coincident and joint.lines):
             raise _Unfit(f"joint '{joint.name}' is none of the kinds {KINDS}")
         if kind in ("ball", "universal"):
             return kind
         axes = (2,) if rows == PARALLEL else (0, 1, 2)
         A, B = (self._axes(side) for side in joint.sides[:2])
-        if any(float(A[:, i] @ B[:, i]) < ALIGNED for i in axes):
+        cosines = (A * B).sum(axis=0).tolist()
+        if any(cosines[i] < ALIGNED for i in axes):
             raise _Unfit(f"the axes of joint '{joint.name}' point in opposite directions")
         return kind
 
@@ -374,10 +383,13 @@ class _Tree:
         """Return the axes of a marker at the start, in columns."""
         marker = self.model.markers[side]
         local = np.real(marker.A0)
-        if marker.body < 0:
-            return np.asarray(local)
-        iq = self.model.bodies[marker.body].iq
-        return np.asarray(rotation_matrix(np.real(self.model.q0[iq + 3 : iq + 7])) @ local)
+        return np.asarray(local if marker.body < 0 else self.rotations[marker.body] @ local)
+
+    @cached_property
+    def rotations(self) -> Array:
+        """Rotation matrices (nb, 3, 3) of the bodies at the start."""
+        first = np.array([body.iq + 3 for body in self.model.bodies])
+        return rotation_matrix(np.real(self.model.q0)[first[:, None] + np.arange(4)])
 
 
 def _smooth_pieces(data: Array, count: int, degree: int) -> bool:

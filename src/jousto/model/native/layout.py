@@ -83,7 +83,8 @@ class Layout:
         self._implicit = implicit or bool(model.beams)
         self._keep: list[Any] = []
         self._shared: dict[int, tuple[Any, Any]] = {}
-        self._room, self._used, self._address = np.zeros(0, dtype), 0, ffi.NULL
+        self._room, self._used = np.zeros(0, dtype), 0
+        self._start, self._address = 0, ffi.NULL
         self._stride = dtype.itemsize // ffi.sizeof("jo_real")
         self.raised: list[BaseException] = []
         self.counts: dict[int, int] = {}
@@ -153,12 +154,13 @@ class Layout:
             start = -raw.ctypes.data % 64
             self._room = raw[start : start + count * size].view(self._dtype)
             self._used = 0
-            self._address = self._ffi.cast("jo_real *", self._room.ctypes.data)
+            self._start = int(self._room.ctypes.data)
+            self._address = self._ffi.cast("jo_real *", self._start)
             self._keep.append(self._room)
         self._room[self._used : self._used + flat.size] = flat
+        self.counts[self._start + self._used * size] = flat.size
         pointer = self._address + self._used * self._stride
         self._used += flat.size
-        self._count(pointer, flat.size)
         return pointer
 
     def _count(self, pointer: Any, count: int) -> None:
@@ -173,7 +175,8 @@ class Layout:
     def _laid_out(self) -> Any:
         m = self._source
         model = self._ffi.new("jo_model *")
-        pairs = self._pairs()
+        sides = self._sides()
+        pairs, pulls = self._pairs(sides), self._pulls(sides)
         loops = loops_of(m)
         newton = newton_pattern(m) if self._implicit else NewtonPattern((), (), (), (0,), (), 0)
         updates = [u for column in m.elimination.updates for u in column]
@@ -187,7 +190,9 @@ class Layout:
             "njoint": len(m.joints),
             "nline": sum(len(joint.lines) for joint in m.joints),
             "npair": len(pairs),
-            "ncolumn": len(m.joints),
+            "nhub": len(m.elimination.hubs),
+            "npull": len(pulls),
+            "ncolumn": len(m.elimination.order),
             "nblock": m.elimination.count,
             "nsignal": len(m.signals),
             "nforce": len(m.forces),
@@ -224,6 +229,7 @@ class Layout:
         model.joint = self._joints()
         model.line = self._lines()
         model.pair = self._fill("jo_pair", pairs)
+        model.pull = self._fill("jo_pull", pulls)
         starts = np.cumsum([0, *(len(c) for c in m.elimination.below)])
         columns = [
             (joint, int(starts[c]), len(m.elimination.below[c]))
@@ -251,9 +257,12 @@ class Layout:
         model.meet = self._fill("jo_meet", loops.meets)
         return model
 
-    def _copied(self, kind: str, objects: Sequence[Any]) -> Any:
-        """Return structs with the numbers of the same name in the objects, their type by kind."""
-        array = self._structs(kind, len(objects))
+    def _copied(self, kind: str, objects: Sequence[Any], more: int = 0) -> Any:
+        """Return structs with the numbers of the same name in the objects, their type by kind.
+
+        `more` empty structs follow.
+        """
+        array = self._structs(kind, len(objects) + more)
         fields = self._ffi.typeof(kind).fields
         names = [
             name
@@ -278,17 +287,36 @@ class Layout:
             self._ffi.buffer(array)[:] = ints.tobytes()
         return array
 
-    def _pairs(self) -> list[tuple[int, int, int, int, int]]:
-        """Pairs of joint sides on one body and the block of S that they contribute to."""
+    def _sides(self) -> dict[int, list[tuple[int, int]]]:
+        """Joints and their sides on each moving body."""
         m = self._source
-        place = {joint: c for c, joint in enumerate(m.elimination.order)}
         sides: dict[int, list[tuple[int, int]]] = {}
         for k, joint in enumerate(m.joints):
             for side, marker in enumerate(joint.sides):
                 if m.markers[marker].body >= 0:
                     sides.setdefault(m.markers[marker].body, []).append((k, side))
+        return sides
+
+    def _pulls(self, sides: dict[int, list[tuple[int, int]]]) -> list[tuple[int, int, int, int]]:
+        """Joint sides on hubs and the blocks of joint and hub that they contribute to."""
+        m, found = self._source, []
+        place = {item: c for c, item in enumerate(m.elimination.order)}
+        for i, body in enumerate(m.elimination.hubs):
+            hub = len(m.joints) + i
+            for k, side in sides[body]:
+                later = place[k] > place[hub]
+                block = m.elimination.blocks[(k, hub) if later else (hub, k)]
+                found.append((k, side, block, int(later)))
+        return found
+
+    def _pairs(
+        self, sides: dict[int, list[tuple[int, int]]]
+    ) -> list[tuple[int, int, int, int, int]]:
+        """Pairs of joint sides on one body and the block of S that they contribute to."""
+        m = self._source
+        place = {joint: c for c, joint in enumerate(m.elimination.order)}
         pairs = []
-        for body in sorted(sides):
+        for body in sorted(sides.keys() - set(m.elimination.hubs)):
             for k, side_k in sides[body]:
                 for j, side_j in sides[body]:
                     if place[k] >= place[j]:
@@ -308,6 +336,8 @@ class Layout:
             b.np = np_ = -(-body.n // pad) * pad
             for name in ("mass", "S0", "J0"):
                 setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
+            if not np_:
+                continue
             for name in ("I3", "B0", "D0", "K", "D"):
                 array = self._override.get(("body", i, name), getattr(body, name))
                 setattr(b, name, self._constant(_padded(np.asarray(array), np_), shared=array))
@@ -336,11 +366,13 @@ class Layout:
                 np_ = -(-n // pad) * pad
             for name in ("u0", "A0"):
                 setattr(s, name, self._constant(getattr(marker, name), ("marker", i, name)))
+            if not np_:
+                continue
             for name in ("Phi", "Psi"):
                 shapes = self._override.get(("marker", i, name), getattr(marker, name))
-                padded = _padded(np.asarray(shapes), np_) if shapes is not None and np_ else None
+                padded = None if shapes is None else _padded(np.asarray(shapes), np_)
                 setattr(s, name, self._constant(padded))
-            if marker.chi is not None and np_:
+            if marker.chi is not None:
                 chi = self._override.get(("marker", i, "chi"), marker.chi)
                 s.chi = self._constant(_padded(np.asarray(chi), np_))
         return structs
@@ -375,7 +407,12 @@ class Layout:
         return structs
 
     def _joints(self) -> Any:
-        structs = self._copied("jo_joint", self._source.joints)
+        hubs = self._source.elimination.hubs
+        structs = self._copied("jo_joint", self._source.joints, more=len(hubs))
+        for i in range(len(hubs)):
+            s = structs[len(self._source.joints) + i]
+            s.nrow, s.lock, s.release = 6, -1, -1
+            s.side[0] = s.side[1] = self._on_hub(hubs[i])  # what an error is about
         line = 0
         for i, joint in enumerate(self._source.joints):
             s = structs[i]
@@ -387,6 +424,10 @@ class Layout:
             for r, (a, b) in enumerate(joint.perpendicular):
                 s.perp_a[r], s.perp_b[r] = a, b
         return structs
+
+    def _on_hub(self, body: int) -> int:
+        """Return a marker on a body."""
+        return next(i for i, marker in enumerate(self._source.markers) if marker.body == body)
 
     def _signals(self) -> Any:
         structs = self._copied("jo_signal", self._source.signals)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.base.rotations import rotation_matrix
+from jousto.model.hubs import order_joints
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine, displaced
-from jousto.model.ordering import Elimination, eliminate
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
 from jousto.model.scales import velocity_metres
 
@@ -112,7 +111,7 @@ def without_drives(model: Model) -> Model:
             row += joint.rows
     elimination = model.elimination
     if len(kept) < len(model.joints):
-        elimination = _order(model, kept)
+        elimination = order_joints(kept, model.markers, model.bodies)
     return replace(
         model,
         joints=tuple(kept),
@@ -124,14 +123,6 @@ def without_drives(model: Model) -> Model:
         meters=(),
         signals=(),
     )
-
-
-def _order(model: Model, joints: Sequence[JointModel]) -> Elimination:
-    on_body: dict[int, list[int]] = {}
-    for k, joint in enumerate(joints):
-        for body in {model.markers[side].body for side in joint.sides} - {-1}:
-            on_body.setdefault(body, []).append(k)
-    return eliminate([joint.rows for joint in joints], on_body.values())
 
 
 def neighbour(model: Model) -> Array | None:

@@ -1,0 +1,115 @@
+"""Hubs: rigid bodies with many joints, and the order of elimination of joints and hubs.
+
+The joints of one body all act on one another, so that they fill a dense block of
+``S = Cq M^-1 Cq^T``. The velocities of a hub are unknowns of the factorisation instead:
+``[D V; V^T -1]`` with ``S = D + V V^T``, where D holds what acts through the other bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from jousto.model.model import BodyModel, JointModel, MarkerModel
+from jousto.model.ordering import Elimination, eliminate
+
+MANY = 24
+"""Joints on a body above which it is a hub; of fewer the dense block is as quick."""
+GROUND = -1
+
+
+def joints_on(joints: Sequence[JointModel], markers: Sequence[MarkerModel]) -> dict[int, list[int]]:
+    """Return the joints on each moving body that has any, in their order."""
+    found: dict[int, list[int]] = {}
+    for k, joint in enumerate(joints):
+        for body in dict.fromkeys(markers[side].body for side in joint.sides):
+            if body != GROUND:
+                found.setdefault(body, []).append(k)
+    return found
+
+
+def order_joints(
+    joints: Sequence[JointModel],
+    markers: Sequence[MarkerModel],
+    bodies: Sequence[BodyModel],
+    most: float = math.inf,
+) -> Elimination:
+    """Return the order of elimination of joints and hubs.
+
+    Raises
+    ------
+    TooDense
+        As of `eliminate`.
+    """
+    on_body, rows = joints_on(joints, markers), [joint.rows for joint in joints]
+    hubs = [body for body, some in on_body.items() if len(some) > MANY and not bodies[body].n]
+    if not hubs:
+        return eliminate(rows, on_body.values(), most=most)
+    place = {body: len(joints) + i for i, body in enumerate(hubs)}
+    cliques: list[Sequence[int]] = [some for body, some in on_body.items() if body not in place]
+    cliques += [(k, place[body]) for body in hubs for k in on_body[body]]
+    ends = [{markers[side].body for side in joint.sides} for joint in joints]
+    after = {k: place.values() for k in closing(ends, {GROUND, *hubs})}
+    made = eliminate([*rows, *(6 for _ in hubs)], cliques, after, most)
+    return replace(made, hubs=tuple(hubs))
+
+
+def closing(ends: Sequence[set[int]], held: set[int]) -> set[int]:
+    """Return the joints whose rows may repeat others as long as some bodies are held.
+
+    Bodies that hang together on one held body alone are as free as if that moved. Of those that
+    hang on several held ones the joints to all but one of these are left for later, and so are
+    joints between held bodies.
+
+    Parameters
+    ----------
+    ends : sequence of set of int
+        Bodies of each joint.
+    held : set of int
+        Hubs and ground.
+
+    Examples
+    --------
+    Two bodies between ground and hub 9, and one that hangs on the hub alone:
+
+    >>> sorted(closing([{-1, 0}, {0, 1}, {1, 9}, {9, 2}, {9, -1}], {-1, 9}))
+    [2, 4]
+    """
+    root = _pieces([some - held for some in ends])
+    joined: dict[int, Counter[int]] = {}  # of each piece, how often it is joined to which held body
+    for some in ends:
+        for body in some - held:
+            joined.setdefault(root[body], Counter()).update(sorted(some & held))
+            break
+    found = set()
+    for k, some in enumerate(ends):
+        free = some - held
+        if not free:
+            found.add(k)
+            continue
+        counts = joined[root[min(free)]]
+        if some & held and some & held != {counts.most_common(1)[0][0]}:
+            found.add(k)
+    return found
+
+
+def _pieces(groups: Iterable[set[int]]) -> Mapping[int, int]:
+    """Return one body of each piece by all of its bodies; those of a group hang together."""
+    roots: dict[int, int] = {}
+
+    def root(body: int) -> int:
+        while roots.setdefault(body, body) != body:
+            roots[body] = body = roots[roots[body]]
+        return body
+
+    for group in groups:
+        first, *others = sorted(group) or (None,)
+        if first is None:
+            continue
+        root(first)
+        for body in others:
+            one, other = sorted((root(first), root(body)))
+            roots[other] = one
+    return {body: root(body) for body in list(roots)}
