@@ -200,7 +200,8 @@ class Problems:
         None in the shape allows any length.
         """
         try:
-            array = np.array(floats(value))
+            # the same but for numbers with derivatives
+            array = np.array(floats(value)) if is_stepping() else np.array(value, np.float64)
         except (TypeError, ValueError, OverflowError):
             if shape:
                 wanted = _shape(shape)

@@ -498,6 +498,8 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
 
 def check_rotations(problems: Problems, mechanism: Members) -> None:
     """Note items that need the rotation of a node whose part has translations only."""
+    if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
+        return
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
     for item in (*items, *mechanism.frictions, *mechanism.initials):
         for argument, marker in turning(item):
@@ -533,6 +535,8 @@ def warn_unconnected(mechanism: Members) -> None:
 
 def warn_interfaces(mechanism: Members) -> None:
     """Warn about joints, drives and springs on nodes that are no interfaces of their part."""
+    if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
+        return
     elements = (x for x in mechanism.forces if x.ties)
     for item in (*mechanism.joints, *mechanism.couplings, *elements):
         for marker in {id(m): m for _, m in markers_of(item)}.values():

@@ -24,9 +24,12 @@ def joints_on(joints: Sequence[JointModel], markers: Sequence[MarkerModel]) -> d
     """Return the joints on each moving body that has any, in their order."""
     found: dict[int, list[int]] = {}
     for k, joint in enumerate(joints):
-        for body in dict.fromkeys(markers[side].body for side in joint.sides):
+        for side in joint.sides:
+            body = markers[side].body
             if body != GROUND:
-                found.setdefault(body, []).append(k)
+                some = found.setdefault(body, [])
+                if not some or some[-1] != k:  # two sides may be on one body
+                    some.append(k)
     return found
 
 
