@@ -32,9 +32,22 @@ def exact_of_branches():
     return 1.0 - scipy.integrate.quad(inside, -3.5, 3.5, epsabs=1e-14)[0]
 
 
+def parabola(x):
+    """Two points, of beta 2.906 and 3.094 (A. Der Kiureghian and T. Dakessian, 1998, example 1)."""
+    return 5.0 - x["b"] - 0.5 * (x["a"] - 0.1) ** 2
+
+
+def exact_of_parabola():
+    def failed(a):
+        return stats.norm.sf(5.0 - 0.5 * (a - 0.1) ** 2) * stats.norm.pdf(a)
+
+    return scipy.integrate.quad(failed, -10, 10, epsabs=1e-14)[0]
+
+
 @pytest.mark.parametrize(
     ("function", "exact", "points"),
     [
+        (parabola, exact_of_parabola(), 2),
         (lambda x: 3.0 - np.abs(x["a"]), 2.0 * stats.norm.sf(3.0), 2),
         (
             lambda x: np.minimum(3.0 - x["a"], 3.2 - x["b"]),
@@ -57,6 +70,28 @@ def test_importance_sampling_sees_all_design_points(function, exact, points):
         assert jo.design.check_linearisation(found).significant == (True,)
     one = jo.design.importance_sampling(found, samples=20_000, search=False)
     assert len(one.points) == 1 and (points != 2 or one.high < exact)
+
+
+def test_points_of_a_parabola_are_those_published():
+    found = jo.design.form(LimitState(parabola, vectorised=True), TWO, start={"a": -1, "b": 0})
+    sampled = jo.design.importance_sampling(found, samples=1000)
+    # printed digits
+    assert [one.beta for one in sampled.points] == pytest.approx([2.906, 3.094], abs=5e-4)
+
+
+def test_a_limit_state_that_is_nearly_plane_needs_no_search():
+    """One tangent at each of four starts: n + 1 calls each, and none beside them."""
+
+    def life(x):
+        return 34.0 * (1.0 + 0.04 * x["a"]) ** 2.4 * np.exp(-0.3 * x["b"]) - 10.0 * np.exp(
+            0.5 * x["c"]
+        )
+
+    three = [*TWO, normal("c", 0, 1)]
+    found = jo.design.form(LimitState(life, vectorised=True), three)
+    sampled = jo.design.importance_sampling(found, samples=100)
+    assert len(sampled.points) == 1
+    assert sampled.calls - found.calls - 100 == 4 * (3 + 1)
 
 
 def test_the_rare_side_may_be_the_safe_one():

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 
 from jousto.base.arrays import Array
 from jousto.design.reliability.errors import DesignPointError, LimitStateError
-from jousto.design.reliability.form import FAR, FormResult, design_point
+from jousto.design.reliability.form import FAR, FormResult, design_point, slope_at
 from jousto.design.reliability.inputs.space import Space
 
 RADIUS, HEIGHT = 1.1, 0.75
@@ -76,7 +76,9 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
     """Return other design points of a limit state that matter beside the first.
 
     Each search begins at the origin and, if it finds nothing there, opposite of the last point and
-    across all; what it finds is then followed without the bulges.
+    across all; what it finds is then followed without the bulges. Where the tangent of the limit
+    state at a start leads to what is known, or to what does not matter, no search begins: of a
+    limit state that is nearly plane this is all that is asked.
 
     Parameters
     ----------
@@ -114,11 +116,29 @@ def _starts(known: Sequence[FormResult]) -> list[Array]:
 def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormResult | None:
     """Return a design point that is none of those known, or None."""
     try:
+        if not _promising(space, known, start):
+            return None
         u = design_point(Excluding(space, known), start, "sqp", TOLERANCE, STEPS, FAR).u
         found = design_point(space, u, "sqp", TOLERANCE, STEPS, FAR)
     except (DesignPointError, LimitStateError):
         return None
     new = all(np.linalg.norm(found.u - one.u) > APART for one in known)
-    matters = float(ndtr(-abs(found.beta))) > COUNTS * float(ndtr(-abs(known[0].beta)))
     same = (found.beta >= 0.0) is (known[0].beta >= 0.0)
-    return found if new and matters and same else None
+    return found if new and same and _matters(found.beta, known) else None
+
+
+def _promising(space: Space, known: Sequence[FormResult], start: Array) -> bool:
+    """Return whether the tangent at a start comes nearest to the origin at a point that is new."""
+    g = space.g(start)
+    slope = slope_at(space, start, g, [])
+    size = float(np.linalg.norm(slope))
+    beta = (g - float(slope @ start)) / size
+    nearest = -beta * slope / size
+    within = [RADIUS * max(abs(one.beta), APART) for one in known]
+    away = [float(np.linalg.norm(nearest - one.u)) for one in known]
+    return _matters(beta, known) and all(x > r for x, r in zip(away, within, strict=True))
+
+
+def _matters(beta: float, known: Sequence[FormResult]) -> bool:
+    """Return whether a point at this distance counts beside the first one."""
+    return float(ndtr(-abs(beta))) > COUNTS * float(ndtr(-abs(known[0].beta)))
