@@ -289,3 +289,19 @@ def test_the_page_shows_what_is_undecided(tmp_path: Path) -> None:
     text = jo.write(rattling(3e7), tmp_path / "rattling.html").read_text(encoding="utf-8")
     assert 'background:#A56A00">undecided</span>' in text
     assert ">disagree<" not in text
+
+
+def test_an_engine_that_cannot_begin_ends_with_a_verdict() -> None:
+    """Nothing is decided, and why, whether the forces or the start fail; not an error alone."""
+    block = jo.RigidBody("block", 1.0, (0.1,) * 3)
+    rail = jo.Prismatic("rail", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    broken = jo.UserForce("law", block["origin"], lambda t, x: [float("nan")] * 6)
+    found = verify(jo.Mechanism(block, rail, broken), 0.1)
+    assert (found.word, found.agrees) == ("undecided", False)
+    assert "nothing is decided: the engine cannot begin: force 'law'" in found.verdict
+    assert "nan at half" not in str(found)
+
+    pushed = jo.Mechanism(block, rail, jo.Force("push", block["origin"], (1.0, 0, 0)))
+    found = verify(pushed, 0.1, begin=jo.equilibrium)
+    assert found.word == "undecided"
+    assert "the engine cannot begin: no static equilibrium" in found.verdict

@@ -152,6 +152,8 @@ class Verification:
             f"{count(len(checked), 'reading')} at {count(self.instants, 'state')} are the same to "
             f"{largest:.0e} of their size"
         )
+        if not self.ended and not self.rows:
+            return f"nothing is decided: {stopped}"
         if not self.ended:
             return f"nothing is decided: {stopped}; in the first half of that run {equal}"
         equal = f"the formulations agree: {equal}"
@@ -236,7 +238,9 @@ class Verification:
     def facts(self) -> tuple[tuple[str, str], ...]:
         """What else was found, as names and sentences."""
         engine, half, frame, fine = self.energy
-        found = [("energy, engine", f"misses {engine:.1e}, at half the step {half:.1e}")]
+        found: list[tuple[str, str]] = []
+        if np.isfinite(engine):
+            found += [("energy, engine", f"misses {engine:.1e}, at half the step {half:.1e}")]
         found += [(way.name, way.said) for way in self.ways]
         found += [("stopped", why) for why in self.stopped]
         if self.unknown:

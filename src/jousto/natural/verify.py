@@ -64,7 +64,8 @@ def verify(
     know leaves the methods of the engine, and the energy balance, to judge. Compared are all
     sensors and, besides, the accelerations of all bodies, the reactions of all joints and drives,
     all forces and the energies. A run that does not reach its end leaves its states to compare,
-    those of the first half if the engine stopped, and the verdict names it.
+    those of the first half if the engine stopped, and the verdict names it; nothing is decided
+    where the engine cannot begin.
 
     Parameters
     ----------
@@ -94,8 +95,6 @@ def verify(
     ------
     InputError
         If numbers make no sense, or the mechanism cannot be compiled.
-    SimulationError
-        If the engine cannot begin.
 
     Examples
     --------
@@ -113,11 +112,14 @@ def verify(
     mechanism = held(mechanism)
     unknown = not_known(mechanism)
     whole = measured(mechanism, every=bool(unknown))
-    model = compile(whole)
-    state = None if begin is None else begun_by(begin, model)
     output, step = outputs_of(t_end, step)
-    solver = method(solver or choose(model, t_end, output)[0], solver is None, output, step)
-    runs, stopped = by_both_steps(model, t_end, solver, output, state)
+    try:
+        model = compile(whole)
+        state = None if begin is None else begun_by(begin, model)
+        solver = method(solver or choose(model, t_end, output)[0], solver is None, output, step)
+        runs, stopped = by_both_steps(model, t_end, solver, output, state)
+    except SimulationError as error:
+        return not_begun(mechanism, step, unknown, f"the engine cannot begin: {error}")
     run, begun = runs[1], runs[0].state(0.0)
     last = len(run.time) if not stopped[1] else half(run)
     every = max(1, last * EVERY // OUTPUTS)
@@ -164,6 +166,26 @@ def verify(
         rows = tuple(of_position(row, kinds[row.name]) for row in rows)
     kept = replace(kept, rows=rows, open_joints=found.open_joints(OPEN))
     return replace(kept, **facts_of(frames, kept.energy)) if frames else kept
+
+
+def not_begun(
+    mechanism: Mechanism, step: float, unknown: tuple[str, ...], why: str
+) -> Verification:
+    """Return that nothing is decided: there is no state to compare."""
+    return Verification(
+        name=mechanism.name,
+        rows=(),
+        instants=0,
+        step=float(step),
+        open_joints=(),
+        energy=(np.nan,) * 4,
+        residual=np.nan,
+        iterations=np.nan,
+        left_out=(),
+        unknown=unknown,
+        stopped=(why,),
+        ended=False,
+    )
 
 
 def _check(t_end: object, step: object, begin: object, beside: object) -> None:
