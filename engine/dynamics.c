@@ -207,6 +207,18 @@ static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int vel
     correction(m, d, stage, d->rate);
 }
 
+/* A joint that stays open by more than the size of the mechanism: its bodies have diverged, as jo_check finds. */
+static void spoil_open(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_mask closed = JO_LESS_OR_EQUAL(jo_joint_gap(m, d, i), jo_same(m->size));
+        for (int s = 0; s < 2; s++) {
+            const int body = m->marker[m->joint[i].side[s]].body;
+            if (body >= 0) d->v[m->body[body].iv] = jo_choose(closed, d->v[m->body[body].iv], jo_same(NAN));
+        }
+    }
+}
+
 /* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
  * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
@@ -229,6 +241,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         residual = jo_joint_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
     }
+    const int far = jo_most(residual) > m->size;
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
     residual = jo_joint_residual_rate(m, d);
@@ -247,6 +260,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         residual = jo_joint_residual_rate(m, d);
         open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
     }
+    if (far) spoil_open(m, d);
     d->fresh = 0;
     d->current = !d->tree.narrow;
     if (d->tree.narrow) jo_ports_accept(m, d);

@@ -94,10 +94,10 @@ def test_beams_have_the_stress_of_their_sections_on_their_surface() -> None:
     arm = next(body for body in scene.bodies if body.name == "arm")
     found = stresses(arm, rows_at(scene, run.time[-1:]))[0]
     modes, p = run.stress_modes("arm"), run.q[-1, 7:11]
-    rings = (int(arm.section.max()) + 1) // 4  # of one of four elements
+    rings = (int(arm.sections.vertex_ring.max()) + 1) // 4  # of one of four elements
     for name in ("top", "bottom"):
         site = modes.labels.index(f"e3.a.{name}")
-        near = np.flatnonzero(arm.section == 2 * rings)
+        near = np.flatnonzero(arm.sections.vertex_ring == 2 * rings)
         away = np.linalg.norm(arm.positions[near] - modes.positions[site], axis=1)
         expected = modes.modes[site] @ p
         assert abs(expected[0]) > 1e4

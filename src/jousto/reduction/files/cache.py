@@ -13,7 +13,7 @@ import hashlib
 import os
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -277,7 +277,7 @@ def _add(digest: Any, thing: object, instead: Callable[[Any], object] | None) ->
         for name, value in thing.items():
             _add(digest, name, instead)
             _add(digest, value, instead)
-    elif isinstance(thing, (tuple, list)):
+    elif isinstance(thing, Sequence):
         digest.update(f"{len(thing)};".encode())
         for item in thing:
             _add(digest, item, instead)
