@@ -17,6 +17,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.mechanism import Event, StickSlip
 from jousto.model import hubs
 from jousto.model.native.native import Engine
+from jousto.model.rank.redundancy import RANK
 from jousto.simulation import DormandPrince
 
 SPOKES = 30
@@ -123,8 +124,11 @@ def test_accelerations_and_multipliers_are_those_of_the_dense_matrix(monkeypatch
         engine = Engine(model)
         a, lam = engine.accelerations()
         found.append((a.copy(), lam.copy(), engine.q.copy(), engine.v.copy()))
-    for one, other in zip(*found, strict=True):
-        np.testing.assert_allclose(one, other, atol=ROUNDING * max(1.0, np.abs(other).max()))
+    # how rows that repeat one another share their multiplier is known to the rounding over the
+    # share by which their diagonal is raised; what they do together is in the accelerations
+    shared = np.finfo(float).eps / RANK if model.redundant else ROUNDING
+    for one, other, small in zip(*found, (ROUNDING, shared, ROUNDING, ROUNDING), strict=True):
+        np.testing.assert_allclose(one, other, atol=small * max(1.0, np.abs(other).max()))
 
 
 @pytest.mark.filterwarnings("ignore::jousto.JoustoWarning")
