@@ -211,6 +211,7 @@ static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int vel
 static void spoil_open(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
+        if (jo_joint_away(d, i)) continue;
         const jo_mask closed = JO_LESS_OR_EQUAL(jo_joint_gap(m, d, i), jo_same(m->size));
         for (int s = 0; s < 2; s++) {
             const int body = m->marker[m->joint[i].side[s]].body;
@@ -241,7 +242,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         residual = jo_joint_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
     }
-    const int far = jo_most(residual) > m->size;
+    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* of any lane, whatever became of others */
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
     residual = jo_joint_residual_rate(m, d);
