@@ -17,6 +17,7 @@ from jousto.model.model import Model
 from jousto.model.stepped import has_steps
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.again import Repeated
+from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.together import together
 
 Counts = dict[str, int]
@@ -51,11 +52,10 @@ def _begun(begin: Callable[[Model], Any], model: Model) -> Any:
     if not has_steps(model):
         return begin(model)
     from jousto.simulation.statics.equilibrium import equilibrium
-    from jousto.simulation.statics.stepped import rest
 
     if begin is not equilibrium:
         raise NotAnalytic("a function makes the state at the start")
-    return rest(model)
+    return beginning(model, start="rest")  # with its derivatives
 
 
 @dataclass(frozen=True, eq=False)
