@@ -153,6 +153,15 @@ def test_general_section_with_turned_principal_axes(tmp_path: Path) -> None:
 
 
 @READ
+def test_a_blank_line_is_the_default_axis(tmp_path: Path) -> None:
+    # Abaqus: "enter a blank line if the default values are to be used"
+    head = f"*BEAM GENERAL SECTION, SECTION=RECT, ELSET=BEAM, DENSITY={RHO}\n0.02, 0.06\n"
+    blank, said = (read(tmp_path, line((1, 0, 0)) + f"{head}{n1}\n{E!r}, {E / 2.6!r}, 1E-5\n\n")
+                   for n1 in ("", "0, 0, -1"))  # fmt: skip
+    np.testing.assert_array_equal(blank.K.toarray(), said.K.toarray())
+
+
+@READ
 def test_units_of_the_deck(tmp_path: Path) -> None:
     metres = read(tmp_path, line(UNIT) + section("RECT", "0.02, 0.06", "0, 1, 0") + MATERIAL)
     text = line(1e3 * UNIT) + section("RECT", "20., 60.", "0, 1, 0")

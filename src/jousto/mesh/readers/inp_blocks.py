@@ -16,6 +16,8 @@ from jousto.mesh.readers.raw import BIG
 
 # keywords whose INPUT names a file of data lines; of others it is a results file or such
 _DATA_FILES = ("NODE", "ELEMENT", "NSET", "ELSET")
+# keywords whose blank data lines mean defaults
+_BLANK = ("BEAM GENERAL SECTION",)
 # files in one another; Abaqus allows five
 DEPTH = 10
 
@@ -111,7 +113,8 @@ def blocks(path: Path) -> Iterator[Block]:
             block = Block.of(line, here, number)
         else:
             block = block or Block("", {}, here, number)
-            block.lines.append(line)
+            if line or (block.keyword in _BLANK and block.lines):
+                block.lines.append(line)
     if block is not None:
         yield block
 
@@ -131,7 +134,7 @@ def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
     with open(path, encoding="latin-1") as file:
         for number, line in enumerate(file, start=1):
             text = line.strip()
-            if not text or line.startswith("**"):
+            if line.startswith("**") or (begun and not text):
                 continue
             if begun and re.match(r"[-+.\d]", text):  # a comma too many, data follow
                 yield from _opened(begun.rstrip(","), first, above)
