@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -90,6 +91,19 @@ def test_seconds_that_look_like_days(tmp_path: Path) -> None:
     # steps of a second are no days
     slow = write(tmp_path, "time;a\n" + "".join(f"{45000 + k};{k % 7}\n" for k in range(50)))
     np.testing.assert_allclose(read_record(slow).time, 45000.0 + np.arange(50))
+
+
+def test_a_clock_of_any_name_is_seconds_if_that_is_said(tmp_path: Path) -> None:
+    stamps = 1.7e12 + 10.0 * np.arange(50)
+    path = write(tmp_path, "clock;a\n" + "".join(f"{t:.0f};{t % 7}\n" for t in stamps))
+    with pytest.warns(jo.JoustoWarning, match=r"give units=\{'clock': 's'\} if it is seconds"):
+        read_record(path, time="clock")
+    record = read_record(path, time="clock", units={"clock": "s"})
+    np.testing.assert_array_equal(record.time, 10.0 * np.arange(50))
+    with h5py.File(tmp_path / "record.h5", "w") as file:
+        file["time"], file["a"] = stamps, stamps % 7.0
+    record = read_record(tmp_path / "record.h5", units={"time": "s"})
+    np.testing.assert_array_equal(record.time, 10.0 * np.arange(50))
 
 
 @pytest.mark.parametrize("head", ["frequency;a", "f [Hz];a", "way [mm];a", "Freq;a"])

@@ -43,7 +43,6 @@ def read_lvm(path: Path) -> Raw:
     said = (head.get("Channels") or [""])[0]
     titles = [text for text in columns if text.strip() not in ("", "X_Value", "Comment")]
     count = int(said) if said.isdigit() else len(titles)
-    width = count + {"no": 0, "one": 1}.get(x, count)
     stop = ends[2] if len(ends) > 2 else len(lines)
     width = count + {"no": 0, "one": 1}.get(x, count)
     if x == "no":  # the column of X is there and blank

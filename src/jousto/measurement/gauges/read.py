@@ -82,19 +82,20 @@ def read_record(
             Problem(where, f"there is no such file{near if 'mean' in near else ''}")
         )
     check_input(file)
+    asked = dict(units or {})
     with file.open("rb") as opened:
         head = opened.read(8)
     if not head:
         raise InputError(Problem(where, "is empty: there is no line of numbers"))
     if head == b"\x89HDF\r\n\x1a\n":
-        raw = _hdf5(file, time, rate)
+        raw = _hdf5(file, time, rate, asked)
     elif file.suffix.lower() in (".uff", ".unv", ".uf"):
         raw = _universal(file)
     elif file.suffix.lower() == ".lvm":
         raw = read_lvm(file)
     else:
-        raw = _text(file, time, rate, dict(units or {}))
-    return _record(where, raw, dict(units or {}), repair)
+        raw = _text(file, time, rate, asked)
+    return _record(where, raw, asked, repair)
 
 
 def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record:
@@ -202,6 +203,7 @@ def saturated(x: Array, level: float) -> int:
 
 
 def _text(path: Path, time: str | None, rate: float | None, given: dict[str, str]) -> Raw:
+    """Return what columns say; the unit of that of time is taken out of those given."""
     table = read_table(path)
     names = list(table.names)
     where = str(path)
@@ -211,7 +213,7 @@ def _text(path: Path, time: str | None, rate: float | None, given: dict[str, str
         columns = dict(zip(names, table.values.T, strict=True))
         return t, columns, dict(zip(names, table.labels, strict=True)), None, table.notes
     k = _time_column(where, names, table.labels, table.values, time)
-    label = given.get(names[k], table.labels[k])
+    label = given.pop(names[k], table.labels[k])
     t, about = counted(names[k], table.values[:, k].copy(), label)
     others = [i for i in range(len(names)) if i != k]
     columns = {names[i]: table.values[:, i].copy() for i in others}
@@ -333,7 +335,8 @@ def _cut_to_length(problems: Problems, where: str, i: int, function: dict[str, A
 # -- HDF5 -------------------------------------------------------------------------------------
 
 
-def _hdf5(path: Path, time: str | None, rate: float | None) -> Raw:
+def _hdf5(path: Path, time: str | None, rate: float | None, given: dict[str, str]) -> Raw:
+    """Return what data sets say; a unit of time is taken out of those given."""
     import h5py
 
     where = str(path)
@@ -376,7 +379,8 @@ def _hdf5(path: Path, time: str | None, rate: float | None) -> Raw:
                     "give rate= in samples per second",
                 )
             )
-        t, unit = found.pop(names[0]), labels.pop(names[0])
+        t, said = found.pop(names[0]), labels.pop(names[0])
+        unit = given.pop(names[0], said)
         t, about = counted(names[0], t, unit)
         notes += about
     columns = {}
