@@ -90,3 +90,21 @@ def test_a_crank_of_any_size_moves_alike(length: float) -> None:
     a = run.time
     wanted = np.cos(a) + np.sqrt(9.0 - np.sin(a) ** 2)
     assert run["slide"][:, 0] / length == pytest.approx(wanted, abs=1e-9)
+
+
+@pytest.mark.parametrize("length", SIZES)
+@pytest.mark.parametrize("off", [0.0, 0.1 + 0.2 - 0.3, 1e-9])
+def test_a_rotor_that_stands_at_one_point_but_for_rounding(off: float, length: float) -> None:
+    # the gap of 5.55e-17 m was all of the mechanism's size, beside which it was refused
+    inertia = 2.0 * length**2 * np.array([0.05, 0.05, 0.1])
+    rotor = jo.RigidBody(
+        "rotor", 2.0, inertia, position=(off * length, 0, 0), angular_velocity=(0, 0, 5.0)
+    )
+    hinge = jo.Revolute("hinge", jo.ground["origin"], rotor["origin"], axis=(0, 0, 1))
+    mechanism = jo.Mechanism(rotor, hinge, jo.CoordinateSensor("turned", hinge.angle))
+    # the mean square of the distance from the centre is half the sum of the moments
+    assert mechanism.size == pytest.approx(np.sqrt(0.1) * length, rel=1e-12)
+    for solver in (jo.ROS2(), jo.GeneralizedAlpha(step=1e-3), jo.simulation.DormandPrince()):
+        run = jo.simulate(jo.compile(mechanism), 0.5, solver=solver)
+        # free of torque: 5 rad/s all the time
+        assert run["turned"][-1].item() == pytest.approx(2.5, rel=1e-9)

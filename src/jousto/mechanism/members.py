@@ -34,6 +34,10 @@ STARTS = ("initial", "rest", "vibration-free")
 """Where runs may start: in the initial pose, where it rests, or bent as the motion bends."""
 
 
+POINT = 1e-6
+"""Of how wide masses are spread: the extent of a mechanism that is rounding."""
+
+
 def word_problem(name: str, word: Any, words: tuple[str, ...]) -> str | None:
     """Return what is wrong with an option, None if it is one of the words."""
     if word in words:
@@ -98,7 +102,10 @@ class Members:
 
     @cached_property
     def size(self) -> float:
-        """Diagonal of the box around all bodies and joints at the initial pose, m."""
+        """Diagonal of the box around all bodies and joints at the initial pose, m.
+
+        Where all stands at one point but for rounding, how wide the mass of a body is spread.
+        """
         rigid = [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
         points = [named_points(rigid)] if rigid else []
         points += [node_points(x) for x in self.bodies if isinstance(x, FlexibleBody)]
@@ -107,7 +114,8 @@ class Members:
             points += [self.joint_ends.reshape(-1, 3)]
         cloud = np.vstack(points) if points else np.zeros((1, 3))
         size = float(np.linalg.norm(cloud.max(axis=0) - cloud.min(axis=0)))
-        return size if size > 0 else 1.0
+        arm = widest(rigid)
+        return size if size > POINT * arm else arm or 1.0
 
     @cached_property
     def joint_ends(self) -> Array:
@@ -134,6 +142,14 @@ def node_points(body: FlexibleBody) -> Array:
     """Return the world positions (k, 3) of a body's nodes, undeformed."""
     points = floats(body.reduced.nodes)
     return np.asarray(body.position + points @ rotation_matrix(body.orientation).T)
+
+
+def widest(bodies: Sequence[RigidBody]) -> float:
+    """Return the largest root mean square distance of the mass of a body from its centre, m."""
+    if not bodies:
+        return 0.0
+    moments = np.real(np.trace(floats([body.inertia for body in bodies]), axis1=1, axis2=2))
+    return float(np.sqrt(0.5 * moments / np.real(floats([body.mass for body in bodies]))).max())
 
 
 def named_points(bodies: Sequence[RigidBody]) -> Array:
