@@ -256,6 +256,49 @@ def test_flags_leave_ties_out(tmp_path: Path) -> None:
     assert peers.read(peers.write(tmp_path, text)).loops == ()
 
 
+LIMITED = """<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="j" type="slide" axis="1 0 0" {}/>
+    <geom size=".1" mass="2"/></body></worldbody><actuator><{} name="u" joint="j"/></actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("joint", "actuator", "gear"),
+    [
+        ("", 'position kp="200" forcerange="-10 10"', 2.0),
+        ('actuatorfrcrange="-10 10"', 'position kp="200"', 2.0),
+        ('actuatorfrcrange="-10 10"', 'position kp="200" forcerange="-7 7"', 1.0),
+    ],
+)
+def test_servos_keep_the_limits_of_forces(
+    joint: str, actuator: str, gear: float, tmp_path: Path
+) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    text = LIMITED.format(joint, f'{actuator} gear="{gear}"')
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 100.0
+    mujoco.mj_forward(model, data)
+    limited = jo.compile(mechanism(peers.read(peers.write(tmp_path, text))))
+    run = jo.simulate(limited, 0.01, inputs={"u": 100.0})
+    # from rest under a constant force: x = a t^2 / 2
+    assert run["j"][-1, 0] == pytest.approx(0.5 * data.qacc[0] * 0.01**2, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("joint", "actuator", "word"),
+    [
+        ("", 'motor forcerange="-10 10"', "forcerange"),
+        ("", 'velocity kv="5" forcerange="-10 10"', "forcerange"),
+        ('actuatorfrcrange="-10 10"', "motor", "actuatorfrcrange"),
+    ],
+)
+def test_limits_that_nothing_keeps_are_told(
+    joint: str, actuator: str, word: str, tmp_path: Path
+) -> None:
+    path = peers.write(tmp_path, LIMITED.format(joint, actuator))
+    with pytest.warns(jo.JoustoWarning, match=f"'u': {word}: is kept by position servos alone"):
+        jo.robots.read_robot(path)
+
+
 def test_servos_and_motors_are_inputs(tmp_path: Path) -> None:
     text = """<mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/></body></worldbody>
     <actuator><position name="servo" joint="j" kp="200" kv="20" forcerange="-40 40"/></actuator></mujoco>"""

@@ -19,7 +19,7 @@ from jousto.robots.meshes import Folders
 from jousto.robots.mjcf_collected import Collected, Site, turned_back
 from jousto.robots.mjcf_expand import everything, find_named, include_files, renamed, replicate
 from jousto.robots.mjcf_settings import Places
-from jousto.robots.mjcf_words import MJCF
+from jousto.robots.mjcf_words import LOPSIDED, MJCF
 from jousto.robots.words import check_words
 
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "floating"}
@@ -245,6 +245,8 @@ class Bodies:
             text = element.given.get("actuatorfrcrange")
             force = reading.numbers(element, text, "actuatorfrcrange", 2, np.zeros(2))
             values["effort"] = float(np.abs(force).max()) or math.inf
+            if force[0] != -force[1]:
+                reading.effect(element, "actuatorfrcrange", LOPSIDED)
         return RobotJoint(
             name,
             TYPES[kind],

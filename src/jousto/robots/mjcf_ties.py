@@ -16,7 +16,7 @@ from jousto.robots.markup import Element
 from jousto.robots.mjcf_bodies import Bodies
 from jousto.robots.mjcf_collected import turned_back
 from jousto.robots.mjcf_settings import ACTUATORS, override
-from jousto.robots.mjcf_words import NO_FORCE, UNTIED
+from jousto.robots.mjcf_words import ALONE, LOPSIDED, NO_FORCE, NO_LIMIT, UNTIED
 from jousto.robots.tree import Tree
 
 SINGLE = ("revolute", "prismatic")
@@ -70,7 +70,7 @@ def read_ties(bodies: Bodies) -> list[Tied]:
                 if given.tag == "joint":
                     _follow(bodies, given)
                 elif given.tag in ("connect", "weld"):
-                    found.append(_tied(bodies, given, len(found)))
+                    found.append(_tied(bodies, given))
     return found
 
 
@@ -113,7 +113,7 @@ def held_at(joint: RobotJoint, value: float) -> RobotJoint:
     return replace(joint, kind="fixed", origin=joint.origin @ turn, initial=0.0)
 
 
-def _tied(bodies: Bodies, element: Element, count: int) -> Tied:
+def _tied(bodies: Bodies, element: Element) -> Tied:
     given, reading = element.given, bodies.reading
     sites = "site1" in given
     keys = ("site1", "site2") if sites else ("body1", "body2")
@@ -173,10 +173,11 @@ def closed(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
 
 @dataclass(frozen=True)
 class Motor:
-    """An actuator as the file has it, and its share of the critical damping."""
+    """An actuator, its share of the critical damping, and what all on its joint exert at most."""
 
     made: Actuator
     ratio: float
+    most: float
 
 
 def read_actuators(bodies: Bodies) -> list[Motor]:
@@ -190,13 +191,16 @@ def read_actuators(bodies: Bodies) -> list[Motor]:
             if one.tag not in ACTUATORS:
                 continue  # its word is reported
             for element in each_copy(bodies, one):
-                motor = _motor(bodies, element, len(found))
-                if motor is not None:
-                    found.append(motor)
+                motor = _motor(bodies, element)
+                if motor is None:
+                    continue
+                if math.isfinite(motor.most) and motor.made.joint in {x.made.joint for x in found}:
+                    bodies.reading.effect(element, "actuatorfrcrange", ALONE)
+                found.append(motor)
     return found
 
 
-def _motor(bodies: Bodies, element: Element, count: int) -> Motor | None:
+def _motor(bodies: Bodies, element: Element) -> Motor | None:
     reading = bodies.reading
     shared = bodies.places.given(element, "main", "actuator")
     own = bodies.places.given(element, "main")
@@ -234,10 +238,9 @@ def _motor(bodies: Bodies, element: Element, count: int) -> Motor | None:
         joint, armature=joint.armature + more, damping=joint.damping + loss
     )
     name = bodies.prefix + given["name"] if "name" in given else f"{joint.name} actuator"
-    made = Actuator(
-        name, joint_name(joint.name), g, gain, bias, _limit(bodies, whole), reading.where(element)
-    )
-    return Motor(made, ratio)
+    limit = _limit(bodies, whole, joint.effort / abs(g) if g else math.inf, servo=bias[1] < 0.0)
+    made = Actuator(name, joint_name(joint.name), g, gain, bias, limit, reading.where(element))
+    return Motor(made, ratio, joint.effort)
 
 
 def _gains(
@@ -271,14 +274,26 @@ def _gains(
 _KINDS = (("gaintype", "fixed"), ("biastype", "none"), ("dyntype", "none"))
 
 
-def _limit(bodies: Bodies, element: Element) -> float:
-    """Return the largest force of an actuator, infinite where there is none."""
-    if not bodies.limited(element, "forcelimited", "forcerange"):
-        return math.inf
-    text = element.given.get("forcerange")
-    low, high = bodies.reading.numbers(element, text, "forcerange", 2, np.zeros(2))
-    if low != -high:
-        bodies.reading.effect(
-            element, "forcerange", "is not symmetric; the larger end is the limit of both"
-        )
-    return float(max(abs(low), abs(high))) or math.inf
+def _limit(bodies: Bodies, element: Element, most: float, *, servo: bool) -> float:
+    """Return the largest force of an actuator, infinite where there is none.
+
+    Parameters
+    ----------
+    bodies, element
+        As everywhere.
+    most : float
+        Largest force on its joint, as one of the actuator.
+    servo : bool
+        Whether it can keep a limit; what others do not keep is noted.
+    """
+    limits = {"actuatorfrcrange": most}
+    if bodies.limited(element, "forcelimited", "forcerange"):
+        text = element.given.get("forcerange")
+        span = bodies.reading.numbers(element, text, "forcerange", 2, np.zeros(2))
+        if span[0] != -span[1]:
+            bodies.reading.effect(element, "forcerange", LOPSIDED)
+        limits["forcerange"] = float(np.abs(span).max()) or math.inf
+    for word, limit in limits.items():
+        if not servo and math.isfinite(limit):
+            bodies.reading.effect(element, word, NO_LIMIT)
+    return min(limits.values()) if servo else math.inf

@@ -18,6 +18,9 @@ NO_FORCE = (
     "makes no force here; put one on its joint with efforts={joint: signal}, or a force element in "
     "the mechanism"
 )
+NO_LIMIT = "is kept by position servos alone: what this actuator exerts may exceed it"
+LOPSIDED = "is not symmetric; the larger end is the limit of both"
+ALONE = "limits each actuator of the joint by itself, not their sum"
 DELAY = "the delay of the control signal is left out: the force follows at once"
 LAG = "the dynamics of the actuator are left out: the force follows the control signal at once"
 UNTIED = "is not held: what it ties moves freely"
