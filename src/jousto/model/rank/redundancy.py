@@ -17,9 +17,12 @@ from jousto.model.rank.dependency import dependencies, joint_fronts
 from jousto.model.scales import speed_scale, velocity_metres
 
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
-WEAK = 2e-7  # as small with 1e-12 of the largest moment of inertia about an axis: digits are lost
-"""The same, of rows that are independent, below which solving with repeated rows loses digits: the
-diagonal is raised by 1e-9, and three steps leave ``(1e-9 / (1e-9 + s^2))^3`` of a multiplier."""
+WEAK = 2e-7
+"""The same, of rows that are independent, below which solving with repeated rows loses digits.
+
+That is where a moment of inertia is 1e-12 of the largest of its body: the engine raises a diagonal
+by ``e = 1e-8 sqrt(1e-12)`` of it, and its three steps leave ``(e / (e + s^2))^3`` of a multiplier,
+here 1 %."""
 SHARE = 1e-6  # share of a row in a dependency that counts
 NEARBY = 1e-2  # of the size of the mechanism, or rad: how far the neighbouring position is
 STILL = 1e-6  # of the size of the mechanism, or rad: what is left of a motion that nothing allows
