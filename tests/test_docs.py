@@ -15,17 +15,21 @@ copy of the sources, see test_own_element.py.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import doctest
 import importlib.util
 import io
+import json
 import re
 import shlex
 import subprocess
 import sys
+import tempfile
 import traceback
 import warnings
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -91,18 +95,22 @@ def commands(page: str) -> Iterator[str]:
                 yield words[2 if words[0] == "--with" else 0]
 
 
+@cache
+def starter() -> subprocess.Popen[str]:
+    """Start the process that starts commands."""
+    line = [sys.executable, str(ROOT / "tests/starter.py")]
+    started = subprocess.Popen(line, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    atexit.register(started.communicate)
+    return started
+
+
 def run_command(words: list[str], folder: Path | None = None) -> tuple[int, str]:
     """Return exit code and output of a command in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-m", "jousto", *words],
-        cwd=folder,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        timeout=300,
-        check=False,
-    )
-    return done.returncode, done.stdout.decode()
+    with tempfile.TemporaryDirectory(prefix="jousto-command-") as place:
+        asked = json.dumps([str(folder or Path.cwd()), f"{place}/out", words])
+        print(asked, file=starter().stdin, flush=True)
+        code = int(starter().stdout.readline())
+        return code, Path(place, "out").read_text(encoding="utf-8")
 
 
 def run_console(text: str, where: str) -> None:
