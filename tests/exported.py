@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import jousto as jo
+from jousto.export.toolchain import included
 
 CC = shutil.which("cc")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror")
@@ -89,12 +90,28 @@ def reaching_arm() -> jo.Mechanism:
     )
 
 
+OBJECTS: dict[tuple[str, ...], bytes] = {}
+"""What was compiled, by flags and texts: most files of all machines are those of the engine."""
+
+
 def compiled(folder: Path, *sources: str, flags: tuple[str, ...] = FLAGS) -> Path:
     out = folder / "program"
-    line = [str(CC), *WARNINGS, *flags, "-I.", *sources, "-o", str(out), "-lm"]
-    done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    texts = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")}
+    parts = [f"{name}.o" for name in sources]
+    for name, part in zip(sources, parts, strict=True):
+        key = (*flags, name, *included(texts, name))
+        if key not in OBJECTS:
+            run(folder, *WARNINGS, *flags, "-I.", "-c", name, "-o", part)
+            OBJECTS[key] = (folder / part).read_bytes()
+        (folder / part).write_bytes(OBJECTS[key])
+    run(folder, *flags, *parts, "-o", str(out), "-lm")
     return out
+
+
+def run(folder: Path, *words: str) -> None:
+    """Run the compiler in a folder."""
+    done = subprocess.run([str(CC), *words], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def table(program: Path, *arguments: str) -> np.ndarray:
