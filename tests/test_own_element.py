@@ -30,14 +30,15 @@ def apply(diff: str, root: Path) -> None:
 
 def built(diffs: list[str], root: Path) -> None:
     """Copy the sources, apply diffs and build the engine in place, the portable and complex one."""
-    ignored = shutil.ignore_patterns("lib", "__pycache__", "*.html")
+    # with the bytecode, which fits files of the same times
+    ignored = shutil.ignore_patterns("lib", "*.html")
     shutil.copytree(ROOT / "src", root / "src", ignore=ignored)
     shutil.copytree(ROOT / "engine", root / "engine")
     shutil.copy(ROOT / "CMakeLists.txt", root)
     for diff in diffs:
         apply(diff, root)
     # compiled without optimisation, which takes a few seconds
-    options = ["-DJOUSTO_INPLACE=ON", "-DCMAKE_BUILD_TYPE=Debug"]
+    options = ["-DJOUSTO_INPLACE=ON", "-DCMAKE_BUILD_TYPE=None"]
     options.append(f"-DPython_EXECUTABLE={sys.executable}")
     cmake = ["cmake", "-S", str(root), "-B", str(root / "build"), *options]
     subprocess.run(cmake, check=True, capture_output=True)
