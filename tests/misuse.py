@@ -83,6 +83,11 @@ def arguments(what: Callable[..., Any]) -> list[str]:
     return [x.name for x in inspect.signature(what).parameters.values() if x.kind not in kinds]
 
 
+def value_of(what: Callable[..., Any], given: dict[str, Any], argument: str) -> Any:
+    """Return what an argument is in a call: its default where it is not given."""
+    return given.get(argument, inspect.signature(what).parameters[argument].default)
+
+
 def unit(folder: Path) -> Path:
     """Write a unit that can be declared, not run: its binary is empty."""
     import fmpy

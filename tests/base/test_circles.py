@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import jousto
@@ -10,6 +11,7 @@ import jousto
 SOURCE = Path(jousto.__file__).parents[1]
 
 
+@cache
 def imports() -> dict[str, set[str]]:
     """Return for each file of jousto the others that it imports, wherever the import stands."""
     names = {}
