@@ -155,12 +155,12 @@ cores: $(VENV)/.dev $(PAGE)  ## all tests in joint coordinates, then in the posi
 	@$(PYTEST) $(PYTEST_ARGS) --core maximal
 
 # the tests of numbers once more with each set of kernels that OpenBLAS has for this processor, then as an
-# old one computes: the engine, OpenBLAS and NumPy without AVX; not those that read, cut and spoil files.
+# old one computes: the engine, OpenBLAS and NumPy without AVX; not those that declare, read, cut and spoil files.
 # Property tests try few examples: their laws were searched before, here other roundings are
-ROOMS := $(addprefix tests/,design fatigue materials measurement mechanism mesh model parts planar recovery \
-  reduction sections simulation verification cli/test_hotspots.py cli/test_statics.py test_docs.py)
+ROOMS := $(addprefix tests/,design fatigue measurement model parts planar recovery reduction \
+  sections simulation verification cli/test_hotspots.py cli/test_statics.py test_docs.py)
 FILES := $(addprefix --ignore=tests/,parts/mesh parts/test_apart.py reduction/test_cache.py \
-  simulation/test_damage.py recovery/monitor/test_damage.py)
+  simulation/test_damage.py measurement/monitor/test_damage.py)
 FLAGS := $(shell grep -m1 '^flags' /proc/cpuinfo 2>/dev/null)
 KERNELS := $(if $(filter avx512vl,$(FLAGS)),SkylakeX) $(if $(filter avx2,$(FLAGS)),Haswell) \
   $(if $(filter avx,$(FLAGS)),Sandybridge)
