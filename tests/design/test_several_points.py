@@ -44,6 +44,20 @@ def exact_of_parabola():
     return scipy.integrate.quad(failed, -10, 10, epsabs=1e-14)[0]
 
 
+ANGLES = np.array([0.0, 2.0, 4.0])  # rad, so that each tangent hides the others somewhere
+
+
+def triangle(x):
+    """Three planes around the origin; what is opposite of one leads to another."""
+    sides = zip(ANGLES, (2.5, 2.6, 2.7), strict=True)
+    return np.minimum.reduce([b - np.cos(t) * x["a"] - np.sin(t) * x["b"] for t, b in sides])
+
+
+def exact_of_triangle():
+    """The planes themselves; two of them at once fail beyond 4.6, with less than 3e-5."""
+    return float(stats.norm.sf([2.5, 2.6, 2.7]).sum())
+
+
 @pytest.mark.parametrize(
     ("function", "exact", "points"),
     [
@@ -55,6 +69,7 @@ def exact_of_parabola():
             2,
         ),
         (branches, exact_of_branches(), 4),
+        (triangle, exact_of_triangle(), 3),
         (lambda x: 3.0 - x["a"], stats.norm.sf(3.0), 1),
     ],
 )
@@ -72,6 +87,27 @@ def test_importance_sampling_sees_all_design_points(function, exact, points):
     assert len(one.points) == 1 and (points != 2 or one.high < exact)
 
 
+@pytest.mark.parametrize("n", [3, 4, 6])
+def test_planes_in_any_direction_are_seen(n):
+    """Series of planes near one another in distance, whose sum bounds the probability."""
+    rng = np.random.default_rng(n)
+    names = [normal(f"x{i}", 0, 1) for i in range(n)]
+    for _ in range(5):
+        normals = np.linalg.qr(rng.normal(size=(n, n)))[0][: min(n, 4)]
+        betas = rng.uniform(2.5, 2.9, len(normals))
+
+        def state(x, normals=normals, betas=betas):
+            u = np.array([x[f"x{i}"] for i in range(n)])
+            return (betas[:, None] - normals @ u.reshape(n, -1)).min(axis=0).reshape(u[0].shape)
+
+        made = LimitState(state, vectorised=True)
+        sampled = jo.design.importance_sampling(made, names, samples=20_000)
+        # planes at right angles are independent
+        exact = 1.0 - np.prod(stats.norm.cdf(betas))
+        assert len(sampled.points) == len(normals)
+        assert sampled.probability == pytest.approx(exact, rel=4.0 * sampled.variation)
+
+
 def test_points_of_a_parabola_are_those_published():
     found = jo.design.form(LimitState(parabola, vectorised=True), TWO, start={"a": -1, "b": 0})
     sampled = jo.design.importance_sampling(found, samples=1000)
@@ -80,7 +116,7 @@ def test_points_of_a_parabola_are_those_published():
 
 
 def test_a_limit_state_that_is_nearly_plane_needs_no_search():
-    """One tangent at each of four starts: n + 1 calls each, and none beside them."""
+    """Tangents at two starts and, at most, at each of two places across for each other variable."""
 
     def life(x):
         return 34.0 * (1.0 + 0.04 * x["a"]) ** 2.4 * np.exp(-0.3 * x["b"]) - 10.0 * np.exp(
@@ -91,7 +127,7 @@ def test_a_limit_state_that_is_nearly_plane_needs_no_search():
     found = jo.design.form(LimitState(life, vectorised=True), three)
     sampled = jo.design.importance_sampling(found, samples=100)
     assert len(sampled.points) == 1
-    assert sampled.calls - found.calls - 100 == 4 * (3 + 1)
+    assert sampled.calls - found.calls - 100 <= 2 * (3 + 1) + 2 * 2 * (1 + 3 + 1)
 
 
 def test_the_rare_side_may_be_the_safe_one():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.linalg import null_space
@@ -20,8 +20,11 @@ MOST = 8
 """Further points that are looked for."""
 COUNTS = 1e-3
 """Probability of a point, of the first one, below which it does not matter."""
-NARROW = 1e-3
-"""Sine of the angle between two directions that count as one."""
+NEAR = 0.8
+"""As the radius, where the limit state lies below all tangents: planes 50 degrees apart."""
+BELOW = 0.1
+"""Of the limit state at the origin, by which it lies below all known tangents where a search is
+worth its calls."""
 APART = 0.5
 """Distance of two points, in standard deviations, below which they are one."""
 TOLERANCE, STEPS = 1e-4, 30
@@ -76,9 +79,10 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
     """Return other design points of a limit state that matter beside the first.
 
     Each search begins at the origin and, if it finds nothing there, opposite of the last point and
-    across all; what it finds is then followed without the bulges. Where the tangent of the limit
-    state at a start leads to what is known, or to what does not matter, no search begins: of a
-    limit state that is nearly plane this is all that is asked.
+    where the limit state, across the first one, lies below all known tangents; what it finds is
+    then followed without the bulges. Where the tangent of the limit state at a start leads to what
+    is known, or to what does not matter, no search begins: of a plane two gradients and two values
+    for each variable are all that is asked.
 
     Parameters
     ----------
@@ -88,9 +92,10 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
         Its first design point.
     """
     known = [first]
+    around = _across(space, first)
     while len(known) <= MOST:
         found = None
-        for start in _starts(known):
+        for start in _starts(space, known, around):
             found = _another(space, known, start)
             if found is not None:
                 known.append(found)
@@ -100,24 +105,41 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
     return known[1:]
 
 
-def _starts(known: Sequence[FormResult]) -> list[Array]:
-    """Return where searches begin: the origin, opposite of the last point, and across all."""
-    last = known[-1].u
-    starts = [np.zeros(len(last)), -last]
-    across = null_space(np.stack([one.alpha for one in known]), rcond=NARROW)
-    if across.shape[1]:
-        # one direction for all, so that no axis is left out
-        side = across @ np.linspace(1.0, 2.0, across.shape[1])
-        side *= np.linalg.norm(known[0].u) / np.linalg.norm(side)
-        starts += [side, -side]
-    return starts
+def _across(space: Space, first: FormResult) -> list[tuple[Array, float]]:
+    """Return places at right angles to a point, as far away as it is, and the limit states there.
+
+    In both directions of each axis of the plane across the point: a further plane as near as the
+    first shows at one of them, whichever way it lies. Where the limit state fails it is NaN.
+    """
+    sides = max(abs(first.beta), APART) * null_space(first.alpha[None])
+    if not sides.size:
+        return []
+    places = np.hstack([sides, -sides])
+    return list(zip(places.T, space.many(places, lenient=True), strict=True))
+
+
+def _starts(
+    space: Space, known: Sequence[FormResult], around: Sequence[tuple[Array, float]]
+) -> Iterator[Array]:
+    """Return where searches may find something: see `further_points`."""
+    for start in (np.zeros(space.n), -known[-1].u):
+        if _promising(space, known, start):
+            yield start
+    first = known[0]
+    side = 1.0 if first.beta >= 0.0 else -1.0
+    size = float(np.linalg.norm(first.gradient)) * max(abs(first.beta), APART)
+    below = []
+    for u, g in around:
+        expected = min(side * float(one.gradient @ (u - one.u)) for one in known)
+        below.append(side * g - expected)
+    for k in np.argsort(below):
+        if below[k] < -BELOW * size and _promising(space, known, around[k][0], NEAR):
+            yield around[k][0]
 
 
 def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormResult | None:
     """Return a design point that is none of those known, or None."""
     try:
-        if not _promising(space, known, start):
-            return None
         u = design_point(Excluding(space, known), start, "sqp", TOLERANCE, STEPS, FAR).u
         found = design_point(space, u, "sqp", TOLERANCE, STEPS, FAR)
     except (DesignPointError, LimitStateError):
@@ -127,14 +149,19 @@ def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormRes
     return found if new and same and _matters(found.beta, known) else None
 
 
-def _promising(space: Space, known: Sequence[FormResult], start: Array) -> bool:
+def _promising(
+    space: Space, known: Sequence[FormResult], start: Array, radius: float = RADIUS
+) -> bool:
     """Return whether the tangent at a start comes nearest to the origin at a point that is new."""
-    g = space.g(start)
-    slope = slope_at(space, start, g, [])
+    try:
+        g = space.g(start)
+        slope = slope_at(space, start, g, [])
+    except (DesignPointError, LimitStateError):
+        return False
     size = float(np.linalg.norm(slope))
     beta = (g - float(slope @ start)) / size
     nearest = -beta * slope / size
-    within = [RADIUS * max(abs(one.beta), APART) for one in known]
+    within = [radius * max(abs(one.beta), APART) for one in known]
     away = [float(np.linalg.norm(nearest - one.u)) for one in known]
     return _matters(beta, known) and all(x > r for x, r in zip(away, within, strict=True))
 

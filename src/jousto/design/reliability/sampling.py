@@ -253,9 +253,9 @@ def importance_sampling(
     failed : {"raise", "count"}
         What to do where the limit state gives no number.
     search : bool
-        Whether to look for further design points: four gradients where the limit state is nearly
-        plane, some 100 calls for each variable where it is not; without, another one far from the
-        first is overlooked.
+        Whether to look for further design points: two gradients and two values for each variable
+        where the limit state is nearly plane, some 30 calls for each where it is not;
+        without, another one far from the first is overlooked.
 
     Returns
     -------
