@@ -212,7 +212,7 @@ def _general(block: Block, units: Units) -> tuple[Section, float]:
         raise block.wrong(f"has {len(values)} numbers, must be A, I11, I12, I22, J")
     A = values[0] * units.length**2
     I11, I12, I22, J = (x * units.length**4 for x in values[1:5])
-    # int x x^T dA in the axes 1, 2; the larger of two is kept near its axis
+    # int x x^T dA in the axes 1, 2, as I12 = int x1 x2 dA; the larger is kept near its axis
     moments, axes = np.linalg.eigh(np.array([[I22, I12], [I12, I11]]))
     first = int(np.argmax(np.abs(axes[0])))
     e1 = axes[:, first] * np.sign(axes[0, first])
