@@ -219,6 +219,24 @@ def test_what_is_replaced_or_left_out_is_named(tmp_path: Path) -> None:
     ]
 
 
+@READ
+def test_supports_and_loads_of_the_deck_are_named_with_their_lines(tmp_path: Path) -> None:
+    text = line((1, 0, 0)) + section("RECT", "0.02, 0.06", "0, 1, 0") + MATERIAL
+    text += "*BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*CLOAD\n9, 2, 5.\n*NODE FILE\nU\n*END STEP\n"
+    text += "*STEP\n*STATIC\n*CLOAD\n9, 3, 5.\n*DLOAD\nBEAM, GRAV, 9.81, 0, 0, -1\n*END STEP\n"
+    with pytest.warns(JoustoWarning) as told:
+        read(tmp_path, text)
+    lines = (tmp_path / "frame.inp").read_text().splitlines()
+    at = {word: [i for i, row in enumerate(lines, 1) if row == word] for word in lines}
+    first, second = at["*CLOAD"]
+    assert [str(item.message) for item in told][-1] == (
+        f"frame.inp: *BOUNDARY (line {at['*BOUNDARY'][0]}), *CLOAD (lines {first}, {second}), *DLOAD"
+        f" (line {at['*DLOAD'][0]}) not taken: supports and loads of a part are the joints and"
+        " forces of the machine, in the model file"
+    )
+    assert sum("not taken" in str(item.message) for item in told) == 1
+
+
 GOOD = line((1, 0, 0)) + section("RECT", "0.02, 0.06", "0, 1, 0") + MATERIAL
 
 

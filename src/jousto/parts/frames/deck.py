@@ -39,6 +39,12 @@ UNREAD = (
 )
 """Keywords that would change a frame."""
 
+OUTSIDE = (
+    *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "TEMPERATURE", "FIELD", "BASE MOTION"),
+    *("INITIAL CONDITIONS", "PRE-TENSION SECTION", "INERTIA RELIEF"),
+)
+"""Keywords of supports, loads and starts, which are those of the machine."""
+
 REFUSED = ("ELBOW31", "FRAME2D", "FRAME3D")
 
 
@@ -272,3 +278,17 @@ def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
     words = dict.fromkeys(block.keyword for block in deck.others if block.keyword in UNREAD)
     if words:
         warn(path.name, f"{', '.join(f'*{word}' for word in words)} not read: not in the part")
+    acting: dict[str, list[str]] = {}
+    for block in deck.others:
+        if block.keyword in OUTSIDE:
+            there = "" if block.path.name == path.name else f"{block.path.name}:"
+            acting.setdefault(block.keyword, []).append(f"{there}{block.number}")
+    if acting:
+        names = ", ".join(
+            f"*{word} (line{'s' * (len(at) > 1)} {some(at)})" for word, at in acting.items()
+        )
+        warn(
+            path.name,
+            f"{names} not taken: supports and loads of a part are the joints and forces of the"
+            " machine, in the model file",
+        )
