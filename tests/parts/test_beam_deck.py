@@ -228,11 +228,11 @@ def test_supports_and_loads_of_the_deck_are_named_with_their_lines(tmp_path: Pat
         read(tmp_path, text)
     lines = (tmp_path / "frame.inp").read_text().splitlines()
     at = {word: [i for i, row in enumerate(lines, 1) if row == word] for word in lines}
-    first, second = at["*CLOAD"]
+    held, (first, second), weight = at["*BOUNDARY"][0], at["*CLOAD"], at["*DLOAD"][0]
     assert [str(item.message) for item in told][-1] == (
-        f"frame.inp: *BOUNDARY (line {at['*BOUNDARY'][0]}), *CLOAD (lines {first}, {second}), *DLOAD"
-        f" (line {at['*DLOAD'][0]}) not taken: supports and loads of a part are the joints and"
-        " forces of the machine, in the model file"
+        f"frame.inp: *BOUNDARY (line {held}), *CLOAD (lines {first}, {second}), *DLOAD (line"
+        f" {weight}) not taken: supports and loads of a part are the joints and forces of the"
+        " machine, in the model file"
     )
     assert sum("not taken" in str(item.message) for item in told) == 1
 

@@ -11,7 +11,9 @@ from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.springs import CurveField
 from jousto.mechanism.joints.coordinate import Along, Coordinate
+from jousto.mechanism.signals.piecewise import Table
 
 if TYPE_CHECKING:
     from jousto.mechanism.forces.base import ForceElement
@@ -102,6 +104,9 @@ def given(force: ForceElement) -> str:
             places.append(value.name)
         elif value is True and kind.default is not True:
             values.append(kind.label)
+        elif isinstance(value, Table) and isinstance(kind, CurveField):
+            unit = tuple(one.of(force.coordinate) for one in (kind.unit, kind.at))
+            values.append(table_text(key, kind.label, value, unit))
         elif 0 < size <= 3 and np.any(value != kind.default):
             unit = kind.unit
             unit = unit.of(getattr(force, unit.field)) if isinstance(unit, Along) else unit
@@ -110,6 +115,15 @@ def given(force: ForceElement) -> str:
             values.append(f"{kind.label} {number}" + (f" {unit}" if unit != "1" else ""))
     where = " to ".join(places)
     return ", ".join([where, *values] if where else values)
+
+
+def table_text(key: str, label: str, table: Table, units: tuple[str, str]) -> str:
+    """Return what a table of a force says: dry friction, or its points and their range."""
+    x, y = np.asarray(table.times), np.asarray(table.values)
+    if key == "damper_table" and len(x) == 2 and x[0] == -x[1] and y[0] == -y[1] >= 0.0:
+        return f"dry friction {y[0]:.6g} {units[0]}, full from {x[1]:.6g} {units[1]}"
+    ends = f"{y.min():.6g} to {y.max():.6g} {units[0]} at {x[0]:.6g} to {x[-1]:.6g} {units[1]}"
+    return f"{label} of {count(len(x), 'point')}, {ends}"
 
 
 def mesh_facts(mesh: Mesh) -> Facts:
