@@ -153,3 +153,19 @@ def test_turned_curve_keeps_the_pivot():
     assert turned.slope2 == pytest.approx(2 * turned.k - 1)
     with pytest.raises(InputError, match="does not fall"):
         curve.with_factors(50.0, pivot=1e3)
+
+
+def test_a_weld_class_that_no_standard_has_is_told() -> None:
+    # IIW-2259-15, figure 3.1: 63, 71 and 80 follow one another; 17 is 71 mistyped
+    with pytest.warns(
+        JoustoWarning, match=r"no FAT class 17 of direct .* nearest: 16 and 18; .*17 M"
+    ):
+        curve = sn_curve("fat17")
+    assert curve.name == "FAT 17 iiw"
+    with pytest.warns(JoustoWarning, match="no FAT class 71 of shear .* nearest: 36 and 80;"):
+        sn_curve("fat71-shear-en")
+    with pytest.warns(JoustoWarning, match="nearest: 160;"):
+        sn_curve("fat170")
+    for name in ("fat36", "fat71", "FAT 160 en", "fat80-shear"):  # warnings are errors in tests
+        sn_curve(name)
+    assert fat_class(75).name == "FAT 75 iiw"  # meant so

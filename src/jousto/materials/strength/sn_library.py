@@ -6,10 +6,10 @@ import re
 from dataclasses import replace
 
 from jousto.base.arguments import explained
-from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.materials.library import material
 from jousto.materials.strength.sn import SN
-from jousto.materials.strength.welds import STANDARDS, fat_class
+from jousto.materials.strength.welds import CLASSES, SHEAR_CLASSES, STANDARDS, fat_class
 
 _DOWLING = (
     "N. E. Dowling, Mechanical Behavior of Materials (4th ed., 2013), table 9.1: unnotched axial"
@@ -131,6 +131,11 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
     InputError
         If there is none of that name.
 
+    Warns
+    -----
+    JoustoWarning
+        Of a weld class that neither standard has; `fat_class` takes any number.
+
     Examples
     --------
     >>> print(sn_curve("fat71"))
@@ -148,6 +153,7 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
         kind = rest.removesuffix(standard)
         if kind in ("", "shear"):
             found = fat_class(float(weld.group(1)), standard or "iiw", shear=kind == "shear")
+            _tell_no_class(float(weld.group(1)), shear=kind == "shear")
     elif text in keys:
         S_u, sf, b = _BASQUIN[keys[text]]
         found = SN.basquin(sf, b, S_u=S_u, name=keys[text], source=_DOWLING)
@@ -164,6 +170,22 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
         change = {"k2": None, "N_cut": None} if rule != "haibach" else {}
         found = replace(found, rule=rule, **change)  # type: ignore[arg-type]
     return found
+
+
+def _tell_no_class(number: float, *, shear: bool) -> None:
+    """Warn of a number that is none of the classes, such as 17 where 71 was meant."""
+    classes = SHEAR_CLASSES if shear else CLASSES
+    if number in classes:
+        return
+    below = [str(c) for c in classes if c < number][-1:]
+    above = [str(c) for c in classes if c > number][:1]
+    warn(
+        "S-N curve",
+        f"there is no FAT class {number:g} of {'shear' if shear else 'direct'} stress in"
+        f" IIW-2259-15 or EN 1993-1-9, nearest: {' and '.join(below + above)}; the curve is"
+        f" drawn through {number:g} MPa. Meant so, it is given by its number: {{fat: {number:g}}}"
+        f" in a file, jo.fatigue.fat_class({number:g}) in Python",
+    )
 
 
 def sn_curves() -> tuple[str, ...]:

@@ -11,6 +11,13 @@ from jousto.base.numbers import Number, OptionalNumber, Positive
 from jousto.materials.strength.sn import SN
 
 STANDARDS = ("iiw", "en")
+CLASSES = (
+    *(12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 71),
+    *(80, 90, 100, 112, 125, 140, 160),
+)
+"""Of direct stress in both standards: IIW of aluminium from 12 to 71, of steel from 36."""
+SHEAR_CLASSES = (28, 36, 80, 100)
+"""Of shear stress: aluminium (IIW), steel."""
 _EN = "EN 1993-1-9:2005, 7.1"
 _IIW = "IIW-2259-15 (Hobbacher, Recommendations for fatigue design of welded joints, 2016), 3.2"
 
