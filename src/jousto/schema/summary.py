@@ -105,8 +105,9 @@ def given(force: ForceElement) -> str:
         elif value is True and kind.default is not True:
             values.append(kind.label)
         elif isinstance(value, Table) and isinstance(kind, CurveField):
-            unit = tuple(one.of(force.coordinate) for one in (kind.unit, kind.at))
-            values.append(table_text(key, kind.label, value, unit))
+            s = getattr(force, kind.at.field)
+            units = (str(kind.unit.of(s)), str(kind.at.of(s)))
+            values.append(table_text(key, kind.label, value, units))
         elif 0 < size <= 3 and np.any(value != kind.default):
             unit = kind.unit
             unit = unit.of(getattr(force, unit.field)) if isinstance(unit, Along) else unit

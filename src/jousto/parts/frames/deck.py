@@ -279,10 +279,10 @@ def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
     if words:
         warn(path.name, f"{', '.join(f'*{word}' for word in words)} not read: not in the part")
     acting: dict[str, list[str]] = {}
-    for block in deck.others:
-        if block.keyword in OUTSIDE:
-            there = "" if block.path.name == path.name else f"{block.path.name}:"
-            acting.setdefault(block.keyword, []).append(f"{there}{block.number}")
+    for other in deck.others:
+        if other.keyword in OUTSIDE:
+            there = "" if other.path.name == path.name else f"{other.path.name}:"
+            acting.setdefault(other.keyword, []).append(f"{there}{other.number}")
     if acting:
         names = ", ".join(
             f"*{word} (line{'s' * (len(at) > 1)} {some(at)})" for word, at in acting.items()
