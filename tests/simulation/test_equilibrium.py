@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -101,3 +103,54 @@ def test_friction_does_not_hold_at_rest(law):
         rest = jo.equilibrium(model, start)
         e = rest.q[3:7]
         assert np.degrees(2 * np.arctan2(e[2], e[0])) == pytest.approx(90.0, abs=1e-6)
+
+
+def chain(n: int, *more: object) -> jo.Model:
+    """Links of 1 m and 1 kg, level, hinged to one another."""
+    links = [jo.RigidBody(f"b{i}", 1.0, (0.1,) * 3, position=(i, 0, 0)) for i in range(n)]
+    hinges = [
+        jo.Revolute(f"hinge{i}", a.at((0.5, 0, 0)), b.at((-0.5, 0, 0)), axis=(0, 1, 0))
+        for i, (a, b) in enumerate(pairwise(links))
+    ]
+    ends = [make(links) for make in more]  # type: ignore[operator]
+    return jo.compile(jo.Mechanism(*links, *hinges, *ends))
+
+
+def gravity(links: list[jo.RigidBody]) -> jo.Gravity:
+    return jo.Gravity((0, 0, -G))
+
+
+@pytest.mark.parametrize("n", [2, 32])
+def test_a_machine_that_falls_freely_is_said_at_once(n, monkeypatch):
+    """No force but its weight has a resultant, at any position: not a step is needed."""
+    monkeypatch.setattr(statics, "settle", None)
+    with pytest.raises(jo.SimulationError, match="'b0' is pushed in a direction in which nothing"):
+        jo.equilibrium(chain(n, gravity))
+
+
+def test_loads_of_a_fixed_direction_that_carry_a_free_machine():
+    """A level chain under its weight, each link carried at its centre: it rests as it is."""
+    lifts = [
+        lambda links, i=i: jo.Force(f"lift{i}", links[i].at((0, 0, 0)), (0, 0, G)) for i in range(3)
+    ]
+    model = chain(3, gravity, *lifts)
+    assert jo.equilibrium(model).q == pytest.approx(model.q0, abs=1e-9)
+    with pytest.raises(jo.SimulationError, match="in which nothing holds it"):
+        jo.equilibrium(chain(3, gravity, *lifts[1:]))
+
+
+def test_what_a_level_spring_alone_holds_finds_its_rest():
+    """Its stiffness across is 0 at the start. It hangs below: ``k (l - 1 m) = m g``."""
+    ball = jo.RigidBody("ball", 1.0, (0.1,) * 3, position=(1, 0, 0))
+    hold = jo.Spring.between("hold", jo.ground["origin"], ball["origin"], 100.0)
+    model = jo.compile(jo.Mechanism(ball, hold, jo.Gravity((0, 0, -G))))
+    assert jo.equilibrium(model).q[:3] == pytest.approx([0, 0, -1.0 - G / 100.0], abs=1e-7)
+
+
+@pytest.mark.filterwarnings("ignore:.*is not connected to anything")
+def test_thrust_that_follows_may_carry_a_machine():
+    """A body on its thrust stands where both are opposite; nothing else holds it."""
+    body = jo.RigidBody("b0", 1.0, (0.1,) * 3)
+    thrust = jo.Force("thrust", body.at((0, 0, 0.5)), (0, 0, G), follow=True)
+    model = jo.compile(jo.Mechanism(body, thrust, jo.Gravity((0, 0, -G))))
+    assert jo.equilibrium(model).q == pytest.approx(model.q0, abs=1e-9)

@@ -14,6 +14,7 @@ from jousto.simulation.bent import warn_far
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.state import State
+from jousto.simulation.statics.adrift import check_adrift
 from jousto.simulation.statics.left_out import check_second_order
 from jousto.simulation.statics.settle import settle
 
@@ -70,6 +71,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
 
 def _rest(model: Model, state: State | None, tolerance: float) -> State:
     without_fmus(model, "equilibrium", "has no state at rest that is known")
+    check_adrift(model, state)
     try:
         return settle(model, state)
     except (SimulationError, RuntimeError, InputError) as error:

@@ -11,6 +11,7 @@ from jousto.base.errors import SimulationError
 from jousto.model.model import Model
 from jousto.model.scales import largest_speed
 from jousto.simulation.state import State
+from jousto.simulation.statics.adrift import UNHELD
 from jousto.simulation.statics.balance import TIME, Balance
 from jousto.simulation.statics.continuation import (
     PUSHED,
@@ -126,10 +127,7 @@ class _Flow:
             step = free = np.zeros(balance.size)
         if balance.length(free) > max(PUSHED, balance.length(step)):
             body = mover(balance, free)
-            text = (
-                f"body '{body}' is pushed in a direction in which nothing holds it; add a joint, "
-                "or take the load away that pushes it"
-            )
+            text = UNHELD.format(body)
         else:
             body = why.body if why and why.body else mover(balance, step)
             text = (
