@@ -6,6 +6,7 @@ import warnings
 
 import pytest
 
+import jousto as jo
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.materials.material import Material
 
@@ -55,6 +56,20 @@ def test_hints_about_units_point_at_the_caller(E: float, rho: float, message: st
     with pytest.warns(JoustoWarning, match=message) as caught:
         Material(E=E, nu=0.3, rho=rho)
     assert caught[0].filename == __file__
+
+
+@pytest.mark.parametrize(("length", "mass"), [(1e3, 1e-3), (1e6, 1e12)])
+def test_steel_in_any_consistent_units(length: float, mass: float) -> None:
+    """In mm and t, and in micrometres and ng, where E is 2.1e17: a bar sounds as in SI."""
+    found = []
+    for m, kg in ((1.0, 1.0), (length, mass)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", JoustoWarning)
+            steel = Material(E=210e9 * kg / m, nu=0.3, rho=7850.0 * kg / m**3)
+        part = jo.Part.beam(1.0 * m, jo.Rectangle(0.02 * m, 0.04 * m), 4, steel)
+        method = jo.CraigBampton(("start", "end"), modes=2)
+        found.append(jo.reduce(part, method).frequencies)
+    assert found[1] == pytest.approx(found[0], rel=1e-9)  # rounding of the eigenvalues
 
 
 def test_ordinary_materials_give_no_hint() -> None:

@@ -7,9 +7,6 @@ from jousto.base.errors import Problems, warn
 from jousto.base.fields import Label, field
 from jousto.base.numbers import Number, OptionalNumber, Positive
 
-# Pa, a thousand times diamond: stiffer ones leave no digits for the rest of a model
-STIFFEST = 1e15
-
 
 class Material(Declared, section="materials", tag="isotropic", by_value=True):
     """Linear elastic, isotropic material.
@@ -63,12 +60,6 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note values that no material has, warn of those that look like another unit."""
-        if self.E > STIFFEST:
-            problems.add(
-                where,
-                f"Young's modulus E is {self.E:g} Pa, must be below {STIFFEST:g} Pa: nothing is as"
-                " stiff, and too few digits are left for the rest of the model",
-            )
         if self.alpha is not None and not abs(self.alpha) < 0.01:
             problems.add(
                 where, f"alpha is {self.alpha:g} 1/K; was it meant in 1e-6/K? Give it as 12e-6"
