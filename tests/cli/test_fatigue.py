@@ -102,6 +102,9 @@ def test_several_results_are_a_duty_cycle(result, tmp_path):
            *options)  # fmt: skip
     again = {r["site"]: float(r["damage"]) for r in table(tmp_path / "a.csv")}
     assert again == many
+    found = invoke("fatigue", result, "--duty", duty, *options)
+    assert found.exit_code == 2
+    assert f"RESULT: cannot stand beside --duty: {duty.name} has results, repeats" in found.stderr
 
 
 def test_strict_ends_with_code_1(result):

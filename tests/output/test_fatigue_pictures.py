@@ -43,7 +43,7 @@ def test_damage_of_a_beam(tmp_path, quantity):
     figure = jo.plot(found, run, quantity=quantity, path=tmp_path / "d.png")
     texts = [t.get_text() for t in figure.texts]
     assert any(text.startswith(f"{quantity} of arm: bar") for text in texts)
-    assert any("mean stress: none, residue: half, survival" in text for text in texts)
+    assert any("mean stress: not corrected, residue: half, survival" in text for text in texts)
     assert any(text.startswith(f"1 {found.worst(1)[0]}, 2 e") for text in texts)
     corrected = jo.fatigue.Goodman(S_u=500e6)
     found = jo.damage_field(jo.stress_field(run, "arm"), CURVE, residue="half", mean=corrected)

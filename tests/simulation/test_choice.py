@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.simulation.running.simulate import describe
 from jousto.simulation.solvers.blows import shortest_blow
-from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.choice import choose, fast
 from jousto.simulation.solvers.growth import excess
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
@@ -44,6 +44,18 @@ def hung(stiffness: float):
         "rubber", jo.ground["origin"], bar["origin"], [stiffness] * 3 + [1e-3 * stiffness] * 3
     )
     return jo.Mechanism(bar, rubber, jo.Gravity(G), jo.PositionSensor("c", bar["center"]))
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [({"damping": 3e4}, "dampers"), ({"stiffness": 2e7}, "springs"),
+     ({"stiffness": 2e7, "damping": 1.0}, "springs or dampers")],
+)  # fmt: skip
+def test_the_reason_names_what_is_there(values: dict[str, float], words: str) -> None:
+    block = jo.RigidBody("block", 2.0, (0.01, 0.01, 0.01))
+    slide = jo.Prismatic("slide", jo.ground["origin"], block["origin"], axis=(1, 0, 0))
+    push = jo.Spring("push", slide.coordinates[0], **values)
+    assert fast(jo.compile(jo.Mechanism(block, slide, push))) == words
 
 
 @pytest.mark.filterwarnings("ignore:.*the energy balance misses")

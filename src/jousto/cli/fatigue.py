@@ -187,13 +187,16 @@ def _events(
 
     problems = Problems()
     if duty is not None:
+        words = "results, repeats and transitions"
         for given, option in (
             (results, "RESULT"),
             (repeats, "--repeats"),
             (transitions, "--transitions"),
         ):
             if given:
-                problems.add(option, "stands in the file of --duty already; give one of them")
+                problems.add(
+                    option, f"cannot stand beside --duty: {duty.name} has {words}; leave one out"
+                )
         problems.raise_if_any()
         said = read_duty(duty)
         return _Events(

@@ -79,12 +79,14 @@ def view(
 
 def thinning(scenes: tuple[object, ...], frames: int) -> str:
     """Return what is said of instants that were left out."""
+    from jousto.simulation.results.events import ordinal
+
     counts = [len(motion.times) for x in scenes if (motion := getattr(x, "motion", None))]
     most = max(counts, default=0)
     if most <= frames:
         return ""
     every = -(-most // frames)
-    return f"; one of {every} instants, --frames {most} takes all"
+    return f"; every {ordinal(every)} of {most} instants is in it, --frames {most} takes all"
 
 
 def damage_of(path: Path, sn: str | None, residue: str | None) -> list[DamageField]:

@@ -325,7 +325,7 @@ class Assessment:
         return self.cycles.residue
 
     def __str__(self) -> str:
-        mean = "as it is" if self.mean is None else str(self.mean)
+        mean = "not corrected" if self.mean is None else str(self.mean)
         rows = [
             ("S-N curve", str(self.sn)),
             ("mean stress", mean),

@@ -188,7 +188,7 @@ class DamageField(Tabular):
 
     def head(self) -> list[tuple[str, str]]:
         """Return how it was counted, as pairs of name and text."""
-        mean = "as it is" if self.mean is None else str(self.mean)
+        mean = "not corrected" if self.mean is None else str(self.mean)
         required = f", required {told(self.required)}"
         if self.once:
             required = " once, which the safety is for; give the life required for that of a life"

@@ -73,6 +73,7 @@ class PlaneDamage(Tabular):
         lines = [
             f"{self.criterion}, residue '{self.residue}', {self.sn}",
             f"{'site':>{width}} {'damage':>11} {'life':>11}  plane",
+            f"{'':>{width}} {'':>11} {'passes':>11}",
         ]
         for i in ranking(self.damage, self.labels)[:rows]:
             normal = " ".join(f"{x:6.3f}" for x in self.normal[i])

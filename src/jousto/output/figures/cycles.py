@@ -133,7 +133,7 @@ def _sn(ax: Axes, curves: Sequence[SN], cycles: Cycles | None, mean: MeanStress 
                 np.append(S, S[-1]) / 1e6,
                 where="post",
                 color=INK,
-                label="cycles as large",
+                label="cycles of this amplitude or more",
             )
     end = max([1e9, *(10.0 * c.N_D for c in curves)])
     N = np.geomspace(1e2 if not len(S) else 1.0, end, 400)
@@ -174,7 +174,7 @@ def _levels(ax: Axes, cycles: Cycles) -> None:
         amplitude, number = cycles.exceedance()
         ax.step(np.append(number[:1], number), 2e-6 * np.append(amplitude, 0.0), color=COLORS[0])
         ax.set_xscale("log")
-        ax.set_xlabel("cycles as large")
+        ax.set_xlabel("cycles of this range or more")
         ax.set_ylabel("range (MPa)")
         return
     _title(ax, "level crossings")

@@ -171,7 +171,7 @@ def _picture(
         mark(ax, shape, view, position, len(marked))
     title = f"{quantity} of {field.body}: {field.sn.name or 'S-N curve'}, {field.criterion}"
     figure.text(GAP / WIDTH, 1 - 0.2 / total, title, fontsize=10.5, fontweight="bold", va="center")
-    mean = "none" if field.mean is None else str(field.mean)
+    mean = "not corrected" if field.mean is None else str(field.mean)
     note = (
         f"mean stress: {mean}, residue: {field.residue}, survival {100 * field.sn.survival:.5g} %"
     )

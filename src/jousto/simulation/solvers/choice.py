@@ -7,7 +7,7 @@ from collections.abc import Callable
 from jousto.model.model import Model
 from jousto.simulation.solvers.blows import shortest_blow
 from jousto.simulation.solvers.explicit import ROS2, Solver
-from jousto.simulation.solvers.growth import excess
+from jousto.simulation.solvers.growth import ELASTIC, excess
 from jousto.simulation.solvers.implicit import GeneralizedAlpha
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.solvers.stability import damper_warning, friction_warning
@@ -46,10 +46,10 @@ def choose(
     chosen = plain
     while excess(model, chosen, step(chosen)) * (t_end - start) > ALLOWED:
         if chosen.step < 2.0 * SHORT:
-            return implicit, "since it has springs or bushings that are too fast for ROS2"
+            return implicit, f"since it has {fast(model)} that are too fast for ROS2"
         chosen = ROS2(step=0.5 * chosen.step)
     if chosen is not plain:
-        reason = "since it has springs or bushings that are fast for a step of 1 ms"
+        reason = f"since it has {fast(model)} that are fast for a step of 1 ms"
         return _for_friction(model, _for_stops(model, chosen), step), reason
     chosen = _for_stops(model, plain)
     if chosen is not plain:
@@ -60,6 +60,19 @@ def choose(
     if chosen is not plain:
         return chosen, "since its friction or dampers are steep for a step of 1 ms"
     return plain, "the default"
+
+
+def fast(model: Model) -> str:
+    """Return what the model has that may be fast: springs, dampers, bushings or stops."""
+    words = {"springs": False, "dampers": False, "bushings": False, "stops": False}
+    for force in model.forces:
+        if force.kind == "along":
+            words["springs"] |= bool(force.data[0] != 0.0 or force.spring >= 0)
+            words["dampers"] |= bool(force.data[1] != 0.0 or force.damper >= 0)
+        elif force.kind in ELASTIC:
+            words["bushings" if force.kind == "bushing" else "stops"] = True
+    *first, last = [word for word, there in words.items() if there] or ["springs or bushings"]
+    return f"{', '.join(first)} or {last}" if first else last
 
 
 def _for_stops(model: Model, chosen: ROS2) -> ROS2:
