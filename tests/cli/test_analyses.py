@@ -111,3 +111,39 @@ def test_kinematics_of_a_free_motion_is_refused(model):
     result = CliRunner().invoke(app, ["kinematics", str(model)])
     assert result.exit_code == 2
     assert "1 free motion" in result.stderr
+
+
+BEAM = """\
+parts:
+  rod:
+    type: beam
+    length: 1 m
+    section: {type: rectangle, width: 20 mm, height: 10 mm}
+    material: S355
+    elements: 8
+    reduce: {type: craig-bampton, interfaces: [start, end], modes: 4}
+bodies: [{name: arm, part: rod}]
+joints: [{type: fixed, name: root, a: ground.origin, b: arm.start}]
+forces: [{type: force, name: pull, marker: arm.end, vector: [0, 0, 100 N]}]
+sensors:
+  - {type: stress, name: all, body: arm}
+  - {type: stress, name: few, body: arm, sites: [SITES]}
+"""
+
+
+def test_many_components_stand_in_rows(tmp_path):
+    """The largest stress of a cantilever is F l / W = 100 N m / (20 mm (10 mm)^2 / 6) or W of y."""
+    sites = "e1.a.top_right, e2.a.top_left"
+    model = tmp_path / "beam.yaml"
+    model.write_text(BEAM.replace("SITES", sites))
+    lines = jousto("equilibrium", model).splitlines()
+    few, all_of = lines.index("  sensor few"), lines.index("  sensor all")
+    assert all(line.split()[0][:2] in ("e1", "e2") for line in lines[few + 1 : few + 13])
+    last = [line for line in lines if "the largest 20 of" in line]
+    assert len(last) == 1 and "['all'][0]" in last[0]
+    rows = [line.split() for line in lines[all_of + 1 : all_of + 21]]
+    assert all(len(row) == 3 and row[2] == "Pa" for row in rows)
+    sizes = [abs(float(row[1])) for row in rows]
+    assert sizes == sorted(sizes, reverse=True)
+    moduli = 0.02 * 0.01**2 / 6, 0.01 * 0.02**2 / 6
+    assert any(sizes[0] == pytest.approx(100.0 / W, rel=1e-3) for W in moduli)

@@ -204,3 +204,17 @@ def test_the_picture_is_not_empty(tmp_path: Path) -> None:
     assert pixels[0, 0].tolist() == [255, 255, 255]
     blue = np.all(pixels == (0x1C, 0x5F, 0xA8), axis=2)
     assert blue.sum() > 500
+
+
+def test_rounding_is_drawn_as_zero() -> None:
+    """A plane pendulum in a plane that lies odd: its bearing has forces and no moments."""
+    ball = jo.RigidBody("ball", 2.0, (0.01, 0.01, 0.01), position=(0.36, 0.48, 0.8))
+    far, axis = ball.at(-ball.position), (0.8, -0.6, 0.0)
+    pivot = jo.Revolute("pivot", jo.ground["origin"], far, axis=axis)
+    load = jo.ReactionSensor("load", pivot)
+    run = jo.simulate(jo.compile(jo.Mechanism(ball, pivot, jo.Gravity((0, 0, -9.81)), load)), 0.5)
+    noise = np.abs(run["load"][:, 3:]).max()
+    assert 0.0 < noise < 1e-12  # beside 20 N at 1 m
+    forces, moments = jo.plot(run, "load").axes
+    assert max(np.abs(line.get_ydata()).max() for line in forces.lines) > 10.0
+    assert all(not np.any(line.get_ydata()) for line in moments.lines)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
 from jousto.cli.group import command
@@ -21,9 +24,12 @@ from jousto.cli.options import (
     end_time,
     tell_files,
 )
-from jousto.cli.terminal import facts, most_at, named, numbers, plain, say
+from jousto.cli.terminal import columns, facts, most_at, named, numbers, plain, say
 
 MATRICES = (".npz", ".mat")
+
+IN_LINE = 6  # more components of a sensor in one unit than this stand in rows
+ROWS = 20
 
 FREE = 1e-6  # 1/s, below which a rate is round-off
 
@@ -59,12 +65,34 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
         for i, body in enumerate(compiled.bodies)
         if i not in inner
     ]
+    tables: list[tuple[str, list[tuple[str, ...]]]] = []
     for sensor in compiled.sensors:
         units = component_units({"unit": sensor.unit, "components": sensor.components})
         found = values[sensor.offset : sensor.offset + sensor.count]
         found = without_rounding(found, [scales.floor(unit) for unit in units])
-        rows.append((f"sensor {sensor.name}", named(found, sensor.components, sensor.unit)))
+        if len(found) > IN_LINE * len(set(units)):
+            tables.append((sensor.name, largest_first(found, sensor.components, units)))
+        else:
+            rows.append((f"sensor {sensor.name}", named(found, sensor.components, sensor.unit)))
     facts(rows, f"{model.name} at rest")
+    for name, lines in tables:
+        say(f"  sensor {name}")
+        columns(lines[:ROWS], "<><")
+        if len(lines) > ROWS:
+            say(
+                f"  the largest {ROWS} of {len(lines)}; all of them in Python: "
+                f"jo.simulate(model, 1e-4, state=jo.equilibrium(model))[{name!r}][0]"
+            )
+
+
+def largest_first(
+    values: Array, names: Sequence[str], units: Sequence[str]
+) -> list[tuple[str, ...]]:
+    """Return rows of name, value and unit: as they stand, of more than `ROWS` the largest first."""
+    order = np.arange(len(values))
+    if len(values) > ROWS:
+        order = np.argsort(-np.abs(values), kind="stable")
+    return [(names[i], numbers(values[i : i + 1]), units[i]) for i in order.tolist()]
 
 
 @command()

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
+from jousto.base.rounding import without_rounding
 from jousto.output.style import (
     COLORS,
     DASHES,
@@ -264,8 +265,12 @@ def _panels(runs: Mapping[str, Solution], name: str) -> list[Panel]:
             continue
         curves = []
         for label, run in runs.items():
-            t, values = run.time, run[sensor]
-            curves += [Curve(components[i], label, *thin(t, values[:, i])) for i in indices]
+            t = run.time
+            of_unit = slice(k * per_unit, (k + 1) * per_unit)
+            values = without_rounding(run[sensor][:, of_unit], run.floors(sensor)[of_unit])
+            curves += [
+                Curve(components[i], label, *thin(t, values[:, i - of_unit.start])) for i in indices
+            ]
         where = {"world": "world frame", "body": "", "element": "element axes", "coordinate": ""}
         where["joint"] = "joint axes"
         subtitle = ", ".join(
