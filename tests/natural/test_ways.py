@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.base.rotations import rotation_matrix
 from jousto.natural import ways
 from jousto.natural.compared import Way
 from jousto.natural.exchange import exchanged, held
@@ -167,3 +168,45 @@ def test_inputs_are_held() -> None:
     assert not found.unknown
     (row,) = (row for row in found.rows if row.name == "a")
     np.testing.assert_allclose(row.size, 1.5, rtol=1e-9)
+
+
+def swing(*, stiffening: bool) -> jo.Mechanism:
+    """A bar with a load at its end falls from a slope: it rings across under tension."""
+    part = jo.Part.beam(2.0, jo.Rectangle(0.02, 0.04), 8, STEEL, name="bar")
+    method = jo.CraigBampton(("start", "end"), modes=4)
+    slope = rotation_matrix((np.cos(np.pi / 12), 0, 0, -np.sin(np.pi / 12)))
+    reduced = jo.reduce(part, method, stiffening=stiffening)
+    body = jo.FlexibleBody("bar", reduced, orientation=slope)
+    load = jo.RigidBody("load", 25.0, (0.1,) * 3, position=slope @ (2.0, 0, 0))
+    hinge = jo.Revolute("pivot", jo.ground["origin"], body["start"], axis=(0, 0, 1))
+    damper = jo.Spring("damper", hinge.angle, damping=20.0)
+    root = jo.StressSensor("root", body, "e1.a.left")
+    tied = jo.Revolute("pin", body["end"], load["origin"], axis=(0, 0, 1))
+    gravity = jo.Gravity((0, -9.81, 0))
+    return jo.Mechanism(body, load, hinge, tied, damper, root, gravity, name="swing")
+
+
+def test_a_verdict_names_what_another_frame_shows() -> None:
+    """Tension stiffens the bar, which linear modes leave out: each frame sees it otherwise."""
+    linear, exact = (verify(swing(stiffening=on), 0.5) for on in (False, True))
+    assert linear.agrees
+    assert off(linear, "another frame", "root") > 0.05 > 4 * off(exact, "another frame", "root")
+    said = "; another frame differs by"
+    assert said in linear.verdict
+    assert "stiffening=True" in linear.verdict
+    assert said not in exact.verdict
+
+
+def test_a_finer_basis_too_fast_for_the_method_runs_by_another() -> None:
+    """With twice the modes ROS2 stops at once: the engine takes what it would choose for them."""
+    found = verify(swing(stiffening=False), 0.05)
+    way = ways_of(found)["finer basis"]
+    assert not way.failed
+    assert way.worst is not None
+
+
+def test_a_verdict_names_a_way_that_does_not_come_to_its_end(sound: Verification) -> None:
+    stopped = Way("finer basis", (), "the run stopped at 0.01 s")
+    found = replace(sound, ways=(*sound.ways[:2], stopped))
+    assert found.verdict.endswith("; finer basis not compared: the run stopped at 0.01 s")
+    assert "not compared" not in sound.verdict

@@ -21,6 +21,12 @@ FAR = FAIR
 """Share of its size beyond which runs do not come together, however fast the difference falls: an
 order is one of the method only where differences are small."""
 
+FRAME = "another frame"
+STRETCHED = (
+    ": modes are linear, so the body bends too far for them or loads stiffen it, which "
+    "stiffening=True of its part takes in"
+)
+
 
 @described
 @dataclass(frozen=True, eq=False)
@@ -125,6 +131,16 @@ class Way:
         """Readings that do not come together with the step, the largest difference first."""
         found = [row for row in self.rows if row.settles and not row.meets]
         return tuple(sorted(found, key=lambda row: -row.fine))
+
+    @property
+    def far(self) -> bool:
+        """Whether it has to be named: readings differ by per cents, or it is not compared."""
+        return bool(self.failed) or (self.worst is not None and self.worst.fine > FAR)
+
+    @property
+    def hint(self) -> str:
+        """What makes frames differ, and the remedy."""
+        return STRETCHED if self.name == FRAME and not self.failed else ""
 
     @property
     def said(self) -> str:

@@ -125,8 +125,16 @@ class Verification:
 
     @property
     def verdict(self) -> str:
-        """The result in one sentence, and whether anything moved."""
-        return self._result + ("; but nothing moved in the run: " + IDLE if self.still else "")
+        """The result in one sentence, which other ways differ, and whether anything moved."""
+        others = "".join(f"; {way.name} {way.said}{way.hint}" for way in self._elsewhere)
+        idle = "; but nothing moved in the run: " + IDLE if self.still else ""
+        return f"{self._result}{others}{idle}"
+
+    @property
+    def _elsewhere(self) -> tuple[Way, ...]:
+        """Other ways that are far off or do not reach their end, but for those that judge."""
+        ways = self.ways[1:] if self.unknown else self.ways
+        return tuple(way for way in ways if way.far)
 
     @property
     def _result(self) -> str:

@@ -18,7 +18,7 @@ from jousto.mechanism.sensors.base import Sensor
 from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.packing.measure import NOT_UNIQUE
-from jousto.natural.compared import Compared, Way, sizes
+from jousto.natural.compared import FRAME, Compared, Way, sizes
 from jousto.natural.exchange import exchanged, moved
 from jousto.reduction.frames.clamp import by_mean_axes, in_frame
 from jousto.reduction.frames.frame import MeanFrame, NodeFrame
@@ -27,7 +27,8 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.simulate import simulate
+from jousto.simulation.running.simulate import RunFailed, simulate
+from jousto.simulation.solvers.choice import choose
 from jousto.simulation.solvers.explicit import ROS2, Solver
 from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newton
 from jousto.simulation.state import State
@@ -156,7 +157,7 @@ def others(course: Course, beside: Mapping[str, Mechanism]) -> Iterator[Way]:
     bodies = [body for body in flexible if not _framed(course.mechanism, body)]
     frames = {body: part for body in bodies if (part := in_another_frame(body)) is not None}
     if frames:
-        yield tried("another frame", lambda: _with(course, frames, undamped=True))
+        yield tried(FRAME, lambda: _with(course, frames, undamped=True))
     finer = {body: part for body in bodies if (part := in_finer_basis(body)) is not None}
     if finer:
         yield tried("finer basis", lambda: _with(course, finer))
@@ -241,8 +242,14 @@ def _with(
         names = {body.name: part for body, part in parts.items()}
         parts = {b: names[b.name] for b in own.bodies if b.name in names}  # type: ignore[misc]
     other = exchanged(own, parts)
-    state = moved(start, own, other)
-    found = course.again(compile(other), course.solver, state)
+    model, state = compile(other), moved(start, own, other)
+    try:
+        found = course.again(model, course.solver, state)
+    except RunFailed:  # faster modes may need another method, as a run of their own would take
+        chosen = choose(model, course.t_end, course.output)[0]
+        if type(chosen) is type(course.solver):
+            raise
+        found = course.again(model, chosen, state)
     return differences(course, [run], [found], OF_FRAMES)
 
 
