@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +58,8 @@ def test_what_is_not_refined_is_not_known(tmp_path: Path) -> None:
     found = jo.hot_spots(run, count=2)
     budget = jo.recovery.error_budget(found, 2)
     assert budget.unknown == ("modes", "step", "mesh")
+    none = replace(budget, terms=dict.fromkeys(budget.terms, float("nan")))
+    assert str(none).splitlines()[0].endswith("MPa: not known: modes, step, mesh, instants")
     # nothing changed: no error but the order of sums
     same = jo.recovery.error_budget(found, step=run, modes=jo.stress_field(run, "link"), mesh=run)
     terms = [same.terms[name] for name in ("step", "modes", "mesh")]

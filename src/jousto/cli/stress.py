@@ -101,13 +101,13 @@ def stress(
             field.ns,
         )
         say(f"{sought}, {field.frame} axes, {field.time[0]:g} to {field.time[-1]:g} s")
-        for line in errors(field, sought):
+        for line in errors(field, sought, residual=residual):
             say(line)
     if output is not None:
         say(f"written to {write(run, field, sought, moment, output, bool(site))}", style="green")
 
 
-def errors(field: StressField, criterion: Criterion) -> list[str]:
+def errors(field: StressField, criterion: Criterion, *, residual: bool = False) -> list[str]:
     """Return what the stress of the worst place may be wrong by."""
     from jousto.recovery.budget import error_budget
     from jousto.recovery.fields.criteria import weights
@@ -116,7 +116,10 @@ def errors(field: StressField, criterion: Criterion) -> list[str]:
     if field.frame == "world" and weights(criterion) is not None:
         return [f"errors: {REMARK}"]  # components that turn with the body are not searched
     found = hot_spots(field, count=1, criterion=criterion)
-    return [str(error_budget(found))] if found.spots else [f"errors: {REMARK}"]
+    if not found.spots:
+        return [f"errors: {REMARK}"]
+    text = str(error_budget(found))
+    return [text.replace(", or with the residual stress", "") if residual else text]
 
 
 def worst_first(

@@ -32,8 +32,8 @@ HOW = {
     "instants": "store velocities, or instants closer together",
     "step": "compare with a run of half the step",
     "modes": "compare with a run of more modes, or with the residual stress",
-    "mesh": "the part has no mesh of solids to estimate it from (or was reduced by an older "
-    "version): compare with a run of a finer mesh",
+    "mesh": "compare with a run of a finer mesh; the part has no mesh of solids, or was reduced "
+    "without it",
 }
 """The terms, and how one that is not known becomes known."""
 
@@ -84,12 +84,14 @@ class ErrorBudget:
             for name, x in self.terms.items()
             if np.isfinite(x)
         ]
-        known = ", ".join(texts) or "nothing is known"
+        known = ", ".join(texts)
         if len(texts) > 1:
             known += f", together {100.0 * self.known / size if size > 0.0 else np.inf:.2g} %"
-        missing = f"; not known: {', '.join(self.unknown)}" if self.unknown else ""
+        missing = f"not known: {', '.join(self.unknown)}" if self.unknown else ""
         value = f"{factor * self.value:.4g} {unit}"
-        return f"{self.place}, {self.criterion} {value}: {known}{missing}"
+        return (
+            f"{self.place}, {self.criterion} {value}: {'; '.join(filter(None, (known, missing)))}"
+        )
 
     def __str__(self) -> str:
         first = f"error budget of {self._sentence}"
