@@ -148,12 +148,16 @@ def machine_of(file: Path, step: float | None, trust: bool) -> tuple[CompiledMod
     from dataclasses import replace
 
     from jousto.schema.read import read_model
-    from jousto.simulation.solvers.explicit import ROS2
+    from jousto.simulation.solvers.choice import choose, choose_fixed
 
     found = read_model(file, trust=trust)
     model = compile_model(found.mechanism)
     given: dict[str, Any] = {} if found.simulation is None else found.simulation.given(model)
-    solver: Any = given.get("solver") or ROS2()
+    solver: Any = given.get("solver")
+    if solver is None and found.simulation is not None:
+        solver = choose(model, found.simulation.t_end, found.simulation.output_step)[0]
+    elif solver is None:
+        solver = choose_fixed(model)
     if step is not None:
         solver = replace(solver, step=step)
     return model, solver, given.get("state"), found

@@ -57,7 +57,7 @@ def write_fmu(
     path : path
         File ``.fmu``.
     solver : Solver, optional
-        Method of fixed step; None is ``ROS2(step=1e-3)``.
+        Method of fixed step; None is that which `simulate` chooses for 10 s.
     state : State, optional
         Where it starts; None is the initial state of the model.
     name : str

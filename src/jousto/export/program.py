@@ -18,7 +18,8 @@ from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
 from jousto.simulation.running.beginning import beginning
-from jousto.simulation.solvers.explicit import ROS2, Solver, prepared
+from jousto.simulation.solvers.choice import choose_fixed
+from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.state import State, put
 
 FIELDS = (
@@ -144,7 +145,8 @@ def program(
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is ``ROS2(step=1e-3)``, whose work in a step is bounded.
+        Method of fixed step; None is that which `simulate` chooses for 10 s: ``ROS2``, whose
+        work in a step is bounded, with 1 ms or less, or `GeneralizedAlpha` where that is too stiff.
     state : State, optional
         Where it starts: its positions and velocities; None is the initial state of the model.
     name : str
@@ -157,7 +159,7 @@ def program(
     InputError
         For functions of Python in the model and for methods that choose their steps.
     """
-    chosen: Solver = ROS2() if solver is None else solver
+    chosen: Solver = choose_fixed(model) if solver is None else solver
     if chosen.adaptive:
         raise InputError(
             Problem(

@@ -171,7 +171,7 @@ def write_program(
         ``.c``: one file, and its header ``.h`` beside it; ``.zip``: a project with the sources, a
         main program, a Makefile and a CMakeLists.txt.
     solver : Solver, optional
-        Method of fixed step; None is ``ROS2(step=1e-3)``.
+        Method of fixed step; None is that which `simulate` chooses for 10 s.
     state : State, optional
         Where it starts; None is the initial state of the model.
     name : str

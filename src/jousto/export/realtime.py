@@ -118,7 +118,7 @@ def realtime(
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is ``ROS2(step=1e-3)``.
+        Method of fixed step; None is that which `simulate` chooses for 10 s.
     state : State, optional
         Where it starts; None is the initial state of the model.
     steps : int

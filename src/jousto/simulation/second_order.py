@@ -271,6 +271,7 @@ def _share(body: BodyModel, shape: Shape, W: Array) -> float:
         weight = length * (d @ e) ** 2
         total = float(weight.sum())
         if total > 0.0:
-            Kg += pull * np.einsum("e,eaj,eak->jk", weight / total, slope, slope)
+            weighted = (weight / total)[:, None, None] * slope
+            Kg += pull * np.tensordot(weighted, slope, ((0, 1), (0, 1)))
     scale = 1.0 / np.sqrt(body.K)
     return float(np.abs(np.linalg.eigvalsh(scale[:, None] * Kg * scale)).max(initial=0.0))

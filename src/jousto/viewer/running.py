@@ -45,7 +45,7 @@ def write_running(
     path : path
         Ends with .html.
     solver : Solver, optional
-        Method of fixed step; None is ``ROS2(step=1e-3)``.
+        Method of fixed step; None is that which `simulate` chooses for 10 s.
     state : State, optional
         Where it starts; None is the initial state of the model.
     ranges : dict of str to (float, float), optional

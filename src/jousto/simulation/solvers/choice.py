@@ -16,6 +16,7 @@ SHORTEST = 1e-5  # s, of a step chosen for friction
 SHORT = 1e-4  # s, of a step chosen for springs; below it the implicit method costs less
 BLOW = 20  # steps in a blow on a stop: its restitution is then off by 0.01
 STEPS = (5e-4, 2e-4, SHORT)  # s, of a step chosen for blows
+UNBOUNDED = 10.0  # s, taken for runs whose end nobody knows, as of exported machines
 ALLOWED = 0.1  # growth of small motions in a run that is the method's
 
 
@@ -73,6 +74,11 @@ def fast(model: Model) -> str:
             words["bushings" if force.kind == "bushing" else "stops"] = True
     *first, last = [word for word, there in words.items() if there] or ["springs or bushings"]
     return f"{', '.join(first)} or {last}" if first else last
+
+
+def choose_fixed(model: Model) -> Solver:
+    """Return the method of fixed step of a program: that of a run of `UNBOUNDED` seconds."""
+    return choose(model, UNBOUNDED, None)[0]
 
 
 def _for_stops(model: Model, chosen: ROS2) -> ROS2:
