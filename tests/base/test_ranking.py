@@ -78,11 +78,11 @@ def test_tables_of_damage_follow_the_rule() -> None:
     found = jo.fatigue.plane_damage(
         s, jo.fatigue.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat"
     )
-    assert [line.split()[0] for line in found.table().splitlines()[2:]] == ["3", "0", "1", "2"]
+    assert [line.split()[0] for line in found.table().splitlines()[3:]] == ["3", "0", "1", "2"]
     reverse = jo.fatigue.plane_damage(
         s[::-1], jo.fatigue.NormalStress(), jo.SN(S_D=1e8, N_D=1e6, k=5), residue="repeat"
     )
-    assert [line.split()[0] for line in reverse.table().splitlines()[2:]] == ["0", "1", "2", "3"]
+    assert [line.split()[0] for line in reverse.table().splitlines()[3:]] == ["0", "1", "2", "3"]
 
 
 def test_the_first_of_equal_values_is_the_largest() -> None:
