@@ -31,7 +31,7 @@ Finer: TypeAlias = Solution | StressField
 HOW = {
     "instants": "store velocities, or instants closer together",
     "step": "compare with a run of half the step",
-    "modes": "compare with a run of more modes, or with the residual stress",
+    "modes": "compare with a run of more modes",
     "mesh": "compare with a run of a finer mesh; the part has no mesh of solids, or was reduced "
     "without it",
 }
@@ -94,8 +94,14 @@ class ErrorBudget:
         )
 
     def __str__(self) -> str:
-        first = f"error budget of {self._sentence}"
-        return "\n".join([first, *(f"  {name}: {HOW[name]}" for name in self.unknown)])
+        return told(self)
+
+
+def told(budget: ErrorBudget, *, residual: bool = False) -> str:
+    """Return a budget in words, of a stress that has or has not the residual stress in it."""
+    how = HOW if residual else HOW | {"modes": f"{HOW['modes']}, or with the residual stress"}
+    first = f"error budget of {budget._sentence}"
+    return "\n".join([first, *(f"  {name}: {how[name]}" for name in budget.unknown)])
 
 
 @explained
