@@ -6,7 +6,9 @@ import atexit
 import importlib
 import os
 import shutil
+import signal
 import tempfile
+from collections.abc import Iterator
 from typing import Any
 
 import matplotlib
@@ -94,3 +96,14 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 def rng() -> np.random.Generator:
     """The same random numbers in every run."""
     return np.random.default_rng(20070607)
+
+
+@pytest.fixture(params=["SIG_IGN", "SIG_DFL"])
+def broken_pipe(request: pytest.FixtureRequest) -> Iterator[None]:
+    """SIGPIPE as Python has it, and as Gmsh leaves it: then a broken pipe ends the program."""
+    pipe = getattr(signal, "SIGPIPE", None)
+    before = signal.signal(pipe, getattr(signal, request.param)) if pipe else None
+    yield
+    if pipe:
+        assert signal.getsignal(pipe) == getattr(signal, request.param)
+        signal.signal(pipe, before)

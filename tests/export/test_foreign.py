@@ -16,6 +16,7 @@ import jousto as jo
 from cli.test_meshes import call as command
 from exported import CC
 from jousto.export.fmu import write_fmu
+from jousto.simulation.foreign.process import FmuProcess
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [
@@ -220,6 +221,25 @@ def test_a_unit_that_fails_is_one_sentence_and_the_results_stay(
     kept = jo.simulation.results.solution.load(tmp_path / "run.h5")
     assert failed.value.solution is not None and kept.nt == 21
     assert np.isclose(kept.time[-1], 0.005)
+
+
+@pytest.mark.usefixtures("broken_pipe")
+def test_a_unit_whose_process_is_gone_is_one_sentence(
+    oil: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    step = FmuProcess.step
+
+    def killed(self: FmuProcess, time: float, length: float, values: Any) -> Any:
+        if time > 0.004:
+            self._process.kill()
+            self._process.wait()
+        return step(self, time, length, values)
+
+    monkeypatch.setattr(FmuProcess, "step", killed)
+    with pytest.raises(
+        jo.simulation.RunFailed, match=r"fmu 'oil' at 0\.005 s: its process was killed"
+    ):
+        jo.simulate(jo.compile(cart(oil)), 0.1, solver=jo.RK4(step=2.5e-4))
 
 
 def test_a_unit_that_hangs_is_one_sentence(tmp_path: Path) -> None:

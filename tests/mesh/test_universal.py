@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from gmsh_session import opened
 from jousto.base.errors import InputError
 
 
 @pytest.fixture
 def gmsh() -> Iterator[Any]:
     module = pytest.importorskip("gmsh")
-    module.initialize(interruptible=False)
-    module.option.setNumber("General.Terminal", 0)
-    yield module
-    module.finalize()
+    with opened(module):
+        yield module
 
 
 def model(gmsh: Any, shape: str, order: int) -> None:

@@ -318,6 +318,7 @@ def test_a_process_that_dies_loses_nothing(
     np.testing.assert_allclose(table["way"], x[:, 1] / 4.0, rtol=1e-12)
 
 
+@pytest.mark.usefixtures("broken_pipe")
 def test_a_point_that_kills_every_process_fails_alone(tmp_path: Path) -> None:
     study = jo.study(machines.pushed, FORCES, {"way": machines.fatal}, **RUN)
     table = study.run([[2.0, 1.0], [2.0, 8.0], [2.0, 2.0]], workers=1, how="processes")

@@ -7,11 +7,8 @@ import importlib
 import io
 import json
 import shutil
-import signal
 import subprocess
-import threading
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +17,7 @@ from PIL import Image
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import written
+from jousto.base.pipes import broken_pipes_raise
 
 Pixels = NDArray[np.uint8]
 
@@ -143,7 +141,7 @@ def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -
     command += ["-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-"]
     command += ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(beside)]
     with (
-        _told_of_broken_pipes(),
+        broken_pipes_raise(),
         subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process,
     ):
         assert process.stdin is not None and process.stderr is not None
@@ -157,20 +155,6 @@ def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -
         said = process.stderr.read().decode(errors="replace").strip()
         if process.wait() != 0:
             raise InputError(Problem(str(path), f"ffmpeg failed: {said}"))
-
-
-@contextmanager
-def _told_of_broken_pipes() -> Iterator[None]:
-    """Make a broken pipe an error: other libraries (Gmsh) let it end the program."""
-    pipe = getattr(signal, "SIGPIPE", None)
-    if pipe is None or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(pipe, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(pipe, before)
 
 
 def _page(title: str, frames: Iterable[Pixels], count: int, fps: float) -> str:

@@ -21,6 +21,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import JoustoError
 from jousto.base.names import harmless
+from jousto.base.pipes import broken_pipes_raise
 from jousto.model.model import FmuModel
 
 log = logging.getLogger(__name__)
@@ -163,8 +164,9 @@ class FmuProcess:
         patience = max(self.fmu.patience, OPENING if do == "open" else 0.0)
         self._until = clock.monotonic() + patience
         try:
-            process.stdin.write(json.dumps({"do": do, **task}) + "\n")  # type: ignore[union-attr]
-            process.stdin.flush()  # type: ignore[union-attr]
+            with broken_pipes_raise():
+                process.stdin.write(json.dumps({"do": do, **task}) + "\n")  # type: ignore[union-attr]
+                process.stdin.flush()  # type: ignore[union-attr]
             line = process.stdout.readline()  # type: ignore[union-attr]
         except (BrokenPipeError, OSError):
             line = ""

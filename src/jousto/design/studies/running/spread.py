@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.pipes import broken_pipes_raise
 from jousto.design.studies.running.evaluator import Evaluator, Row
 from jousto.design.studies.running.guard import end_with_parent, hold
 from jousto.design.studies.running.journal import Journal, Sizes, read_row, write_row
@@ -360,7 +361,8 @@ def spread(
             client.cluster.close()
             client.close()
     elif how == "processes":
-        yield from by_processes(evaluator, left, journal, count)
+        with broken_pipes_raise():
+            yield from by_processes(evaluator, left, journal, count)
     elif count == 1:
         yield from one_by_one(evaluator, left, journal)
     else:
