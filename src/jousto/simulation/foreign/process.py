@@ -124,6 +124,10 @@ class FmuProcess:
 
     def close(self) -> None:
         """End the unit and its process."""
+        with broken_pipes_raise():  # what is left to write is written as the pipe is closed
+            self._close()
+
+    def _close(self) -> None:
         process = self._process
         if process.poll() is None:
             try:
