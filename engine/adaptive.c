@@ -71,6 +71,19 @@ static double fastest(const jo_model *m, const jo_data *d)
     return top;
 }
 
+/* the same of the states of forces, against their largest and what matters of them */
+static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    double error = 0.0;
+    for (int i = 0; i < m->nstate; i++) {
+        const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
+        const double ratio = jo_defect(d, 2 * d->nw - m->nstate + i, 1) / (s->tolerance * jo_larger(largest, d->nominal[i]));
+        if (ratio > error || ratio != ratio) error = ratio;
+        if (error != error) return error;
+    }
+    return error;
+}
+
 /* error of the step against the tolerance, the largest over the bodies of: position against the size of the mechanism,
  * turn against 1 rad, modal coordinates against their largest; speeds against their largest. What moves less than a
  * thousandth of the whole mechanism is measured against that, and what is slower than a thousandth of the size of the
@@ -88,7 +101,7 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         extent_of(m, d, i, x);
         const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
-            const int at = k * m->nv + b->iv;
+            const int at = k * d->nw + b->iv;
             e[3 * k] = d->tree.on ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
             e[3 * k + 1] = d->tree.on ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
             e[3 * k + 2] = d->tree.on ? 0.0 : jo_defect(d, at + 6, b->n);
@@ -108,7 +121,7 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
             if (error != error) return error;
         }
     }
-    return error;
+    return jo_larger(error, state_error(m, d, s));
 }
 
 static void remember_extent(const jo_model *m, jo_data *d)
@@ -117,6 +130,10 @@ static void remember_extent(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nbody; i++) {
         extent_of(m, d, i, x);
         for (int j = 0; j < 3; j++) d->extent[3 * i + j] = x[j];
+    }
+    for (int i = 0; i < m->nstate; i++) {
+        double *largest = d->extent + 3 * m->nbody + i;
+        *largest = jo_larger(*largest, fabs(JO_RE(jo_states(m, d)[i])));
     }
 }
 
@@ -286,7 +303,8 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_mirror_all(m, d);
-    for (int i = 0; i < 3 * m->nbody; i++) d->extent[i] = 0.0;
+    for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
+    jo_state_nominals(m, d, (double)last * s->step);
     remember_extent(m, d);
     c->start = JO_RE(d->time[0]);
     c->first = 1;

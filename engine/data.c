@@ -22,8 +22,8 @@ static void lay_state(const jo_model *m, arena *a, jo_data *d)
     d->state = take(a, 0);
     const size_t state = a->used;
     d->q = reals(a, m->nq);
-    d->v = reals(a, m->nv);
-    d->a = reals(a, m->nv);
+    d->v = reals(a, m->nv + m->nstate);
+    d->a = reals(a, m->nv + m->nstate);
     d->lam = reals(a, m->nrow);
     d->turn = reals(a, m->nturn);
     d->input = reals(a, m->ninput);
@@ -34,16 +34,16 @@ static void lay_state(const jo_model *m, arena *a, jo_data *d)
     d->rub = reals(a, 2 * m->nfriction);
     d->happened = take(a, (size_t)m->nevent * sizeof(int));
     d->memory = take(a, (size_t)m->nmemory * sizeof(double));
-    d->algorithmic = reals(a, m->nv);
-    d->end_a = reals(a, m->nv);
+    d->algorithmic = reals(a, m->nv + m->nstate);
+    d->end_a = reals(a, m->nv + m->nstate);
     d->end_q = reals(a, m->nq);
-    d->end_v = reals(a, m->nv);
+    d->end_v = reals(a, m->nv + m->nstate);
     d->end_lam = reals(a, m->nrow);
     d->end_time = reals(a, 1);
     d->started = take(a, sizeof(int));
-    d->tree.x = reals(a, m->nx + m->nu + JO_WIDTH - 1);   /* u too, which need not lie where vectors of the registers end */
+    d->tree.x = reals(a, m->nx + m->nu + m->nstate + JO_WIDTH - 1);   /* u too, which need not lie where vectors of the registers end */
     d->tree.u = d->tree.x + m->nx;
-    d->tree.ud = reals(a, m->nu);
+    d->tree.ud = reals(a, m->nu + m->nstate);
     d->state_bytes = a->used - state;
     d->kept.state = take(a, jo_watched(m) ? d->state_bytes : 0);   /* the same once more */
 }
@@ -51,18 +51,21 @@ static void lay_state(const jo_model *m, arena *a, jo_data *d)
 /* stages of a step and the state at its end */
 static void lay_steps(const jo_model *m, arena *a, jo_data *d)
 {
+    const int nw = m->nv + m->nstate;
     d->q0 = reals(a, m->nq);
-    d->v0 = reals(a, m->nv);
-    d->dq = reals(a, m->nv);
-    d->dv = reals(a, m->nv);
-    d->rate = reals(a, m->nv);
-    d->acc = reals(a, m->nv);
-    d->stages = reals(a, 7 * (2 * m->nv + 3));
-    d->change = reals(a, 2 * m->nv + 3);
+    d->v0 = reals(a, nw);
+    d->dq = reals(a, nw);
+    d->dv = reals(a, nw);
+    d->rate = reals(a, nw);
+    d->acc = reals(a, nw);
+    d->slopes = take(a, (size_t)m->nstate * sizeof *d->slopes);
+    d->stages = reals(a, 7 * (2 * nw + 3));
+    d->change = reals(a, 2 * nw + 3);
     d->q1 = reals(a, m->nq);
-    d->v1 = reals(a, m->nv);
+    d->v1 = reals(a, nw);
     d->lam1 = reals(a, m->nrow);
-    d->extent = take(a, 3 * (size_t)m->nbody * sizeof(double));
+    d->extent = take(a, (3 * (size_t)m->nbody + (size_t)m->nstate) * sizeof(double));
+    d->nominal = take(a, (size_t)m->nstate * sizeof(double));
 }
 
 /* arrays of the bodies, of a spare one while bytes are only counted */
@@ -327,6 +330,8 @@ jo_real *jo_data_rub(jo_data *d) { return d->rub; }
 double *jo_data_memory(jo_data *d) { return d->memory; }
 double *jo_data_bent(jo_data *d) { return d->bent; }
 int *jo_data_happened(jo_data *d) { return d->happened; }
+jo_real *jo_data_states(const jo_model *m, jo_data *d) { return d->v + m->nv; }
+jo_real *jo_data_state_rates(const jo_model *m, jo_data *d) { return d->a + m->nv; }
 jo_real *jo_data_joint(jo_data *d) { return d->tree.x; }
 jo_counts *jo_data_counts(jo_data *d) { return &d->counts; }
 const double *jo_data_log(const jo_data *d) { return d->log; }

@@ -101,10 +101,14 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 /* a and lam at time, q, v, or what belongs to x, u; the modal mass is that of the set */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    if (d->tree.on && !d->tree.kept) return jo_tree_evaluate(m, d, stage);
-    d->tree.narrow = d->tree.on;
-    const int status = evaluate(m, d, stage);
-    d->tree.narrow = 0;
+    int status;
+    if (d->tree.on && !d->tree.kept) status = jo_tree_evaluate(m, d, stage);
+    else {
+        d->tree.narrow = d->tree.on;
+        status = evaluate(m, d, stage);
+        d->tree.narrow = 0;
+    }
+    if (m->nstate && stage->set && d->tree.on && status == JO_OK) jo_tree_states(m, d, stage);
     return status;
 }
 

@@ -10,10 +10,17 @@ typedef struct {
     jo_real (*stored)(const jo_data *d, const jo_force *f);   /* energy, J; 0: none */
     /* adds how the force that stands in y changes to Newton's matrix, and y to the loads of its markers */
     int (*tangent)(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y);
+    /* of kinds with states: these where a run begins, and the sizes of them whose errors matter in a run of so many seconds; 0: none */
+    void (*start)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
+    void (*nominals)(const jo_model *m, const jo_force *f, double duration, double *x);
 } jo_force_kind;
 
 #define JO_FORCE_DECLARED(name, ...) extern const jo_force_kind jo_force_##name;
 JO_FORCES(JO_FORCE_DECLARED)
+
+/* state_rate.c */
+int jo_condenses(const jo_stage *stage);   /* whether the states are solved for within the forces */
+jo_real jo_condense_state(const jo_model *m, jo_data *d, const jo_stage *stage, int state, jo_real rate, jo_real decay);
 
 /* relative.c: motion of b against a, resolved in a */
 void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);

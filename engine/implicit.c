@@ -83,13 +83,13 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status != JO_OK) return status;
     d->power0 = d->power;
     for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
-    for (int i = 0; i < m->nv; i++) {
+    for (int i = 0; i < d->nw; i++) {
         d->algorithmic[i] = d->end_a[i] = d->a[i];
         d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
     }
     if (ahead == 0.0 || m->nbeam) return JO_OK;   /* stiff beams would be strained by so long a move */
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) {
+    for (int i = 0; i < d->nw; i++) {
         d->v0[i] = d->v[i];
         d->v[i] += ahead * d->a[i];
     }
@@ -100,14 +100,14 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     /* what is much faster than the step answers the explicit one with accelerations beyond all measure: then the
      * shift is left out, which is worth an error of second order, once */
     double change = 0.0, scale = 0.0;
-    for (int i = 0; i < m->nv; i++) d->dq[i] = d->a[i] - d->end_a[i];
+    for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->end_a[i];
     for (int i = 0; i < m->nbody; i++) {
         change += size_of(m, d, i, d->dq + m->body[i].iv);
         scale += size_of(m, d, i, d->end_a + m->body[i].iv);
     }
     const double part = status == JO_OK && change < scale ? 1.0 : 0.0;
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
-    for (int i = 0; i < m->nv; i++) {
+    for (int i = 0; i < d->nw; i++) {
         d->v[i] = d->v0[i];
         if (part > 0.0) d->algorithmic[i] += (shift < 0.0 ? -part : part) * d->dq[i];
     }
@@ -120,7 +120,7 @@ static int continues(const jo_model *m, const jo_data *d, double h)
     if (!*d->started || d->restart || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
     for (int i = 0; i < m->nq; i++)
         if (d->q[i] != d->end_q[i]) return 0;
-    for (int i = 0; i < m->nv; i++)
+    for (int i = 0; i < d->nw; i++)
         if (d->v[i] != d->end_v[i]) return 0;
     return 1;
 }
@@ -129,7 +129,7 @@ static int continues(const jo_model *m, const jo_data *d, double h)
 static void move(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
-    for (int i = 0; i < m->nv; i++) {
+    for (int i = 0; i < d->nw; i++) {
         d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->algorithmic[i] + b * d->rate[i]));
         d->v[i] = d->v0[i] + h * ((1.0 - g) * d->algorithmic[i] + g * d->rate[i]);
     }
@@ -216,7 +216,7 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
         if (k) advance(m, d, &stage->weights, d->whole, -share);
         move(m, d, s);
         d->counts.evaluations++;
-        if (jo_residual(m, d, d->acc) != JO_OK) continue;   /* so far away that an element folds */
+        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* so far away that an element folds */
         right_hand_side(m, d, &stage->weights, 0);
         jo_newton_solve(m, d);
         double next = 0.0;
@@ -234,7 +234,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
         move(m, d, s);
-        int status = jo_residual(m, d, d->acc);
+        int status = jo_residual_at(m, d, stage, d->acc);
         if (status != JO_OK) return status;
         d->counts.evaluations++;
         const int renewed = !JO_KEEP || !s->modified || !d->factored;
@@ -366,7 +366,7 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
 static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
-    for (int i = 0; i < m->nv; i++) {
+    for (int i = 0; i < d->nw; i++) {
         d->rate[i] = d->algorithmic[i];
         d->a[i] = (d->algorithmic[i] - s->alpha_f * d->end_a[i]) / (1.0 - s->alpha_f);
     }
@@ -390,7 +390,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     const jo_stage stage = {.weights = weights};
     const jo_real t0 = d->time[0];
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) d->v0[i] = d->v[i];
+    for (int i = 0; i < d->nw; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
     d->aged += h * fastest_turn(m, d);
     predict(m, d, s);
@@ -407,23 +407,24 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     }
     if (status == JO_OK) {
         move(m, d, s);
-        for (int i = 0; i < m->nv; i++) {
+        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces follow the last increment */
+        for (int i = 0; i < d->nw; i++) {
             d->algorithmic[i] = d->rate[i];
             d->end_a[i] = d->a[i];
         }
         for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
-        status = finish_work(m, d, h);
+        if (status == JO_OK) status = finish_work(m, d, h);
         if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
     }
     if (status != JO_OK) {   /* back to the last good state */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
-        for (int i = 0; i < m->nv; i++) d->v[i] = d->v0[i];
+        for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];
         d->time[0] = t0;
         *d->started = d->factored = 0;
         return status;
     }
     for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
-    for (int i = 0; i < m->nv; i++) d->end_v[i] = d->v[i];
+    for (int i = 0; i < d->nw; i++) d->end_v[i] = d->v[i];
     *d->end_time = d->time[0];
     *d->started = 1;
     return JO_OK;

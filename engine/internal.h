@@ -94,7 +94,11 @@ typedef struct {
 typedef struct {
     jo_real y[6];           /* force and torque on b, world; ALONG_COORDINATE: the force first */
     jo_real stored;         /* J in its springs */
+    jo_real stiffness, damping;   /* of forces with states: -dF/ds, -dF/ds' at the states */
 } jo_force_work;
+
+/* A state x' = f of a force F along a coordinate s, as ROS2 has it in its matrix: dF/dx, -df/dx, df/ds, df/ds'. */
+typedef struct { jo_real force, decay, value, rate; } jo_slopes_of_state;
 
 /* one side of a joint */
 typedef struct {
@@ -251,13 +255,15 @@ struct jo_data {
     jo_real *q, *v, *a, *lam;
     jo_tree tree;
     jo_real *y, *w, *wd;    /* what is integrated: q, v and a, or x, u and ud */
-    int ny, nw;             /* how many positions and velocities these are */
-    jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nv) */
-    jo_real *acc;           /* (nv) first stage of ROS2 */
-    jo_real *stages;        /* (7 x (2 nv + 3)) rates of increments, velocities and work in an adaptive step */
-    jo_real *change;        /* (2 nv + 3) what the step changed */
+    int ny, nw;             /* how many positions and velocities these are; the states of forces follow the velocities */
+    jo_real *q0, *v0, *dq, *dv, *rate;   /* stages of a step: (nq) and (nw) */
+    jo_real *acc;           /* (nw) first stage of ROS2 */
+    jo_slopes_of_state *slopes;   /* (nstate) that ROS2 has in its matrix */
+    jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in an adaptive step */
+    jo_real *change;        /* (2 nw + 3) what the step changed */
     jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
-    double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far */
+    double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far, (nstate) states */
+    double *nominal;        /* (nstate) size of states whose errors matter */
     jo_control control;
     jo_body_work *body;
     int nbeam;
@@ -335,6 +341,10 @@ static inline void jo_add_work(jo_work *y, double s, const jo_work *x)
     y->friction += s * x->friction;
     y->forces += s * x->forces;
 }
+
+/* the states of forces and their rates, behind what is integrated */
+static inline jo_real *jo_states(const jo_model *m, const jo_data *d) { return d->w + (d->nw - m->nstate); }
+static inline jo_real *jo_state_rates(const jo_model *m, const jo_data *d) { return d->wd + (d->nw - m->nstate); }
 
 /* world vector of a local one; ground is its own world */
 static inline void jo_to_world(jo_real *y, const jo_model *m, const jo_data *d, int marker, const jo_real *x)
@@ -522,6 +532,7 @@ int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite a
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
+void jo_state_nominals(const jo_model *m, jo_data *d, double duration);
 
 /* hub.c */
 void jo_hub_plan(const jo_model *m, jo_data *d);      /* after the pairs */
@@ -548,6 +559,7 @@ typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 
 /* tangent.c */
+int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r);   /* jo_residual in a step of an implicit method */
 void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
 
 /* body_tangent.c */
@@ -589,6 +601,7 @@ void jo_close_work(jo_data *d);
 void jo_tree_bodies(const jo_model *m, jo_data *d);    /* the bodies of all links, as jo_refresh leaves them */
 void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count);   /* the same of markers, with their velocities */
 int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage);   /* rates of states that answer to the accelerations */
 
 /* gram.c */
 int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */

@@ -33,6 +33,7 @@ typedef double jo_real;
  * stop: f = -stiffness d (1 + loss s(d'/speed)) against d, how far s is beyond lower or upper; see force_stop.c
  * modal_load: on the body's frame, local, then (np) on its modes; times signal
  * user: calls its function, has no data
+ * pid: a controller with an integral part and a filter, see force_pid.c; its two states from `state` on
  * moving_load: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
  *   (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
 #define JO_FORCES(ROW) \
@@ -43,6 +44,7 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
+    ROW(pid, proportional, integral, derivative, weight, cut, unwind, lower, upper, start, speed) \
     /* the last row */
 
 #define JO_FORCE_NUMBER(name, ...) JO_FORCE_##name,
@@ -51,7 +53,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 15 };           /* raised whenever a struct or a meaning below changes */
+enum { JO_ABI = 16 };           /* raised whenever a struct or a meaning below changes */
 enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -286,6 +288,7 @@ typedef struct {
     jo_callback function;
     void *user;
     int release;            /* it acts only until this event has happened; -1: always */
+    int state, states;      /* first of its states and how many, of kinds that have some; -1, 0: none */
 } jo_force;
 
 /* Velocity in m/s, lengths in m, preload in N. */
@@ -350,6 +353,7 @@ typedef struct {
     int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
     int nmeter, nmemory;    /* damage meters and the doubles that they remember */
     int nbeam;
+    int nstate;             /* first-order states of forces, x' = f(t, q, v, x) */
     int nbreak;             /* times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int nlink, nx, nu;      /* joint coordinates and rates of a tree; 0: everything runs in q and v */
@@ -437,6 +441,8 @@ int *jo_data_happened(jo_data *d);               /* (nevent) how often each even
 const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
                                                   * or -1 falling, or nevent + friction and its slip from then on */
 int jo_data_logged(const jo_data *d);
+jo_real *jo_data_states(const jo_model *m, jo_data *d);    /* (nstate) of forces */
+jo_real *jo_data_state_rates(const jo_model *m, jo_data *d);   /* (nstate) of the last evaluation */
 jo_real *jo_data_joint(jo_data *d);              /* (nx + nu) joint coordinates and rates, as q and v have them after a call */
 jo_counts *jo_data_counts(jo_data *d);
 void jo_data_count_turns(const jo_model *m, jo_data *d);   /* angles of the present state are accepted */
@@ -447,6 +453,7 @@ int jo_tree_accelerations(const jo_model *m, jo_data *d);     /* the same by the
 int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot);   /* the same with Baumgarte's terms; q' (nq) */
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
+void jo_start_states(const jo_model *m, jo_data *d);      /* states of forces as they are where a run begins at q, v */
 void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times their metres */
@@ -462,7 +469,7 @@ int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
 /* Advance nsteps; whenever the step count is a multiple of `every` write one row
- * [time q v lam jo_diagnostics sensors turn locked slip held direction happened input memory
+ * [time q v lam jo_diagnostics sensors states turn locked slip held direction happened input memory
  * joint].
  * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
  * written there. Does fewer steps when the log of events is full. Returns a jo_status. */

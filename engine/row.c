@@ -5,7 +5,7 @@ enum { JO_DIAGNOSTICS = sizeof(jo_diagnostics) / sizeof(jo_real) };
 
 int jo_row_size(const jo_model *m)
 {
-    return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nturn + 3 * m->nlock + 3 * m->nfriction
+    return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nstate + m->nturn + 3 * m->nlock + 3 * m->nfriction
            + m->nevent + m->ninput + m->nmemory + m->nx + m->nu;
 }
 
@@ -45,6 +45,7 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     diagnose(m, d, (jo_diagnostics *)row);
     jo_sensors(m, d, row + JO_DIAGNOSTICS);
     row += JO_DIAGNOSTICS + m->nout;
+    for (int i = 0; i < m->nstate; i++) *row++ = jo_states(m, d)[i];
     for (int i = 0; i < m->nturn; i++) *row++ = d->turn[i];
     for (int i = 0; i < m->nlock; i++) *row++ = jo_same(d->locked[i]);
     for (int i = 0; i < m->nfriction; i++) *row++ = jo_same(d->slip[i]);

@@ -8,12 +8,18 @@
 
 void jo_use_core(const jo_model *m, jo_data *d, int tree)
 {
+    const int nu = m->nu, nv = m->nv;
+    for (int i = 0; d->tree.on != tree && i < m->nstate; i++) {   /* the states go along */
+        const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
+        *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
+        *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
+    }
     d->tree.on = tree;
     d->y = tree ? d->tree.x : d->q;
     d->w = tree ? d->tree.u : d->v;
     d->wd = tree ? d->tree.ud : d->a;
     d->ny = tree ? m->nx : m->nq;
-    d->nw = tree ? m->nu : m->nv;
+    d->nw = (tree ? nu : nv) + m->nstate;
     for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
     for (int i = 0; tree && i < d->tree.kept; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
@@ -106,8 +112,25 @@ void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const
     }
 }
 
+/* whether a state of a force has diverged; the error is that of the body on which the force acts */
+static int states_spoilt(const jo_model *m, jo_data *d)
+{
+    jo_real *x = jo_states(m, d);
+    for (int k = 0; k < m->nforce; k++) {
+        const jo_force *f = &m->force[k];
+        for (int i = f->state; i < f->state + f->states; i++) {
+            if (!jo_spoil(x + i, JO_LESS(jo_magnitude(x[i]), JO_LARGEST))) continue;
+            const jo_coordinate *c = &m->coordinate[f->coordinate];
+            d->error_index = m->marker[c->b].body >= 0 ? m->marker[c->b].body : m->marker[c->a].body;
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int jo_check(const jo_model *m, jo_data *d)
 {
+    if (m->nstate && states_spoilt(m, d)) return JO_NOT_FINITE;
     if (d->tree.on) return jo_tree_check(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];

@@ -40,7 +40,7 @@ void jo_balance(const jo_model *m, const jo_data *d, jo_real *r)
     for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
 }
 
-int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
+int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
     jo_real largest[2];
@@ -50,7 +50,7 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
     if (m->nforce) {
-        const int applied = jo_apply_forces(m, d, &jo_now);
+        const int applied = jo_apply_forces(m, d, stage);
         if (applied != JO_OK) return applied;
     }
     if (m->nbeam) {
@@ -62,3 +62,5 @@ int jo_residual(const jo_model *m, jo_data *d, jo_real *r)
     jo_balance(m, d, r);
     return JO_OK;
 }
+
+int jo_residual(const jo_model *m, jo_data *d, jo_real *r) { return jo_residual_at(m, d, &jo_now, r); }

@@ -70,6 +70,68 @@ static void place_coordinates(const jo_model *m, jo_data *d)
     }
 }
 
+/* whether ROS2 has a force with states in its matrix: it acts along a joint coordinate that is free to move */
+static const jo_link *implicit_link(const jo_model *m, const jo_data *d, const jo_force *f)
+{
+    const int link = f->state >= 0 && m->nstate ? m->coordinate[f->coordinate].link : -1;
+    if (link < 0 || jo_link_given(d, &m->link[link]) || jo_released(d, f->release)) return 0;
+    return &m->link[link];
+}
+
+/* Forces with states x' = f in the W-method: the rows of the states are eliminated from those of the joints. With c = dF/dx /
+ * (1 + g h decay) the stiffness becomes K - g h c df/ds, the damping D - g h c df/ds', and the force has g h c f more, in the
+ * second stage g h c (f - 2 k) with the rate k of the first. */
+static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    jo_tree *t = &d->tree;
+    const double gh = stage->gh;
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        const jo_link *k = implicit_link(m, d, f);
+        if (!k) continue;
+        const jo_real *rate = jo_state_rates(m, d), *first = d->acc + d->nw - m->nstate;
+        jo_real K = d->force[i].stiffness, D = d->force[i].damping, F = jo_same(0.0);
+        for (int j = f->state; j < f->state + f->states; j++) {
+            const jo_slopes_of_state *s = &d->slopes[j];
+            const jo_real c = s->force / (1.0 + gh * s->decay);
+            K -= gh * c * s->value;
+            D -= gh * c * s->rate;
+            F += gh * c * (stage->lead >= 0.0 ? rate[j] : rate[j] - 2.0 * first[j]);
+        }
+        if (stage->lead >= 0.0) {
+            t->stiffness[k->u] += K;
+            t->damping[k->u] += D;
+        }
+        t->tau[k->u] += jo_link_sign(k) * F;
+    }
+}
+
+/* The rates of these states with what the accelerations of the joints add to them: (1 + g h decay) k = f + g h (df/ds s' + df/ds' s'')
+ * with the rates s', s'' of the stage, in the second one less twice those of the first. */
+void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    const int second = stage->lead < 0.0;
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        const jo_link *k = implicit_link(m, d, f);
+        if (!k) continue;
+        const jo_real sign = jo_same(jo_link_sign(k)), *first = d->acc + d->nw - m->nstate;
+        jo_real *rate = jo_state_rates(m, d), move = d->tree.u[k->u], a = d->tree.ud[k->u];
+        if (second) {   /* s' = u1 - 2 g h a1 + g h a2 - 2 (u0 + g h a1) */
+            const jo_real a1 = d->acc[k->u];
+            move += gh * a - 4.0 * gh * a1 - 2.0 * d->v0[k->u];
+            a -= 2.0 * a1;
+        } else move += gh * a;
+        for (int j = f->state; j < f->state + f->states; j++) {
+            const jo_slopes_of_state *s = &d->slopes[j];
+            jo_real y = rate[j] + gh * sign * (s->value * move + s->rate * a);
+            if (second) y += 2.0 * gh * s->decay * first[j];
+            rate[j] = y / (1.0 + gh * s->decay);
+        }
+    }
+}
+
 /* stiffness and damping of springs along joint coordinates, which ROS2 takes in its matrix: that of its first stage serves for both */
 static void gather_stiffness(const jo_model *m, jo_data *d)
 {
@@ -95,6 +157,7 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_tree *t = &d->tree;
     const double gh = stage->gh;
     if (stage->lead >= 0.0) gather_stiffness(m, d);
+    if (m->nstate) eliminate_states(m, d, stage);
     for (int i = 0; i < m->nu; i++) {
         const jo_real K = t->stiffness[i], D = t->damping[i];
         if (stage->lead >= 0.0) t->tau[i] -= gh * K * t->u[i];

@@ -20,7 +20,8 @@ STEP = 1e-3
 
 
 def swinging_arm() -> jo.Mechanism:
-    """Return a driven flexible arm with friction that sticks, a spring, an event and damage."""
+    """Return a driven flexible arm with friction that sticks, a spring, a controller, an event and
+    damage."""
     steel = jo.Material(E=210e9, nu=0.3, rho=7850)
     part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.025), 4, steel)
     arm = jo.FlexibleBody("arm", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=3)))
@@ -32,6 +33,7 @@ def swinging_arm() -> jo.Mechanism:
     rub = jo.Friction(
         "rub", pin, mu_kinetic=0.2, mu_static=0.3, radius=0.02, law=jo.mechanism.StickSlip()
     )
+    steady = jo.mechanism.PID("steady", pin.angle, 0.05, kp=4.0, ki=30.0, kd=0.5, limit=2.5)
     tip = jo.PositionSensor("tip", ball["center"])
     stress = jo.StressSensor("stress", arm, "e1.a.top")
     steel_curve = jo.SN(S_D=100e6, N_D=1e6, k=5)
@@ -41,7 +43,7 @@ def swinging_arm() -> jo.Mechanism:
     low = jo.mechanism.Event("low", tip, component="z", threshold=-0.2)
     gravity = jo.Gravity((0, 0, -9.81))
     return jo.Mechanism(
-        *(arm, ball, pin, hold, drive, spring, rub, tip, stress, life, low, gravity)
+        *(arm, ball, pin, hold, drive, spring, rub, steady, tip, stress, life, low, gravity)
     )
 
 
@@ -79,6 +81,12 @@ def reaching_arm() -> jo.Mechanism:
         jo.JointForce("push", lift.angle, jo.Input("push", -12.0)),
         jo.Spring("stay", slide.coordinates[0], stiffness=900.0, damping=4.0),
         jo.Servo("servo", lift.angle, jo.Harmonic(amplitude=0.2, frequency=2.0), kp=40.0, kd=2.0),
+        jo.mechanism.PID(
+            "steady", slide.coordinates[0], 0.004, kp=300.0, ki=900.0, kd=6.0, limit=20.0
+        ),
+        jo.mechanism.SpeedPID(
+            "spin", twist.coordinates[1], 0.3, kp=0.4, ki=3.0, filter=0.01, kd=0.01
+        ),
         jo.mechanism.Stop("end", slide.coordinates[0], -0.01, 0.01, stiffness=4e3, speed=0.5),
         jo.Spring("coil", twist.coordinates[1], stiffness=12.0, damping=0.3),
         jo.Spring.between("line", plate.at((0.6, 0, 0)), kite["origin"], 30.0, damping=0.5),

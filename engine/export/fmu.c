@@ -49,7 +49,7 @@ jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int loggi
         return 0;
     }
     const long long bytes = jo_machine_bytes(&PLANT);
-    const size_t states = (size_t)(PLANT.model->nq + PLANT.model->nv);
+    const size_t states = (size_t)(PLANT.model->nq + PLANT.model->nv + PLANT.model->nstate);
     jo_fmu *f = calloc(1, sizeof *f + (size_t)bytes + 2 * states * sizeof(double) + 64);
     if (!f) {
         jo_fmu_say(&silent, JO_FMU_ERROR, "%s: no memory for %lld bytes", name, bytes);

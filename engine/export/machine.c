@@ -118,6 +118,7 @@ int jo_machine_reset(jo_machine *k)
     memcpy(jo_data_q(k->data), p->q0, sizeof(jo_real) * (size_t)p->model->nq);
     memcpy(jo_data_v(k->data), p->v0, sizeof(jo_real) * (size_t)p->model->nv);
     for (int i = 0; i < p->ninput; i++) jo_data_input(k->data)[p->input[i].place] = p->input[i].start;
+    jo_start_states(&k->model, k->data);
     return JO_MACHINE_OK;
 }
 
@@ -221,20 +222,21 @@ int jo_machine_get_output(jo_machine *k, int output, double *value)
 int jo_machine_error(const jo_machine *k) { return k->status; }
 int jo_machine_error_index(const jo_machine *k) { return jo_data_error_index(k->data); }
 
-int jo_machine_states(const jo_machine *k) { return k->model.nq + k->model.nv; }
+int jo_machine_states(const jo_machine *k) { return k->model.nq + k->model.nv + k->model.nstate; }
 
 void jo_machine_get_states(const jo_machine *k, double *x)
 {
     const jo_real *q = jo_data_q(k->data), *v = jo_data_v(k->data);
     for (int i = 0; i < k->model.nq; i++) x[i] = q[i];
     for (int i = 0; i < k->model.nv; i++) x[k->model.nq + i] = v[i];
+    for (int i = 0; i < k->model.nstate; i++) x[k->model.nq + k->model.nv + i] = jo_data_states(&k->model, k->data)[i];
 }
 
 int jo_machine_set_states(jo_machine *k, double time, const double *x)
 {
     const jo_model *m = &k->model;
     if (!is_finite(time)) return JO_MACHINE_WRONG;
-    for (int i = 0; i < m->nq + m->nv; i++)
+    for (int i = 0; i < m->nq + m->nv + m->nstate; i++)
         if (!is_finite(x[i])) return JO_MACHINE_WRONG;
     for (int i = 0; i < m->nbody; i++) {
         const double *e = x + m->body[i].iq + 3;
@@ -243,6 +245,7 @@ int jo_machine_set_states(jo_machine *k, double time, const double *x)
     jo_real *q = jo_data_q(k->data), *v = jo_data_v(k->data);
     for (int i = 0; i < m->nq; i++) q[i] = x[i];
     for (int i = 0; i < m->nv; i++) v[i] = x[m->nq + i];
+    for (int i = 0; i < m->nstate; i++) jo_data_states(m, k->data)[i] = x[m->nq + m->nv + i];
     for (int i = 0; i < m->nbody; i++) {
         jo_real *e = q + m->body[i].iq + 3;
         const double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
@@ -259,7 +262,7 @@ int jo_machine_rates(jo_machine *k, double rate, jo_real *xdot)
     k->known = 0;
     const int status = jo_rates(&k->model, k->data, rate, rate, xdot);
     if (status != JO_OK) return failed(k, status);
-    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(jo_real) * (size_t)k->model.nv);
+    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(jo_real) * (size_t)(k->model.nv + k->model.nstate));   /* rates of states follow */
     return JO_MACHINE_OK;
 }
 
@@ -329,7 +332,8 @@ static int possible(const jo_model *m, const double *row)
         if (!is_finite(row[i])) return 0;
     for (int i = joint; i < joint + m->nx + m->nu; i++)
         if (!is_finite(row[i])) return 0;
-    for (int i = after + m->nturn; i < after + m->nturn + ints; i++)
+    const int locked = after + m->nstate + m->nturn;
+    for (int i = locked; i < locked + ints; i++)
         if (row[i] != 0.0 && row[i] != 1.0 && row[i] != -1.0) return 0;
     const int happened = end - m->ninput - m->nevent;
     for (int i = happened; i < happened + m->nevent; i++)
@@ -369,6 +373,7 @@ int jo_machine_load(jo_machine *k, const double *state)
     row = put(jo_data_v(d), row, m->nv);
     row = put(jo_data_lam(d), row, m->nrow);
     row += sizeof(jo_diagnostics) / sizeof(jo_real) + (size_t)m->nout;
+    row = put(jo_data_states(m, d), row, m->nstate);
     row = put(jo_data_turn(d), row, m->nturn);
     row = put_int(jo_data_locked(d), row, m->nlock);
     row = put_int(jo_data_slip(d), row, m->nfriction);

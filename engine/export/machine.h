@@ -54,10 +54,10 @@ const jo_real *jo_machine_outputs(jo_machine *k);                /* (nout) all s
 int jo_machine_error(const jo_machine *k);                       /* jo_status of the last failure */
 int jo_machine_error_index(const jo_machine *k);
 
-/* For integrators of somebody else's: states [q v], their rates with joints drawn together by Baumgarte's terms of this rate, 1/s.
+/* For integrators of somebody else's: states [q v x], x those of forces, their rates with joints drawn together by Baumgarte's terms of this rate, 1/s.
  * A machine that steps itself in joint coordinates is to be told so first. */
 void jo_machine_in_bodies(jo_machine *k);                        /* from its start in q and v, like any machine */
-int jo_machine_states(const jo_machine *k);                      /* nq + nv */
+int jo_machine_states(const jo_machine *k);                      /* nq + nv + nstate */
 void jo_machine_get_states(const jo_machine *k, double *x);
 int jo_machine_set_states(jo_machine *k, double time, const double *x);   /* Euler parameters are made unit vectors */
 int jo_machine_rates(jo_machine *k, double rate, jo_real *xdot);

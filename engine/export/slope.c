@@ -73,7 +73,7 @@ int jo_slope(const double *state, int in_bodies, double rate, const jo_slope_ref
              const jo_slope_ref *unknown, double *change, int nunknown)
 {
     const long long bytes = jo_machine_bytes(&PLANT);
-    const size_t states = (size_t)(PLANT.model->nq + PLANT.model->nv);
+    const size_t states = (size_t)(PLANT.model->nq + PLANT.model->nv + PLANT.model->nstate);
     jo_real *rates = malloc(sizeof *rates * (states + 1) + (size_t)bytes);
     int status = 1;
     if (!rates) return status;

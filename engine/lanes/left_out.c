@@ -265,6 +265,11 @@ void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how)
     (void)m; (void)d; (void)how;
 }
 
+void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    (void)m; (void)d; (void)stage;
+}
+
 /* kinds of force that no other file defines here */
-#define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0};
+#define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0};
 JO_FORCES(LEFT_OUT)

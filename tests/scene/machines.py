@@ -93,6 +93,8 @@ def everything() -> jo.Mechanism:
         jo.JointForce("torque", axle.angle, jo.Constant(1.0)),
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
+        jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
+        jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),
         jo.mechanism.ModalLoad("suction", arm, pattern),
         jo.UserForce("drag", slider["tip"], lambda t, x: [0.0] * 6),
         jo.mechanism.LineLoad("wind", rope, (0, 1.0, 0)),

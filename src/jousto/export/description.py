@@ -11,6 +11,7 @@ from jousto.base.units import parse_unit
 from jousto.base.version import __version__
 from jousto.export.ports import Port
 from jousto.export.program import Program
+from jousto.model.native.native import Engine
 
 BASE = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad", "[temperature]": "K"}
 SHOWN = {  # display units by SI unit: their name and how many of them one SI unit is
@@ -89,7 +90,7 @@ def variables(made: Program, *, exchange: bool) -> tuple[Variable, ...]:
 
 def _states(made: Program, ref: int) -> Iterator[Variable]:
     m = made.model
-    n = m.nq + m.nv
+    n = m.nq + m.nv + m.nstate
     names, units = [""] * n, ["1"] * n
     for body in m.bodies:
         modes = [f"p{j + 1}" for j in range(body.n)]
@@ -99,7 +100,8 @@ def _states(made: Program, ref: int) -> Iterator[Variable]:
         names[m.nq + body.iv : m.nq + body.iv + len(rates)] = rates
         units[body.iq : body.iq + 3] = ["m"] * 3
         units[m.nq + body.iv : m.nq + body.iv + 6] = ["m/s"] * 3 + ["rad/s"] * 3
-    starts = [*m.q0, *m.v0]
+    names[m.nq + m.nv :] = [f"x.{name}" for name in m.state_names]
+    starts = [*m.q0, *m.v0, *Engine(m).states.tolist()]
     for k in range(n):
         about = "state of the machine"
         row = (names[k], about, units[k], ref + k, "local", "continuous", "exact", starts[k])

@@ -163,12 +163,13 @@ def _input_unit(model: Model, name: str) -> str:
 
 
 def _signal_unit(model: Model, force: ForceModel, place: int) -> str:
-    angular = force.kind == "along" and _angular(model, force.coordinate)
-    if force.kind == "along" and place == force.reference:
-        return "rad" if angular else "m"
-    if force.kind == "along":
-        return "1"  # times the preload
-    return "1"
+    if force.kind in ("along", "pid") and place == force.reference:
+        unit = "rad" if _angular(model, force.coordinate) else "m"
+        rate = force.kind == "pid" and bool(named("jo_pid_data", force.data).speed)
+        return f"{unit}/s" if rate else unit
+    if force.kind == "pid":
+        return "N m" if _angular(model, force.coordinate) else "N"
+    return "1"  # of a force along a coordinate times the preload
 
 
 def _angular(model: Model, coordinate: int) -> bool:
@@ -223,6 +224,17 @@ def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, 
         for name, at in places("jo_stop_data").items():
             if abs(force.data[at.start]) < NEVER:
                 yield name, units.get(name, s), f"{name} of {force.name}", at.start
+    elif force.kind == "pid":
+        angular = model.coordinates[force.coordinate].kind in ANGULAR
+        s, f = ("rad", "N m") if angular else ("m", "N")
+        rate = bool(named("jo_pid_data", force.data).speed)
+        units = {"lower": f, "upper": f, "weight": "1", "cut": "1/s", "unwind": "1/s"}
+        times = ("{}/{}/s", "{}/{}", "{} s/{}", "{} s2/{}")[rate:]
+        for name, text in zip(("integral", "proportional", "derivative"), times, strict=False):
+            units[name] = text.format(f, s)
+        for name, at in places("jo_pid_data").items():
+            if name in units and abs(force.data[at.start]) < NEVER:
+                yield name, units[name], f"{name} of {force.name}", at.start
     elif force.kind == "bushing":
         for field, letter, tail in (("K", "k", ""), ("D", "d", " s")):
             at = places("jo_bushing_data")[field].start

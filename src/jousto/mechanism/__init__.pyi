@@ -6,6 +6,7 @@ from .event import Event as Event
 from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
+from .forces.pid import PID as PID, SpeedPID as SpeedPID
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular

@@ -258,7 +258,8 @@ class SignalModel:
 class ForceModel:
     """What pushes; its kind is one of jousto.h: "load", "along", "modal load".
 
-    `release` is the event that ends it, -1 for none.
+    `release` is the event that ends it, -1 for none; `state` is the first of its first-order
+    states.
     """
 
     name: str
@@ -276,6 +277,13 @@ class ForceModel:
     damper: int = -1
     function: Any = None
     release: int = -1
+    state: int = -1
+    state_names: tuple[str, ...] = ()
+
+    @property
+    def states(self) -> int:
+        """Number of its first-order states."""
+        return len(self.state_names)
 
 
 @described
@@ -485,6 +493,16 @@ class Model:
     def nu(self) -> int:
         """Number of their rates."""
         return sum(link.rates for link in self.links)
+
+    @property
+    def nstate(self) -> int:
+        """Number of first-order states of forces."""
+        return sum(force.states for force in self.forces)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the first-order states, ``force.state``."""
+        return tuple(f"{force.name}.{name}" for force in self.forces for name in force.state_names)
 
     @cached_property
     def nrow(self) -> int:

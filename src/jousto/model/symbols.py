@@ -20,6 +20,7 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.line_load import LineLoad
 from jousto.mechanism.forces.loads import Force, PointLoad, Torque
 from jousto.mechanism.forces.moving import MovingLoad
+from jousto.mechanism.forces.pid import PID, SpeedPID
 from jousto.mechanism.forces.springs import JointForce, Servo, Spring
 from jousto.mechanism.forces.stop import Stop
 from jousto.mechanism.joints.base import Joint
@@ -269,7 +270,7 @@ def force_kind(force: ForceElement) -> str:
         return f"torsion-{kind}" if turning else kind
     if isinstance(force, Stop):
         return "torsion-spring" if turning else "spring"
-    if isinstance(force, JointForce | Servo):
+    if isinstance(force, JointForce | Servo | PID | SpeedPID):
         return "motor" if turning else "actuator"
     if isinstance(force, Force | Torque):
         return "moment" if isinstance(force, Torque) else "force"

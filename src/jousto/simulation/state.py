@@ -29,6 +29,8 @@ class State:
         Positions [R e p], velocities [R' w_local p'] and multipliers.
     time : float
         Instant, s.
+    states : array, optional
+        First-order states of forces, such as the integral part of a `PID`; None starts them anew.
     turn : array, optional
         Unwrapped angles, rad; None counts from within half a turn.
     locked, slip, held, direction : arrays, optional
@@ -60,6 +62,7 @@ class State:
     work: Array | None = None
     meters: Array | None = None
     joint: Array | None = None
+    states: Array | None = None
 
     def __repr__(self) -> str:
         return f"<State: at {self.time:g} s, {len(self.q)} positions, {len(self.v)} velocities>"
@@ -67,6 +70,7 @@ class State:
 
 # further arrays of a state and what they are, in the order of the engine's rows after the sensors
 MEMORY = {
+    "states": ("N, N m, m, rad, m/s or rad/s", "first-order states of forces"),
     "turn": ("rad", "unwrapped angles"),
     "locked": ("1", "1 where friction sticks"),
     "slip": ("1", "0 where friction sticks, else the direction of slip along the coordinate"),
@@ -117,6 +121,8 @@ def put(engine: Engine, state: State, where: str) -> None:
         problems.add(where, f"the time of the state is {state.time}, must be finite")
     problems.raise_if_any()
     engine.time[0] = state.time
+    if state.states is None:
+        engine.start_states()
     for i, name in enumerate(engine.model.inputs):
         if state.inputs is not None and name in state.inputs:
             engine.input[i] = state.inputs[name]
@@ -141,6 +147,7 @@ def memory_sizes(model: Model) -> dict[str, int]:
     """Return the lengths of the further arrays of a state, in the order of the engine's rows."""
     locks = sum(joint.lock >= 0 for joint in model.joints)
     return {
+        "states": model.nstate,
         "turn": sum(coordinate.kind == "angle" for coordinate in model.coordinates),
         "locked": locks,
         "slip": len(model.frictions),

@@ -46,6 +46,8 @@ class Push:
         Functions of time, and of the coordinate and its rate.
     function : callable, optional
         Function of the user.
+    states : tuple of str
+        Names of the first-order states that the law has.
     """
 
     kind: str
@@ -63,6 +65,7 @@ class Push:
     spring: Signal | None = None
     damper: Signal | None = None
     function: Any = None
+    states: tuple[str, ...] = ()
 
 
 class ForceElement(Declared, section="forces"):

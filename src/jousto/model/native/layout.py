@@ -204,6 +204,7 @@ class Layout:
             "ninput": len(m.inputs),
             "nnode": len(newton.nodes),
             "nnewton": newton.reals,
+            "nstate": m.nstate,
             "nbreak": len(m.breaks),
             "nmeter": len(m.meters),
             "nmemory": sum(meter_size(meter.rule) for meter in m.meters),

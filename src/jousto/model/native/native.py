@@ -27,7 +27,7 @@ Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
 # what a twin of an engine needs to stand where it stands
 STATE = (
     *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
-    *("locked", "held", "slip", "direction"),
+    *("locked", "held", "slip", "direction", "states"),
 )
 # fields of jo_pace
 PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
@@ -128,6 +128,10 @@ class Engine:
         self.meters = self._view(self._library.jo_data_memory(data), memory, np.float64)
         bent = self._view(self._library.jo_data_bent(data), 2 * len(model.beams), np.float64)
         self.bent = bent.reshape(-1, 2)
+        self.states = self._view(self._library.jo_data_states(self._model, data), model.nstate)
+        self.state_rates = self._view(
+            self._library.jo_data_state_rates(self._model, data), model.nstate
+        )
         self.joint = self._view(self._library.jo_data_joint(data), model.nx + model.nu)
         self.counts = self._library.jo_data_counts(data)
         self.row_size = int(self._library.jo_row_size(self._model))
@@ -138,8 +142,13 @@ class Engine:
                 self.input[signal.count] = named("jo_constant_data", signal.data).value
         self.q[:] = model.q0
         self.v[:] = model.v0
+        self.start_states()
 
     # -- what the engine computes ---------------------------------------------------------
+
+    def start_states(self) -> None:
+        """Bring the states of forces to where a run begins at time, q, v."""
+        self._library.jo_start_states(self._model, self._data)
 
     def accelerations(self) -> tuple[Scalars, Scalars]:
         """Compute and return a (nv,) and lam (nrow,) at time, q, v."""

@@ -52,6 +52,7 @@ class Builder:
         self.joints: list[JointModel] = []
         self.signals: list[SignalModel] = []
         self.forces: list[ForceModel] = []
+        self._states = 0
         self.frictions: list[FrictionModel] = []
         self.events: list[EventModel] = []
         self.force_places: dict[int, int] = {}
@@ -204,11 +205,12 @@ class Builder:
         """Return the index of what pushes, of the first of several laws."""
         self.force_places[id(force)] = place = len(self.forces)
         release = self._releases.get(id(force), -1)
-        made = (self._push(force.name, push) for push in force.pushes)
-        self.forces += made if release < 0 else [replace(push, release=release) for push in made]
+        for push in force.pushes:
+            self.forces.append(self._push(force.name, push, release))
         return place
 
-    def _push(self, name: str, push: Push) -> ForceModel:
+    def _push(self, name: str, push: Push, release: int) -> ForceModel:
+        self._states += len(push.states)
         return ForceModel(
             name=name,
             kind=push.kind,
@@ -224,6 +226,9 @@ class Builder:
             signal=self.signal(push.signal),
             reference=self.signal(push.reference),
             function=push.function,
+            release=release,
+            state=self._states - len(push.states) if push.states else -1,
+            state_names=push.states,
         )
 
 

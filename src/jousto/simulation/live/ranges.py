@@ -128,7 +128,12 @@ def _units(model: Model) -> dict[int, str]:
             if len(line.coordinates) == 1:
                 note(line.signal, _length(model.coordinates[line.coordinates[0]]))
     for force in model.forces:
-        if force.kind == "along":
+        if force.kind == "pid":
+            s = model.coordinates[force.coordinate]
+            rate = bool(named("jo_pid_data", force.data).speed)
+            note(force.reference, f"{_length(s)}/s" if rate else _length(s))
+            note(force.signal, "N m" if _length(s) == "rad" else "N")
+        elif force.kind == "along":
             s = model.coordinates[force.coordinate]
             note(force.reference, _length(s))
             if named("jo_along_data", force.data).preload == 1.0:  # the signal is the force

@@ -16,6 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
+from jousto.simulation.controllers import controllers, hold_controllers
 from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
 
@@ -31,10 +32,12 @@ class LinearModel:
 
     Attributes
     ----------
-    A, B, C, D : arrays (2f, 2f), (2f, nu), (ny, 2f), (ny, nu)
-        f = mobility; x = [free positions, free velocities], deviations from the state.
+    A, B, C, D : arrays (n, n), (n, nu), (ny, n), (ny, nu)
+        n = 2f + ns; f = mobility; x = [free positions, free velocities, ns states of forces such as
+        `PID`], deviations from the state.
     input_names, output_names, state_names : tuples of str
-        Inputs by name; sensor components ``sensor.component``; ``y0..`` and ``u0..``.
+        Inputs by name; sensor components ``sensor.component``; ``y0..``, ``u0..`` and
+        ``pid.integral``, ``pid.filtered``.
     """
 
     A: Array
@@ -101,7 +104,8 @@ class Tangent:
     """First derivatives of the motion at a state, translations resolved in body frames.
 
     With the free positions y and velocities u: ``dq = N y``, ``dv = P y + N u``,
-    ``y' = drift y + u``, ``u' = Ay y + Au u + Bu input``; P keeps the velocities consistent.
+    ``y' = drift y + u``, ``u' = Ay y + Au u + Ax x + Bu input`` and ``x' = Xy y + Xu u + Xx x +
+    Xb input`` of the states x of forces; P keeps the velocities consistent.
     """
 
     N: Array
@@ -109,9 +113,15 @@ class Tangent:
     drift: Array
     Ay: Array
     Au: Array
+    Ax: Array
     Bu: Array
+    Xy: Array
+    Xu: Array
+    Xx: Array
+    Xb: Array
     Cy: Array
     Cu: Array
+    Cx: Array
     Du: Array
     a: Array
     lam: Array
@@ -153,23 +163,34 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     a, lam = (np.array(x) for x in engine.accelerations())
     M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T  # of beams between the bodies too
 
-    def slopes(dq: Array, dv: Array, du: Array) -> tuple[Array, Array, Array, Array]:
-        """Directional derivatives of C, C', a (body frames) and sensors."""
+    def slopes(*along: Array) -> tuple[Array, ...]:
+        """Directional derivatives of C, C', a (body frames), sensors and rates of states."""
+        dq, dv, dx, du = along
         steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
         steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
+        steps.states[:] = engine.states + 1j * IMAGINARY * dx
         steps.input[:] = engine.input + 1j * IMAGINARY * du
         steps.time[0] = time
         c, cdot = steps.constraints()
         acceleration, _ = steps.accelerations()
-        sensors = steps.sensors()
-        parts = (c, cdot, T.T @ acceleration, sensors)
-        return tuple(np.array(part.imag) / IMAGINARY for part in parts)  # type: ignore[return-value]
+        rates = np.array(steps.state_rates)
+        parts = (c, cdot, T.T @ acceleration, steps.sensors(), rates)
+        return tuple(np.array(part.imag) / IMAGINARY for part in parts)
 
-    nu, unit = len(model.inputs), np.eye(nv)
-    none, still = np.zeros(nv), np.zeros(nu)
-    by_q = [_columns(rows) for rows in zip(*(slopes(e, none, still) for e in unit), strict=True)]
-    by_v = [_columns(rows) for rows in zip(*(slopes(none, e, still) for e in unit), strict=True)]
-    by_u = [slopes(none, none, e) for e in np.eye(nu)]
+    sizes = (nv, nv, model.nstate, len(model.inputs))
+    lengths = (model.nrow, model.nrow, nv, model.nout, model.nstate)
+
+    def columns(which: int) -> list[Array]:
+        """Derivatives with respect to q, v, states or inputs, (rows, columns) each."""
+        out = [np.zeros((length, sizes[which])) for length in lengths]
+        for k in range(sizes[which]):
+            along = [np.zeros(size) for size in sizes]
+            along[which][k] = 1.0
+            for matrix, column in zip(out, slopes(*along), strict=True):
+                matrix[:, k] = column
+        return out
+
+    by_q, by_v, by_x, by_u = (columns(which) for which in range(4))
     Cq, Cdot = by_q[0], by_q[1]
     N, pseudo = free_motions(Cq)
     P = -pseudo @ (Cdot @ N)
@@ -187,13 +208,31 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         drift=N.T @ frames @ N,
         Ay=N.T @ (aq @ N + av @ P),
         Au=N.T @ av @ N,
-        Bu=np.array([N.T @ column[2] for column in by_u]).T.reshape(N.shape[1], nu),
+        Ax=N.T @ by_x[2],
+        Bu=N.T @ by_u[2],
+        Xy=by_q[4] @ N + by_v[4] @ P,
+        Xu=by_v[4] @ N,
+        Xx=by_x[4],
+        Xb=by_u[4],
         Cy=by_q[3] @ N + by_v[3] @ P,
         Cu=by_v[3] @ N,
-        Du=np.array([column[3] for column in by_u]).T.reshape(model.nout, nu),
+        Cx=by_x[3],
+        Du=by_u[3],
         a=T.T @ a,
         lam=lam,
         M=M,
+    )
+
+
+def system_matrix(t: Tangent) -> Array:
+    """Return the matrix of the free positions, the free velocities and the states of forces."""
+    f, ns = t.N.shape[1], len(t.Xx)
+    return np.block(
+        [
+            [t.drift, np.eye(f), np.zeros((f, ns))],
+            [t.Ay, t.Au, t.Ax],
+            [t.Xy, t.Xu, t.Xx],
+        ]
     )
 
 
@@ -305,13 +344,17 @@ def linearise(
             part = sensor.components[k] if k < len(sensor.components) else str(k)
             names.append(name if sensor.count == 1 else f"{name}.{part}")
     return LinearModel(
-        A=np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]),
-        B=np.vstack([np.zeros((f, len(places))), t.Bu[:, places]]),
-        C=np.hstack([t.Cy, t.Cu])[rows],
+        A=system_matrix(t),
+        B=np.vstack([np.zeros((f, len(places))), t.Bu[:, places], t.Xb[:, places]]),
+        C=np.hstack([t.Cy, t.Cu, t.Cx])[rows],
         D=t.Du[np.ix_(rows, places)],
         input_names=tuple(chosen),
         output_names=tuple(names),
-        state_names=tuple([f"y{k}" for k in range(f)] + [f"u{k}" for k in range(f)]),
+        state_names=(
+            *(f"y{k}" for k in range(f)),
+            *(f"u{k}" for k in range(f)),
+            *model.state_names,
+        ),
     )
 
 
@@ -375,18 +418,20 @@ def modes(
     loaded = where_noticed(model, state, f"modes of {model.name!r}")
     state = State(model.q0, model.v0, np.zeros(model.nrow)) if state is None else state
     if model.nv + model.nrow > MANY:
-        found, x = large_modes(loaded, state, damped, count or USUAL)
+        if damped:
+            _warn_held(model)
+        found, x = large_modes(hold_controllers(loaded), state, damped, count or USUAL)
         if not damped:
             _warn_turning(model, state, found)
         return _modes(model, state, found, x)
     if damped:
         t = tangent(loaded, state)
         N, f = t.N, t.N.shape[1]
-        values, vectors = np.linalg.eig(np.block([[t.drift, np.eye(f)], [t.Ay, t.Au]]))
+        values, vectors = np.linalg.eig(system_matrix(t))
         keep = values.imag >= 0.0
         eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
     else:
-        rest = at_rest(loaded, state)
+        rest = at_rest(hold_controllers(loaded), state)
         N, (squares, free) = rest.N, stiffness_modes(rest)
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
@@ -394,6 +439,16 @@ def modes(
     if not damped:
         _warn_turning(model, state, eigenvalues)
     return _modes(model, state, eigenvalues[order], N @ free[:, order])
+
+
+def _warn_held(model: Model) -> None:
+    """Warn of controllers whose states damped modes by sparse matrices leave out."""
+    if held := controllers(model):
+        warn(
+            f"modes of {model.name!r}",
+            f"PID '{held[0].name}' counts with its proportional part alone: modes of mechanisms as "
+            "large as this one leave the states of forces out",
+        )
 
 
 def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:

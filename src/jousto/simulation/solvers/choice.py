@@ -7,7 +7,7 @@ from collections.abc import Callable
 from jousto.model.model import Model
 from jousto.simulation.solvers.blows import shortest_blow
 from jousto.simulation.solvers.explicit import ROS2, Solver
-from jousto.simulation.solvers.growth import ELASTIC, excess
+from jousto.simulation.solvers.growth import excess
 from jousto.simulation.solvers.implicit import GeneralizedAlpha
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.solvers.stability import damper_warning, friction_warning
@@ -66,11 +66,12 @@ def choose(
 def fast(model: Model) -> str:
     """Return what the model has that may be fast: springs, dampers, bushings or stops."""
     words = {"springs": False, "dampers": False, "bushings": False, "stops": False}
+    words["controllers"] = any(force.kind == "pid" for force in model.forces)
     for force in model.forces:
         if force.kind == "along":
             words["springs"] |= bool(force.data[0] != 0.0 or force.spring >= 0)
             words["dampers"] |= bool(force.data[1] != 0.0 or force.damper >= 0)
-        elif force.kind in ELASTIC:
+        elif force.kind in ("bushing", "stop"):
             words["bushings" if force.kind == "bushing" else "stops"] = True
     *first, last = [word for word, there in words.items() if there] or ["springs or bushings"]
     return f"{', '.join(first)} or {last}" if first else last

@@ -11,11 +11,12 @@ from jousto.base.errors import InputError
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.scales import velocity_metres
+from jousto.simulation.controllers import state_sizes
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 
-ELASTIC = ("along", "bushing", "stop")  # kinds of forces that may be stiff
+ELASTIC = ("along", "bushing", "stop", "pid")  # kinds of forces that may be stiff
 DISTANCE = 1e-7  # of the size of the mechanism, or rad, of the differences
 SPEED = 1e-8  # the same in a step
 
@@ -58,23 +59,27 @@ def _largest(model: Model, solver: Solver, step: float) -> float:
     native = prepared(engine, solver, step)
     nv = model.nv
 
+    states = np.array(engine.states)
+
     def after(x: Array) -> tuple[Array, Array]:
         engine.time[0] = 0.0
         engine.q[:] = displaced(model, model.q0, x[:nv])
-        engine.v[:] = model.v0 + x[nv:]
+        engine.v[:] = model.v0 + x[nv : 2 * nv]
+        engine.states[:] = states + x[2 * nv :]
         engine.restart()
         engine.step(native)
-        return engine.q.copy(), engine.v.copy()
+        return engine.q.copy(), np.concatenate([engine.v, engine.states])
 
-    after(np.zeros(2 * nv))
+    after(np.zeros(2 * nv + len(states)))
     back = np.linalg.pinv(engine.increments())  # small changes of q as increments
     unit = model.size / velocity_metres(model)
-    sizes = np.concatenate([DISTANCE * unit, SPEED * unit / step])
+    sizes = [DISTANCE * unit, SPEED * unit / step, DISTANCE * state_sizes(model)]
     columns = []
-    for x in np.diag(sizes):
+    scale = np.concatenate(sizes)
+    for x in np.diag(scale):
         (q1, v1), (q0, v0) = after(x), after(-x)
         change = np.concatenate([back @ (q1 - q0), v1 - v0])
-        columns.append(change / (2.0 * sizes))
+        columns.append(change / (2.0 * scale))
     matrix = np.stack(columns, axis=1)
     if not np.isfinite(matrix).all():
         return float("inf")

@@ -15,7 +15,7 @@ from jousto.simulation.statics.balance import TIME, Balance
 GROUND = -1
 NOTHING = 1e-9
 """Of the sum of the absolute forces on a group: the resultant that is left of forces in balance."""
-BETWEEN = ("along", "stop", "bushing")
+BETWEEN = ("along", "pid", "stop", "bushing")
 """Kinds of forces that act on two bodies, equal and opposite."""
 UNHELD = (
     "body '{}' is pushed in a direction in which nothing holds it; add a joint, "

@@ -17,6 +17,7 @@ from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
+from jousto.simulation.controllers import without_controllers
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
 
@@ -65,6 +66,7 @@ class Balance:
         problems = Problems()
         if isinstance(model, Model):
             without_fmus(model, where, "has no state at rest that is known")
+            without_controllers(model, where)
         kinds = [GRAVITY, TIME] + ([SPEED] if axis is not None else [])
         if not isinstance(model, Model):
             problems.add(where, f"model is a {type(model).__name__}, must be a Model from compile")

@@ -74,7 +74,18 @@ class Bending:
     def _slopes(self, engine: Engine) -> tuple[Array, Array]:
         """Cq (nrow, nv) and the derivative K (nv, nv) of the residual with respect to q."""
         model, twin = self._model, self._twin
-        for name in ("v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened"):
+        for name in (
+            "v",
+            "a",
+            "lam",
+            "time",
+            "input",
+            "turn",
+            "locked",
+            "slip",
+            "happened",
+            "states",
+        ):
             getattr(twin, name)[:] = getattr(engine, name)
         Cq, K = np.zeros((model.nrow, model.nv)), np.zeros((model.nv, model.nv))
         for j, move in enumerate(engine.increments().T):

@@ -11,6 +11,7 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import largest_speed
 from jousto.simulation.bent import warn_far
+from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.state import State
@@ -45,6 +46,8 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         Largest remaining force of the steps by modes, relative to all forces that act on the free
         coordinates; the other way ends at increments of 1e-10 of the size.
 
+    A `PID` holds its coordinate at its reference, with the integral part that this takes.
+
     Directions without stiffness, such as the spin of a rope between spherical joints, are no
     obstacle as long as no force works in them.
 
@@ -62,10 +65,10 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         A body with modes bends by more than they, which are linear, can follow, or a part without
         ``stiffening=True`` bends otherwise by per cents where loads stiffen or soften it.
     """
-    found = _rest(model, state, tolerance)
-    where = f"equilibrium of {model.name!r}"
-    far = warn_far(model, found.q, where)
-    check_second_order(model, found, where, told=far)
+    held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
+    found = settle_controllers(model, state, lambda at: _rest(held, at, tolerance))
+    far = warn_far(held, found.q, where)
+    check_second_order(held, found, where, told=far)
     return found
 
 

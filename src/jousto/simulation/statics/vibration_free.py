@@ -267,8 +267,8 @@ class _Slow:
         return np.asarray(a + free.bending @ (free.follow @ (modal - a[self._modal])))
 
     def _copy(self, engine: Engine) -> None:
-        names = ("q", "v", "a", "lam", "time", "input", "turn", "locked", "slip", "happened")
-        for name in names:
+        names = ("time", "input", "turn", "locked", "slip", "happened", "states")
+        for name in ("q", "v", "a", "lam", *names):
             getattr(self._twin, name)[:] = getattr(engine, name)
 
     def _jacobian(self, engine: Engine) -> Array:

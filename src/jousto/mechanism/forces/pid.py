@@ -1,0 +1,241 @@
+"""PID controllers of a coordinate or of its rate, with anti-windup."""
+
+from __future__ import annotations
+
+from jousto.base.errors import Problems
+from jousto.base.fields import field
+from jousto.base.numbers import Number, OptionalNumber
+from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.stop import NEVER
+from jousto.mechanism.joints.coordinate import (
+    DAMPING,
+    FORCE,
+    RATE,
+    STIFFNESS,
+    VALUE,
+    Along,
+    CoordinateField,
+)
+from jousto.mechanism.signals.base import OptionalSignal, SignalField
+
+STIFFNESS_RATE = Along("N/m/s", "N m/rad/s")
+INERTIA = Along("N s2/m", "N m s2/rad")
+FILTER = 0.1
+"""Filter time over derivative time kd / kp, where no filter time is given (N = 10)."""
+TRACKING = 0.9
+"""Tracking time over integral time kp / ki, where no tracking time is given."""
+STATES = ("integral", "filtered")
+"""Integral part, and what is measured behind the filter."""
+
+
+class _Controller(ForceElement):
+    """What controllers of a coordinate and of its rate share; their gains have other units."""
+
+    speed = False
+    coordinate: CoordinateField
+    reference: SignalField
+    kp: Number
+    ki: Number
+    kd: Number
+    limit: OptionalNumber
+    lower: OptionalNumber
+    filter: OptionalNumber
+    tracking: OptionalNumber
+    weight: Number
+    feedforward: OptionalSignal
+    initial: Number
+
+    def consistent(self, problems: Problems, where: str) -> None:
+        """Note times that do not follow from the gains, and limits the wrong way round."""
+        if not (self.kp or self.ki or self.kd):
+            problems.add(where, "kp, ki and kd are all 0: it does nothing")
+        if self.kd and self.filter is None and not self.kp:
+            message = "filter is missing, which is 0.1 kd/kp only where there is kp; give it in s"
+            problems.add(where, message)
+        if self.ki and self.limit is not None and self.tracking is None and not self.kp:
+            message = "tracking is missing, which is 0.9 kp/ki only where there is kp; give it in s"
+            problems.add(where, message)
+        if self.lower is not None and self.limit is None:
+            problems.add(where, "lower goes with limit, the largest force; give it, too")
+        elif self.lower is not None and self.limit is not None and self.lower >= self.limit:
+            low, high = f"{self.lower:g}", f"{self.limit:g}"
+            problems.add(where, f"lower is {low}, must be below the limit of {high}")
+
+    @property
+    def filter_time(self) -> float:
+        """Time constant of the filter of the derivative, s; 0 without derivative."""
+        if not self.kd:
+            return 0.0
+        return FILTER * self.kd / self.kp if self.filter is None else self.filter
+
+    @property
+    def tracking_time(self) -> float:
+        """Time in which the integral part comes back while the force is limited, s; 0 for never."""
+        if self.limit is None or not self.ki:
+            return 0.0
+        return TRACKING * self.kp / self.ki if self.tracking is None else self.tracking
+
+    @property
+    def pushes(self) -> tuple[Push, ...]:
+        """The controller along its coordinate."""
+        high = NEVER if self.limit is None else self.limit
+        data = {
+            "proportional": self.kp,
+            "integral": self.ki,
+            "derivative": self.kd,
+            "weight": self.weight,
+            "cut": 1.0 / self.filter_time if self.kd else 0.0,
+            "unwind": 1.0 / self.tracking_time if self.tracking_time else 0.0,
+            "lower": -high if self.lower is None else self.lower,
+            "upper": high,
+            "start": self.initial,
+            "speed": float(self.speed),
+        }
+        return (
+            Push(
+                "pid",
+                data,
+                coordinate=self.coordinate,
+                active=True,
+                reference=self.reference,
+                signal=self.feedforward,
+                states=STATES,
+            ),
+        )
+
+
+class PID(_Controller, tag="pid"):
+    """A force that controls a coordinate s: proportional, integral and derivative, anti-windup.
+
+    ``u = kp (weight r - s) + I - kd s_f' + feedforward``, ``f`` is u within the limits,
+    ``I' = ki (r - s) + (f - u)/tracking``, and ``s_f'`` is the rate of s behind a filter of first
+    order, ``s_f' = (s - s_f)/filter`` (Astrom and Hagglund, Advanced PID Control, 2006, chapter 3).
+    While the force is limited the last term of I', the back-calculation, keeps the integral part
+    from winding up. The derivative is that of s alone: a jump of the reference is no kick.
+
+    Examples
+    --------
+    >>> from jousto import Prismatic, RigidBody, ground
+    >>> cart = RigidBody("cart", 2.0, (0.1, 0.1, 0.1))
+    >>> rail = Prismatic("rail", ground["origin"], cart["origin"], axis=(1, 0, 0))
+    >>> hold = PID("hold", rail.displacement, 0.25, kp=200.0, ki=100.0, kd=30.0, limit=20.0)
+    >>> round(hold.filter_time, 4), round(hold.tracking_time, 4)
+    (0.015, 1.8)
+    """
+
+    kind = "PID"
+    coordinate: CoordinateField = field("What is controlled")
+    reference: SignalField = field("Wanted value r", unit=VALUE)
+    kp: Number = field("Gain on the error", unit=STIFFNESS, least=0, kw_only=True)
+    ki: Number = field(
+        "Gain on the integral of the error", unit=STIFFNESS_RATE, least=0, default=0.0, kw_only=True
+    )
+    kd: Number = field("Gain on the rate", unit=DAMPING, least=0, default=0.0, kw_only=True)
+    limit: OptionalNumber = field(
+        "Largest force; None for no limit",
+        unit=FORCE,
+        above=0,
+        remedy="None is no limit",
+        default=None,
+        kw_only=True,
+    )
+    lower: OptionalNumber = field(
+        "Least force, where it is not -limit: 0 for a rope", unit=FORCE, default=None, kw_only=True
+    )
+    filter: OptionalNumber = field(
+        "Time constant of the filter of the rate; None for 0.1 kd/kp",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    tracking: OptionalNumber = field(
+        "Time constant of the back-calculation; None for 0.9 kp/ki",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    weight: Number = field(
+        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
+    )
+    feedforward: OptionalSignal = field(
+        "Force that is added before the limits; None for none",
+        unit=FORCE,
+        default=None,
+        kw_only=True,
+    )
+    initial: Number = field(
+        "Integral part at the start, such as the weight that it carries",
+        unit=FORCE,
+        default=0.0,
+        kw_only=True,
+    )
+
+
+class SpeedPID(_Controller, tag="speed-pid"):
+    """A force that controls the rate of a coordinate, as `PID` controls its value.
+
+    ``u = kp (weight r - s') + I - kd s_f'' + feedforward`` and ``I' = ki (r - s') +
+    (f - u)/tracking``, with the derivative of s' behind a filter of first order. kp and ki alone
+    make the usual PI controller of a motor.
+
+    Examples
+    --------
+    >>> from jousto import Revolute, RigidBody, ground
+    >>> wheel = RigidBody("wheel", 1.0, (0.01, 0.01, 0.02))
+    >>> axle = Revolute("axle", ground["origin"], wheel["origin"])
+    >>> motor = SpeedPID("motor", axle.angle, 50.0, kp=0.4, ki=2.0, limit=1.5)
+    >>> round(motor.tracking_time, 4)
+    0.18
+    """
+
+    kind = "speed PID"
+    speed = True
+    coordinate: CoordinateField = field("What moves")
+    reference: SignalField = field("Wanted rate r", unit=RATE)
+    kp: Number = field("Gain on the error", unit=DAMPING, least=0, kw_only=True)
+    ki: Number = field(
+        "Gain on the integral of the error", unit=STIFFNESS, least=0, default=0.0, kw_only=True
+    )
+    kd: Number = field("Gain on the acceleration", unit=INERTIA, least=0, default=0.0, kw_only=True)
+    limit: OptionalNumber = field(
+        "Largest force; None for no limit",
+        unit=FORCE,
+        above=0,
+        remedy="None is no limit",
+        default=None,
+        kw_only=True,
+    )
+    lower: OptionalNumber = field(
+        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
+    )
+    filter: OptionalNumber = field(
+        "Time constant of the filter of the acceleration; None for 0.1 kd/kp",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    tracking: OptionalNumber = field(
+        "Time constant of the back-calculation; None for 0.9 kp/ki",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    weight: Number = field(
+        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
+    )
+    feedforward: OptionalSignal = field(
+        "Force that is added before the limits; None for none",
+        unit=FORCE,
+        default=None,
+        kw_only=True,
+    )
+    initial: Number = field(
+        "Integral part at the start, such as the load that it carries",
+        unit=FORCE,
+        default=0.0,
+        kw_only=True,
+    )

@@ -1,0 +1,177 @@
+"""Controllers at rest: their integral parts are what holds the machine where they want it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.model.model import ForceModel, Model
+from jousto.model.native.header import named
+from jousto.model.native.native import Engine
+from jousto.simulation.state import State, put
+
+SETTLED = 1e-9
+"""Of the size of the mechanism, or rad: a coordinate stands where its controller wants it."""
+PROBE = 1e-4
+"""Of the integral part that moves a coordinate by the size of the mechanism by its gains."""
+ROUNDS = 40
+"""Most corrections of the integral parts."""
+SECOND = 1.0
+"""Time in which an integral part without a proportional one is compared with it, s."""
+
+
+def controllers(model: Model) -> list[ForceModel]:
+    """Return the PID controllers of a model."""
+    return [force for force in model.forces if force.kind == "pid"]
+
+
+def hold_controllers(model: Model) -> Model:
+    """Return the model whose controllers keep their integral part and have no derivative.
+
+    A machine at rest moves about that state so slowly that the filter follows; what the integral
+    part does in time is no stiffness.
+    """
+    if not controllers(model):
+        return model
+    forces = (_held(force) if force.kind == "pid" else force for force in model.forces)
+    return replace(model, forces=tuple(forces)).keeping_tree(model)
+
+
+def without_controllers(model: Model, where: str) -> None:
+    """Refuse a model with controllers whose integral part is not known.
+
+    Raises
+    ------
+    InputError
+        If it has one, or one with a derivative, whose filter has not followed.
+    """
+    problems = [
+        Problem(
+            where,
+            f"PID {force.name!r} has states, which depend on the way there; put a Servo or a Drive "
+            "in its place",
+        )
+        for force in controllers(model)
+        if _moves(force)
+    ]
+    if problems:
+        raise InputError(problems)
+
+
+def settle_controllers(
+    model: Model, state: State | None, rest: Callable[[State | None], State]
+) -> State:
+    """Return the equilibrium in which the integral parts no longer change.
+
+    They are found by Newton's method on their rates ``I' = ki (r - s) + (f - u)/tracking``, with a
+    matrix by differences at the start that Broyden's updates follow (Broyden 1965).
+
+    Parameters
+    ----------
+    model : Model
+        With the controllers.
+    state : State, optional
+        Where to begin.
+    rest : callable
+        Returns the equilibrium for integral parts that stand still, from a state near it.
+
+    Raises
+    ------
+    SimulationError
+        If a controller of a rate wants the machine to move, or one cannot bring its coordinate
+        to where it wants it.
+    """
+    found = controllers(model)
+    if not found:
+        return rest(state)
+    engine = Engine(model)
+    if state is not None:
+        put(engine, state, "equilibrium")
+    places = np.array([force.state for force in found])
+    sizes = np.array([_size(model, force) for force in found])
+    probes = PROBE * state_sizes(model)[places]
+    gains = np.array([float(named("jo_pid_data", force.data).integral) for force in found])
+    speeds = np.array([bool(named("jo_pid_data", force.data).speed) for force in found])
+    sought = np.flatnonzero((gains > 0.0) & ~speeds)
+    parts = np.array(engine.states[places])
+    engine.v[:] = 0.0
+    engine.accelerations()
+    moving = np.flatnonzero(speeds & (np.abs(engine.state_rates[places]) > 0.0))
+    if len(moving):
+        raise SimulationError(
+            f"no static equilibrium: speed PID '{found[moving[0]].name}' wants a speed other than "
+            "0; set its reference to 0 at this time, or take it out",
+            time=float(engine.time[0]),
+        )
+    begin = State(engine.q, 0.0 * engine.v, engine.lam, float(engine.time[0]))
+    at = begin if state is None else state
+
+    def rates(x: Array, near: State) -> tuple[Array, State]:
+        """Return the rates of the integral parts at rest, and where that is."""
+        parts[sought] = x
+        states = np.array(engine.states)
+        states[places] = parts
+        there = rest(replace(near, states=states))
+        put(engine, replace(there, v=0.0 * there.v, states=None), "equilibrium")
+        engine.states[places] = parts
+        engine.accelerations()
+        there = replace(there, states=np.array(engine.states))
+        return np.array(engine.state_rates[places]), there
+
+    x = np.array(parts[sought])
+    r, at = rates(x, at)
+    if not len(sought):
+        return at
+    small = SETTLED * (gains * sizes)[sought]
+    J = np.zeros((len(sought), len(sought)))
+    for k, i in enumerate(sought):
+        probe = np.zeros(len(sought))
+        probe[k] = probes[i]
+        J[:, k] = (rates(x + probe, at)[0] - r)[sought] / probe[k]
+    for _ in range(ROUNDS):
+        left = r[sought]
+        if (np.abs(left) <= small).all():
+            return at
+        step = np.linalg.lstsq(J, -left, rcond=1e-10)[0]
+        r, at = rates(x + step, at)
+        x = x + step
+        if step @ step > 0.0:
+            J += np.outer(r[sought] - left - J @ step, step) / (step @ step)
+    worst = found[sought[int(np.argmax(np.abs(r[sought]) / (gains * sizes)[sought]))]].name
+    raise SimulationError(
+        f"no static equilibrium: PID '{worst}' does not bring its coordinate to its reference; "
+        "look whether its force acts along it and anything else holds it",
+        time=at.time,
+    )
+
+
+def state_sizes(model: Model) -> Array:
+    """Return what the states of forces (nstate,) are like where a coordinate is off by its size."""
+    out = np.zeros(model.nstate)
+    for force in controllers(model):
+        data, size = named("jo_pid_data", force.data), _size(model, force)
+        gain = max(float(np.real(data.proportional)), float(np.real(data.integral)) * SECOND)
+        out[force.state : force.state + 2] = gain * size, size
+    return out
+
+
+def _moves(force: ForceModel) -> bool:
+    numbers = named("jo_pid_data", force.data)
+    return bool(numbers.integral != 0.0 or numbers.derivative != 0.0)
+
+
+def _held(force: ForceModel) -> ForceModel:
+    data = np.array(force.data)
+    numbers = named("jo_pid_data", data)
+    numbers.integral[...] = numbers.derivative[...] = 0.0
+    return replace(force, data=data)
+
+
+def _size(model: Model, force: ForceModel) -> float:
+    """Return the size of the coordinate: that of the mechanism or 1 rad."""
+    angle = model.coordinates[force.coordinate].kind == "angle"
+    return 1.0 if angle else float(model.size)
