@@ -469,6 +469,7 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     assert jo.read_mesh(tmp_path / "bar.txt").volume == pytest.approx(2.0)
 
 
+@pytest.mark.filterwarnings("ignore:.*BOUNDARY .* not taken:jousto.JoustoWarning")
 def test_a_deck_of_calculix(tmp_path: Path) -> None:
     # as CalculiX's own examples are written: an empty keyword, blanks, elements on two lines,
     # a comma at the end of a keyword line

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jousto.base.arrays import Array, Ints
+from jousto.base.arrays import Array, Ints, some
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.cells import KINDS
 from jousto.mesh.readers.element_types import abaqus
@@ -23,6 +23,12 @@ _TIES = (
     *("COUPLING", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT", "EQUATION"),
     *("KINEMATIC COUPLING", "MPC", "RIGID BODY", "TIE"),
 )
+OUTSIDE = (
+    *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "TEMPERATURE", "FIELD", "BASE MOTION"),
+    *("INITIAL CONDITIONS", "PRE-TENSION SECTION", "INERTIA RELIEF"),
+)
+"""Keywords of supports, loads and starts, which are those of the machine."""
+
 _GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
 
 
@@ -62,7 +68,28 @@ def read_inp(path: Path) -> RawMesh:
         If the file is not an input deck, or cut off, or makes nodes or elements from others
         (``*NGEN``, ``*ELCOPY`` ...).
     """
-    return read_deck(path).raw
+    deck = read_deck(path)
+    if outside := loads_left_out(deck, path):
+        deck.raw.left_out.append((path.name, outside))
+    return deck.raw
+
+
+def loads_left_out(deck: Deck, path: Path) -> str:
+    """Return a sentence that names supports and loads of a deck with their lines, or nothing."""
+    acting: dict[str, list[str]] = {}
+    for other in deck.others:
+        if other.keyword in OUTSIDE:
+            there = "" if other.path.name == path.name else f"{other.path.name}:"
+            acting.setdefault(other.keyword, []).append(f"{there}{other.number}")
+    names = ", ".join(
+        f"*{word} (line{'s' * (len(at) > 1)} {some(at)})" for word, at in acting.items()
+    )
+    if not names:
+        return ""
+    return (
+        f"{names} not taken: supports and loads of a part are the joints and forces of the"
+        " machine, in the model file"
+    )
 
 
 def read_deck(path: Path) -> Deck:

@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.fields import AnyField, Label, OptionalText, field
 from jousto.base.numbers import set_fields
 from jousto.mesh.readers.element_types import BEAM, TRUSS, abaqus
-from jousto.mesh.readers.inp import Deck, read_deck
+from jousto.mesh.readers.inp import Deck, loads_left_out, read_deck
 from jousto.mesh.readers.raw import Numbers, joined
 from jousto.parts.frames.deck_sections import (
     ROUND,
@@ -38,12 +38,6 @@ UNREAD = (
     *("SPRING", "DASHPOT", "CONNECTOR SECTION", "NORMAL", "ROTARY INERTIA"),
 )
 """Keywords that would change a frame."""
-
-OUTSIDE = (
-    *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "TEMPERATURE", "FIELD", "BASE MOTION"),
-    *("INITIAL CONDITIONS", "PRE-TENSION SECTION", "INERTIA RELIEF"),
-)
-"""Keywords of supports, loads and starts, which are those of the machine."""
 
 REFUSED = ("ELBOW31", "FRAME2D", "FRAME3D")
 
@@ -278,17 +272,5 @@ def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
     words = dict.fromkeys(block.keyword for block in deck.others if block.keyword in UNREAD)
     if words:
         warn(path.name, f"{', '.join(f'*{word}' for word in words)} not read: not in the part")
-    acting: dict[str, list[str]] = {}
-    for other in deck.others:
-        if other.keyword in OUTSIDE:
-            there = "" if other.path.name == path.name else f"{other.path.name}:"
-            acting.setdefault(other.keyword, []).append(f"{there}{other.number}")
-    if acting:
-        names = ", ".join(
-            f"*{word} (line{'s' * (len(at) > 1)} {some(at)})" for word, at in acting.items()
-        )
-        warn(
-            path.name,
-            f"{names} not taken: supports and loads of a part are the joints and forces of the"
-            " machine, in the model file",
-        )
+    if outside := loads_left_out(deck, path):
+        warn(path.name, outside)
