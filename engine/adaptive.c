@@ -77,7 +77,9 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
     double error = 0.0;
     for (int i = 0; i < m->nstate; i++) {
         const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
-        const double ratio = jo_defect(d, 2 * d->nw - m->nstate + i, 1) / (s->tolerance * jo_larger(largest, d->nominal[i]));
+        const double defect = jo_defect(d, 2 * d->nw - m->nstate + i, 1);
+        if (defect == 0.0) continue;   /* such as a part without a gain, which is 0 and has no size */
+        const double ratio = defect / (s->tolerance * jo_larger(largest, d->nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
         if (error != error) return error;
     }

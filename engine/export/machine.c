@@ -118,7 +118,7 @@ int jo_machine_reset(jo_machine *k)
     memcpy(jo_data_q(k->data), p->q0, sizeof(jo_real) * (size_t)p->model->nq);
     memcpy(jo_data_v(k->data), p->v0, sizeof(jo_real) * (size_t)p->model->nv);
     for (int i = 0; i < p->ninput; i++) jo_data_input(k->data)[p->input[i].place] = p->input[i].start;
-    jo_start_states(&k->model, k->data);
+    if (p->x0) memcpy(jo_data_states(&k->model, k->data), p->x0, sizeof(jo_real) * (size_t)p->model->nstate);
     return JO_MACHINE_OK;
 }
 

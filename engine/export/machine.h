@@ -22,7 +22,7 @@ typedef struct {
     const char *name;
     const jo_model *model;
     const jo_solver *solver;
-    const jo_real *q0, *v0; /* where it starts */
+    const jo_real *q0, *v0, *x0; /* where it starts; x0 (nstate) of forces, 0: none */
     int ntunable;
     const jo_real *tunable; /* (ntunable) gravity, and data of forces, frictions and signals: copied for each machine */
     int ninput, noutput, nparameter;

@@ -12,7 +12,9 @@ from scipy.integrate import solve_ivp
 
 import jousto as jo
 from jousto.model.native.native import Engine
+from jousto.natural.exchange import moved
 from jousto.simulation import DormandPrince, Newmark
+from jousto.simulation.controllers import tracking_warning
 
 G = 9.81
 
@@ -119,6 +121,37 @@ def test_newton_needs_no_more_iterations_than_for_a_spring() -> None:
     assert run.work.iterations[-1] <= 2 * 100
 
 
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+@pytest.mark.parametrize("tracking", [5e-4, 1e-4, 3e-5])
+def test_the_step_is_chosen_for_a_fast_back_calculation(core: str, tracking: float) -> None:
+    """A step that is longer would throw the force from limit to limit."""
+    model = jo.compile(cart(kd=0.0, limit=1.0, tracking=tracking), core=core)
+    run = jo.simulate(model, 1.0)
+    exact = jo.simulate(model, 1.0, solver=DormandPrince(tolerance=1e-8), output_step=0.1)
+    assert run["y"][-1, 0] == pytest.approx(exact["y"][-1, 0], abs=2e-3)
+    said = tracking_warning(model, 1e-3)
+    assert "'hold' comes back from its limit within" in said and not tracking_warning(model, 1e-5)
+
+
+def test_a_long_step_beside_a_fast_back_calculation_warns() -> None:
+    model = jo.compile(cart(kd=0.0, limit=1.0, tracking=5e-4))
+    with pytest.warns(jo.JoustoWarning, match=r"within 0\.0005 s, less than the step of 0\.001 s"):
+        jo.simulate(model, 1.0, solver=jo.GeneralizedAlpha(step=1e-3))
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_a_derivative_alone_is_a_damper(core: str) -> None:
+    """m v' = -kd v_f - v/2 with a filter that is fast beside it: v falls by e^(-4.5 t)."""
+    mass = jo.RigidBody("mass", 1.0, (0.1, 0.1, 0.1), velocity=(1.0, 0, 0))
+    rail = jo.Prismatic("rail", jo.ground["origin"], mass["origin"], axis=(1, 0, 0))
+    hold = jo.mechanism.PID("hold", rail.displacement, 0.0, kp=0.0, kd=4.5, filter=1e-4)
+    v = jo.RateSensor("v", rail.displacement)
+    model = jo.compile(jo.Mechanism(mass, rail, hold, v), core=core)
+    for method in (None, DormandPrince(tolerance=1e-8), jo.GeneralizedAlpha(step=1e-3)):
+        run = jo.simulate(model, 0.5, solver=method, output_step=0.01)
+        assert np.abs(run["v"][:, 0] - np.exp(-4.5 * run.time)).max() < 1e-3
+
+
 # -- rest and small motions ---------------------------------------------------------------------
 
 
@@ -165,7 +198,14 @@ def test_what_has_no_rest_is_one_sentence() -> None:
     motor = jo.mechanism.SpeedPID("motor", axle.angle, 5.0, kp=0.1, ki=1.0)
     with pytest.raises(jo.SimulationError, match="'motor' wants a speed other than 0"):
         jo.equilibrium(jo.compile(jo.Mechanism(wheel, axle, motor)))
-    model = jo.compile(arm())
+    integral = jo.compile(arm(kp=0.0, ki=8.0, kd=0.0, tracking=0.3, limit=10.0))
+    with pytest.raises(jo.SimulationError):  # unstable there: gravity is stiffer than kp
+        jo.equilibrium(integral)
+    model, machine = jo.compile(arm()), arm()
+    turn = jo.Drive("turn", machine.joints[0].angle, 0.0)
+    driven = jo.Mechanism(*machine.items, turn)
+    with pytest.raises(jo.InputError, match="PID 'hold' has states"):
+        jo.simulation.inverse_dynamics(jo.compile(driven), np.linspace(0.0, 1.0, 3))
     with pytest.raises(jo.InputError, match="PID 'hold' has states"):
         jo.simulation.buckling(model, "gravity")
     with pytest.raises(jo.InputError, match="PID 'hold' has states"):
@@ -196,6 +236,23 @@ def test_undamped_modes_count_the_proportional_part() -> None:
     assert found == pytest.approx([omega / (2 * np.pi)], rel=1e-7)
 
 
+def test_without_vibration_the_filter_follows() -> None:
+    """What bends under the load stands still: the derivative begins at 0."""
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850)
+    part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 4, steel)
+    rod = jo.FlexibleBody("rod", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=2)))
+    root = jo.Fixed("root", jo.ground["origin"], rod["start"])
+    tip = jo.Displacement(jo.ground["origin"], rod["end"], axis="z", name="tip")
+    hold = jo.mechanism.PID("hold", tip, 0.0, kp=300.0, ki=1.0, kd=40.0, initial=8.0)
+    f = jo.ForceSensor("f", hold)
+    s = jo.CoordinateSensor("s", tip)
+    model = jo.compile(jo.Mechanism(rod, root, hold, f, s))
+    state = jo.simulation.vibration_free_state(model)
+    first = jo.simulate(model, 1e-3, state=state)
+    assert state.states == pytest.approx([8.0, first["s"][0, 0]])
+    assert first["f"][0, 0] == pytest.approx(8.0 - 300.0 * first["s"][0, 0], rel=1e-9)
+
+
 # -- states everywhere --------------------------------------------------------------------------
 
 
@@ -211,6 +268,12 @@ def test_a_run_goes_on_where_it_stopped(core: str, method: Any, tmp_path: Path) 
     np.testing.assert_array_equal(rest["y"][1:], whole["y"][1001:])
     anew = jo.simulate(model, 2.0, solver=method, state=replace(half.state(-1), states=None))
     assert np.abs(anew["y"] - rest["y"]).max() > 1e-3
+
+
+def test_a_state_for_other_parts_keeps_the_integral() -> None:
+    machine = arm()
+    rest = jo.equilibrium(jo.compile(machine))
+    np.testing.assert_array_equal(moved(rest, machine, arm()).states, rest.states)
 
 
 def test_derivatives_of_a_run_are_exact() -> None:

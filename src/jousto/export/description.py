@@ -9,9 +9,8 @@ from xml.etree import ElementTree as xml
 
 from jousto.base.units import parse_unit
 from jousto.base.version import __version__
-from jousto.export.ports import Port
+from jousto.export.ports import Port, state_units
 from jousto.export.program import Program
-from jousto.model.native.native import Engine
 
 BASE = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad", "[temperature]": "K"}
 SHOWN = {  # display units by SI unit: their name and how many of them one SI unit is
@@ -101,14 +100,16 @@ def _states(made: Program, ref: int) -> Iterator[Variable]:
         units[body.iq : body.iq + 3] = ["m"] * 3
         units[m.nq + body.iv : m.nq + body.iv + 6] = ["m/s"] * 3 + ["rad/s"] * 3
     names[m.nq + m.nv :] = [f"x.{name}" for name in m.state_names]
-    starts = [*m.q0, *m.v0, *Engine(m).states.tolist()]
+    units[m.nq + m.nv :] = state_units(m)
+    starts = [*m.q0, *m.v0, *made.states.tolist()]
     for k in range(n):
         about = "state of the machine"
         row = (names[k], about, units[k], ref + k, "local", "continuous", "exact", starts[k])
         yield Variable(*row)
     for k in range(n):
         about = f"derivative of {names[k]}"
-        unit = {"m": "m/s", "m/s": "m/s2", "rad/s": "rad/s2"}.get(units[k], "1/s")
+        usual = {"1": "1/s", "m/s": "m/s2", "rad/s": "rad/s2"}
+        unit = usual.get(units[k], f"{units[k]}/s")
         yield Variable(
             f"der({names[k]})",
             about,

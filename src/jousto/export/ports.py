@@ -202,6 +202,17 @@ def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str,
             yield from _law(model, found, name, line.signal)
 
 
+def state_units(model: Model) -> list[str]:
+    """Return the units of the states of forces."""
+    found = []
+    for force in model.forces:
+        if force.kind == "pid":
+            angular = model.coordinates[force.coordinate].kind in ANGULAR
+            rate = bool(named("jo_pid_data", force.data).speed)
+            found += ["N m" if angular else "N", ("rad" if angular else "m") + "/s" * rate]
+    return found
+
+
 def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, str, int]]:
     """Yield name, unit, description and place of the constants of a force."""
     if force.kind == "along":

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.version import __version__
 from jousto.export import sources
@@ -53,6 +54,7 @@ class Program:
     ports: Ports
     bytes: int
     fields: dict[str, Any]
+    states: Array
     named: tuple[Named, ...] = ()
 
     @property
@@ -68,6 +70,7 @@ class Program:
             f"static const jo_solver solver = {{{solver}}};\n",
             array("q0", m.q0) if m.nq else "static const jo_real q0[1] = {0.0};\n",
             array("v0", m.v0) if m.nv else "static const jo_real v0[1] = {0.0};\n",
+            *([array("x0", self.states)] if m.nstate else []),
         ]
         rows = {}
         for kind, found in (
@@ -92,6 +95,7 @@ class Program:
             f"const jo_plant {self.name}_plant = {{\n"
             f"    .name = {text(m.name)},\n"
             "    .model = &model,\n    .solver = &solver,\n    .q0 = q0,\n    .v0 = v0,\n"
+            f"    .x0 = {'x0' if m.nstate else '0'},\n"
             f"    .ntunable = {len(self.constants.tunable)},\n    .tunable = tunable,\n"
             f"    .ninput = {len(p.inputs)}, .noutput = {len(p.outputs)}, "
             f".nparameter = {len(p.parameters)},\n"
@@ -187,6 +191,7 @@ def program(
         ports(model, found, named),
         size,
         fields,
+        engine.states.copy(),
         tuple(named),
     )
 

@@ -117,7 +117,8 @@ def _exchanged(mechanism: Mechanism, change: Exchange) -> Mechanism:
 def moved(state: State, old: Mechanism, new: Mechanism) -> State:
     """Return a state of a mechanism as one of the mechanism with other parts.
 
-    It remembers nothing of the way: friction decides anew, angles count from within half a turn.
+    It remembers nothing of the way: friction decides anew, angles count from within half a
+    turn; what controllers have integrated stays.
     """
     qs, vs = [], []
     iq = iv = 0
@@ -130,4 +131,5 @@ def moved(state: State, old: Mechanism, new: Mechanism) -> State:
                 q, v = same_motion(before.reduced, after.reduced, q, v)
         qs.append(q)
         vs.append(v)
-    return State(np.concatenate(qs), np.concatenate(vs), state.lam, state.time, inputs=state.inputs)
+    q, v = np.concatenate(qs), np.concatenate(vs)
+    return State(q, v, state.lam, state.time, inputs=state.inputs, states=state.states)

@@ -21,7 +21,7 @@ PROBE = 1e-4
 ROUNDS = 40
 """Most corrections of the integral parts."""
 SECOND = 1.0
-"""Time in which an integral part without a proportional one is compared with it, s."""
+"""Time in which an integral part or a derivative is compared with a proportional one, s."""
 
 
 def controllers(model: Model) -> list[ForceModel]:
@@ -98,16 +98,17 @@ def settle_controllers(
     speeds = np.array([bool(named("jo_pid_data", force.data).speed) for force in found])
     sought = np.flatnonzero((gains > 0.0) & ~speeds)
     parts = np.array(engine.states[places])
-    engine.v[:] = 0.0
-    engine.accelerations()
-    moving = np.flatnonzero(speeds & (np.abs(engine.state_rates[places]) > 0.0))
+    begin = State(engine.q, 0.0 * engine.v, engine.lam, float(engine.time[0]))
+    wanted = Engine(_without_limits(model))
+    put(wanted, replace(begin, states=None), "equilibrium")
+    wanted.accelerations()
+    moving = np.flatnonzero(speeds & (np.abs(wanted.state_rates[places]) > 0.0))
     if len(moving):
         raise SimulationError(
             f"no static equilibrium: speed PID '{found[moving[0]].name}' wants a speed other than "
             "0; set its reference to 0 at this time, or take it out",
             time=float(engine.time[0]),
         )
-    begin = State(engine.q, 0.0 * engine.v, engine.lam, float(engine.time[0]))
     at = begin if state is None else state
 
     def rates(x: Array, near: State) -> tuple[Array, State]:
@@ -144,7 +145,8 @@ def settle_controllers(
     worst = found[sought[int(np.argmax(np.abs(r[sought]) / (gains * sizes)[sought]))]].name
     raise SimulationError(
         f"no static equilibrium: PID '{worst}' does not bring its coordinate to its reference; "
-        "look whether its force acts along it and anything else holds it",
+        "look whether its force acts along it, whether anything else holds it, and whether kp is "
+        "stiffer than what pushes it away, such as gravity",
         time=at.time,
     )
 
@@ -154,9 +156,40 @@ def state_sizes(model: Model) -> Array:
     out = np.zeros(model.nstate)
     for force in controllers(model):
         data, size = named("jo_pid_data", force.data), _size(model, force)
-        gain = max(float(np.real(data.proportional)), float(np.real(data.integral)) * SECOND)
+        gains = data.proportional, data.integral * SECOND, data.derivative / SECOND
+        gain = max(float(np.real(one)) for one in gains)
         out[force.state : force.state + 2] = gain * size, size
     return out
+
+
+def follow_filters(model: Model, engine: Engine) -> None:
+    """Let the filters of controllers stand at what they measure; integral parts stay."""
+    parts = {force.state: float(engine.states[force.state]) for force in controllers(model)}
+    engine.start_states()
+    for place, value in parts.items():
+        engine.states[place] = value
+
+
+def fastest_tracking(model: Model) -> tuple[float, str]:
+    """Return the shortest time constant of back-calculation, s, and whose it is; infinite: none."""
+    rates = {f.name: float(named("jo_pid_data", f.data).unwind.real) for f in controllers(model)}
+    name = max(rates, key=lambda one: rates[one], default="")
+    return (1.0 / rates[name], name) if name and rates[name] > 0.0 else (float("inf"), "")
+
+
+def tracking_warning(model: Model, step: float) -> str:
+    """Return a sentence if steps are longer than a back-calculation takes, else nothing.
+
+    The integral part then leaps from beyond one limit beyond the other while the force is limited.
+    """
+    time, name = fastest_tracking(model)
+    if step <= time:
+        return ""
+    return (
+        f"PID '{name}' comes back from its limit within {time:.2g} s, less than the step of "
+        f"{step:.2g} s, and its force would leap from limit to limit; take a step of {time:.2g} s, "
+        "or a longer tracking time"
+    )
 
 
 def _moves(force: ForceModel) -> bool:
@@ -165,9 +198,20 @@ def _moves(force: ForceModel) -> bool:
 
 
 def _held(force: ForceModel) -> ForceModel:
+    return _with_zeros(force, "integral", "derivative")
+
+
+def _without_limits(model: Model) -> Model:
+    """Return the model whose integral parts change with the error alone."""
+    forces = (_with_zeros(f, "unwind") if f.kind == "pid" else f for f in model.forces)
+    return replace(model, forces=tuple(forces)).keeping_tree(model)
+
+
+def _with_zeros(force: ForceModel, *names: str) -> ForceModel:
     data = np.array(force.data)
     numbers = named("jo_pid_data", data)
-    numbers.integral[...] = numbers.derivative[...] = 0.0
+    for name in names:
+        getattr(numbers, name)[...] = 0.0
     return replace(force, data=data)
 
 

@@ -18,6 +18,7 @@ from jousto.model.native.header import places
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_rows
+from jousto.simulation.controllers import without_controllers
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.statics.bending import Bending
@@ -131,6 +132,7 @@ def _instants(model: Any, times: Any) -> Array:
 def _check_driven(model: Model) -> None:
     """Refuse sticking friction and free motions, other than bending, at the initial pose."""
     without_fmus(model, "kinematics", "moves by forces")
+    without_controllers(model, "kinematics")
     problems = Problems()
     for friction in model.frictions:
         if friction.sticks:

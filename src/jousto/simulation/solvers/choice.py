@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from jousto.model.model import Model
+from jousto.simulation.controllers import fastest_tracking
 from jousto.simulation.solvers.blows import shortest_blow
 from jousto.simulation.solvers.explicit import ROS2, Solver
 from jousto.simulation.solvers.growth import excess
@@ -16,6 +18,7 @@ SHORTEST = 1e-5  # s, of a step chosen for friction
 SHORT = 1e-4  # s, of a step chosen for springs; below it the implicit method costs less
 BLOW = 20  # steps in a blow on a stop: its restitution is then off by 0.01
 STEPS = (5e-4, 2e-4, SHORT)  # s, of a step chosen for blows
+SHORTER = (5e-5, 2e-5, SHORTEST)  # s, of a step chosen for controllers at their limits
 UNBOUNDED = 10.0  # s, taken for runs whose end nobody knows, as of exported machines
 ALLOWED = 0.1  # growth of small motions in a run that is the method's
 
@@ -29,7 +32,8 @@ def choose(
     regularised friction or damper tables that are steep, and not below 0.1 ms for blows on stops
     and for springs and bushings whose motions would grow by more than a tenth in the run.
     `GeneralizedAlpha` with a
-    step of 1 ms and kept factors for exact beams and for springs and bushings that are faster.
+    step of 1 ms and kept factors for exact beams and for springs and bushings that are faster. No
+    step is longer than the back-calculation of a controller, not below 10 us.
 
     Parameters
     ----------
@@ -37,7 +41,18 @@ def choose(
     t_end, output_step, start : float
         End, time between outputs (None: every step) and begin of the run, s.
     """
+    chosen, reason = _without_tracking(model, t_end, output_step, start)
+    time, name = fastest_tracking(model)
+    if chosen.step <= time:
+        return chosen, reason
+    step = next((step for step in (*STEPS, *SHORTER) if step <= time), SHORTEST)
+    shorter: Solver = replace(chosen, step=step)  # type: ignore[type-var]
+    return shorter, f"since PID '{name}' comes back from its limit in {time:.2g} s"
 
+
+def _without_tracking(
+    model: Model, t_end: float, output_step: float | None, start: float
+) -> tuple[Solver, str]:
     def step(solver: Solver) -> float:
         return schedule(model, t_end, solver, output_step, start).step
 

@@ -29,7 +29,10 @@ def excess(model: Model, solver: Solver, step: float) -> float:
     also for machines without springs and bushings, or with more than 300 states, which are not
     examined.
     """
-    if not any(force.kind in ELASTIC for force in model.forces) or 2 * model.nv > DENSE:
+    if (
+        not any(force.kind in ELASTIC for force in model.forces)
+        or 2 * model.nv + model.nstate > DENSE
+    ):
         return 0.0
     model = _without_functions(model)
     try:

@@ -12,6 +12,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.model.model import Model
 from jousto.model.native.header import named
+from jousto.simulation.controllers import tracking_warning
 from jousto.simulation.solvers.beam_checks import beam_steps_warning
 from jousto.simulation.solvers.explicit import SOLVERS, Solver
 from jousto.simulation.solvers.stability import (
@@ -125,7 +126,7 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
         sentences = (many_steps(model, duration), beam_steps_warning(model, duration))
         return [sentence for sentence in sentences if sentence]
     both = (friction_warning(model, solver, plan.step), damper_warning(model, solver, plan.step))
-    found += [sentence for sentence in both if sentence]
+    found += [sentence for sentence in (*both, tracking_warning(model, plan.step)) if sentence]
     for force in model.forces:
         if force.signal < 0:
             continue

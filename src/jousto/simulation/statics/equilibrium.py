@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from jousto.base.arguments import explained
@@ -14,7 +16,7 @@ from jousto.simulation.bent import warn_far
 from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
-from jousto.simulation.state import State
+from jousto.simulation.state import State, put
 from jousto.simulation.statics.adrift import check_adrift
 from jousto.simulation.statics.left_out import check_second_order
 from jousto.simulation.statics.settle import settle
@@ -91,16 +93,17 @@ def _rest(model: Model, state: State | None, tolerance: float) -> State:
 
 def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
     """Return a static equilibrium by Newton's steps in the modes of the exact stiffness."""
-    time = 0.0 if state is None else state.time
-    q = np.array(model.q0 if state is None else state.q)
     rest = np.zeros(model.nv)
+    start = State(model.q0, rest, np.zeros(model.nrow)) if state is None else state
+    time, q = start.time, np.array(start.q)
     engine = Engine(model)
+    put(engine, start, "equilibrium")
     bound, largest = 1.0, 0.0
     body = ""
     for _ in range(ITERATIONS):
-        t = at_rest(model, State(q, rest, np.zeros(model.nrow), time))
+        t = at_rest(model, replace(start, q=q, v=rest, turn=None, joint=None))
         if t.N.shape[1] == 0:
-            return State(q, rest, t.lam, time)
+            return replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None)
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # under follower loads shapes are not orthogonal, least of all those of equal frequencies
@@ -121,7 +124,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN, 1e-300)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         if pull <= tolerance * largest or reach < 1e-13:
-            return State(q, rest, t.lam, time)
+            return replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None)
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time

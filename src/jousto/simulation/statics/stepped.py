@@ -12,6 +12,7 @@ from jousto.base.complexstep import parts, plainly, real_parts
 from jousto.base.errors import NotAnalytic
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
+from jousto.simulation.controllers import controllers
 from jousto.simulation.modes.linear import modes
 from jousto.simulation.second_order import as_in, where_noticed
 from jousto.simulation.state import State
@@ -30,6 +31,8 @@ def rest(model: Model) -> State:
 
     r and C are the residuals of balance and joints at the position of rest of the real parts.
     """
+    if controllers(model):
+        raise NotAnalytic("controllers settle by iteration")
     with plainly():
         found = equilibrium(real_parts(model))
     engine = _at(model, found.q, np.zeros(model.nv))

@@ -15,6 +15,7 @@ from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
 from jousto.model.start import MOST, modal_velocities
+from jousto.simulation.controllers import follow_filters, hold_controllers
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.state import State, put, take
 
@@ -73,14 +74,16 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
             else f"{model.nv} velocities are more than {MOST}; start from rest, slowly"
         )
         raise InputError(Problem(f"vibration_free_state {model.name!r}", why))
-    engine = Engine(model)
+    held = hold_controllers(model)
+    engine = Engine(held)
     if state is not None:
         put(engine, state, "vibration_free_state")
     engine.assemble()
     engine.accelerations()
     modal = np.flatnonzero(modal_velocities(model))
     if len(modal):
-        _Slow(model, modal).settle(engine)
+        _Slow(held, modal).settle(engine)
+    follow_filters(held, engine)
     engine.accelerations()
     return take(engine)
 
