@@ -301,16 +301,18 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
     problems = Problems()
     c, cdot = (np.abs(x) for x in engine.constraints())
     metres, speed = engine.row_metres, speed_scale(model, engine.v, engine.a)
+    closed, kept = c * metres <= OPEN * model.size, cdot * metres <= OPEN * speed
+    if np.all(closed & kept):
+        return
     for joint in model.joints:
         rows = slice(joint.row, joint.row + joint.rows)
-        gap, rate = c[rows].max(initial=0.0), cdot[rows].max(initial=0.0)
-        open_by = (c * metres)[rows].max(initial=0.0)
-        if open_by <= OPEN * model.size and (cdot * metres)[rows].max(initial=0.0) <= OPEN * speed:
+        if np.all(closed[rows] & kept[rows]):
             continue
+        gap, rate = c[rows].max(), cdot[rows].max()
         names = [f"'{name}'" for name in (found.joints if found else ()) if name != joint.name]
         others = ", ".join(names) or "the others"
         where = place(joint)
-        if not open_by <= OPEN * model.size:
+        if not np.all(closed[rows]):
             problems.add(
                 where,
                 f"cannot be closed, {gap:.3g} (m or rad) remain; it conflicts with {others}: "
@@ -346,7 +348,8 @@ def disagreement(model: Model, q: Array, time: float) -> str:
     engine.q[:], engine.time[0] = q, time
     c = np.abs(engine.constraints()[0])
     rows = [slice(j.row, j.row + j.rows) for j in model.joints]
-    far = [(c * engine.row_metres)[r].max(initial=0.0) for r in rows]
+    gaps = c * engine.row_metres
+    far = [gaps[r].max(initial=0.0) for r in rows]
     worst = model.joints[int(np.argmax(far))]
     gap = c[rows[int(np.argmax(far))]].max(initial=0.0)
     text = f"{place(worst)} is open by {gap:.3g} (m or rad)"
