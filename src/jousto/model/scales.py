@@ -36,8 +36,9 @@ def velocity_metres(model: Model) -> Array:
     is treated alike in every consistent system of units.
     """
     out = np.ones(model.nv)
+    first = np.array([body.iv for body in model.bodies], dtype=np.intp)
+    out[first[:, None] + np.arange(3, 6)] = real(model.size)
     for body in model.bodies:
-        out[body.iv + 3 : body.iv + 6] = real(model.size)
         if body.n:
             out[body.iv + 6 : body.iv + 6 + body.n] = real(body.mass[0]) ** -0.5
     return out

@@ -41,6 +41,29 @@ def places(struct: str) -> dict[str, slice]:
     }
 
 
+@functools.cache
+def columns(struct: str) -> np.dtype[Any]:
+    """Return the memory of a struct for NumPy: its numbers, arrays of numbers and pointers."""
+    numbers = {"int": np.intc, "double": np.float64}
+    formats: dict[str, tuple[Any, int]] = {}
+    for name, field in ffi().typeof(struct).fields:
+        kind = field.type
+        count = kind.length if kind.kind == "array" else 0
+        kind = kind.item if count else kind
+        number: Any = np.uintp if kind.kind == "pointer" else numbers.get(kind.cname)
+        if number is not None:  # not of functions
+            formats[name] = ((number, (count,)) if count else number, field.offset)
+    names = list(formats)
+    return np.dtype(
+        {
+            "names": names,
+            "formats": [formats[name][0] for name in names],
+            "offsets": [formats[name][1] for name in names],
+            "itemsize": ffi().sizeof(struct),
+        }
+    )
+
+
 def named(struct: str, data: NDArray[Any]) -> Any:
     """Return the fields of a struct of jo_reals in flat data (..., size), as views of it.
 

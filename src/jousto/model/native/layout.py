@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any
+from typing import Any, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from jousto.model.loop import loops_of
 from jousto.model.model import Model
 from jousto.model.native.callback import callback
-from jousto.model.native.header import kinds, packed
+from jousto.model.native.header import columns, kinds, packed
 from jousto.model.native.meter import meter_size, native_rule
 from jousto.model.newton import NewtonPattern, newton_pattern
+
+Records: TypeAlias = NDArray[Any]  # structs as NumPy sees their memory
 
 CHUNK = 4096  # scalars that are allocated together
 
@@ -264,19 +266,45 @@ class Layout:
         `more` empty structs follow.
         """
         array = self._structs(kind, len(objects) + more)
+        records = self._records(array, objects)
         fields = self._ffi.typeof(kind).fields
-        names = [
-            name
-            for name, field in fields
-            if field.type.kind == "primitive" and objects and hasattr(objects[0], name)
-        ]
         types = kinds(f"{kind}_type") if fields[0][0] == "type" else {}
-        for s, source in zip(array, objects, strict=False):
-            for name in names:
-                setattr(s, name, getattr(source, name))
-            if types:
-                s.type = types[source.kind]
+        for name, field in fields if objects else ():
+            if name == "type":
+                records[name] = [types[source.kind] for source in objects]
+            elif field.type.kind == "primitive" and hasattr(objects[0], name):
+                records[name] = [getattr(source, name) for source in objects]
         return array
+
+    def _records(self, structs: Any, objects: Sequence[Any]) -> Records:
+        """Return the memory of the structs of some objects, field by field for all of them."""
+        layout = columns(self._ffi.typeof(structs).item.cname)
+        return np.frombuffer(self._ffi.buffer(structs), layout)[: len(objects)]
+
+    def _refer(
+        self, records: Records, kind: str, names: Sequence[str], sources: Sequence[Any]
+    ) -> None:
+        """Copy arrays of the objects, object after object, and let their structs refer to them.
+
+        The arrays of one name are of one size; `override` calls the objects `kind`.
+        """
+        if not sources:
+            return
+        rows = []
+        for name in names:
+            arrays = [getattr(source, name) for source in sources]
+            for i in range(len(sources)) if self._override else ():
+                arrays[i] = self._override.get((kind, i, name), arrays[i])
+            rows.append(np.array(arrays, dtype=self._dtype).reshape(len(sources), -1))
+        block = np.concatenate(rows, axis=1)
+        size = self._dtype.itemsize
+        self._place(block.ravel())
+        first = self._start + (self._used - block.size) * size
+        starts = first + np.arange(len(sources)) * (block.shape[1] * size)
+        for name, row in zip(names, rows, strict=True):
+            records[name] = starts
+            self.counts.update(dict.fromkeys(starts.tolist(), row.shape[1]))
+            starts = starts + row.shape[1] * size
 
     def _fill(self, kind: str, values: Sequence[Any]) -> Any:
         """Return structs that consist of ints alone, or ints, with these values."""
@@ -331,23 +359,22 @@ class Layout:
         pad, rows_d, rows_b, dense = (
             getattr(self._library, name) for name in ("JO_PAD", "JO_ROW_D", "JO_ROW_B", "JO_DENSE")
         )
-        structs = self._copied("jo_body", self._source.bodies)
-        for i, body in enumerate(self._source.bodies):
-            b = structs[i]
-            b.np = np_ = -(-body.n // pad) * pad
-            for name in ("mass", "S0", "J0"):
-                setattr(b, name, self._constant(getattr(body, name), ("body", i, name)))
-            if not np_:
-                continue
+        bodies = self._source.bodies
+        structs = self._copied("jo_body", bodies)
+        records = self._records(structs, bodies)
+        records["np"] = -(-records["n"] // pad) * pad
+        self._refer(records, "body", ("mass", "S0", "J0"), bodies)
+        for i in np.flatnonzero(records["np"]).tolist():
+            b, body = structs[i], bodies[i]
             for name in ("I3", "B0", "D0", "K", "D"):
                 array = self._override.get(("body", i, name), getattr(body, name))
-                setattr(b, name, self._constant(_padded(np.asarray(array), np_), shared=array))
+                setattr(b, name, self._constant(_padded(np.asarray(array), b.np), shared=array))
             for name, rows in (("ED", rows_d), ("EB", rows_b)):
                 array = self._override.get(("body", i, name), getattr(body, name))
                 setattr(
                     b,
                     name,
-                    self._constant(_blocked(np.asarray(array), np_, rows, dense), shared=array),
+                    self._constant(_blocked(np.asarray(array), b.np, rows, dense), shared=array),
                 )
         return structs
 
@@ -358,17 +385,14 @@ class Layout:
         return structs
 
     def _markers(self) -> Any:
-        structs = self._copied("jo_marker", self._source.markers)
-        for i, marker in enumerate(self._source.markers):
-            s = structs[i]
-            np_ = 0
-            if marker.body >= 0:
-                n, pad = self._source.bodies[marker.body].n, self._library.JO_PAD
-                np_ = -(-n // pad) * pad
-            for name in ("u0", "A0"):
-                setattr(s, name, self._constant(getattr(marker, name), ("marker", i, name)))
-            if not np_:
+        markers, bodies = self._source.markers, self._source.bodies
+        structs = self._copied("jo_marker", markers)
+        self._refer(self._records(structs, markers), "marker", ("u0", "A0"), markers)
+        for i, marker in enumerate(markers):
+            if marker.body < 0 or not bodies[marker.body].n:
                 continue
+            s, n, pad = structs[i], bodies[marker.body].n, self._library.JO_PAD
+            np_ = -(-n // pad) * pad
             for name in ("Phi", "Psi"):
                 shapes = self._override.get(("marker", i, name), getattr(marker, name))
                 padded = None if shapes is None else _padded(np.asarray(shapes), np_)
@@ -379,13 +403,12 @@ class Layout:
         return structs
 
     def _coordinates(self) -> Any:
-        structs = self._copied("jo_coordinate", self._source.coordinates)
-        turn = 0
-        for s, coordinate in zip(structs, self._source.coordinates, strict=False):
-            s.turn = -1
-            s.link = -1
-            if coordinate.kind == "angle":
-                s.turn, turn = turn, turn + 1
+        coordinates = self._source.coordinates
+        structs = self._copied("jo_coordinate", coordinates)
+        records = self._records(structs, coordinates)
+        records["turn"] = records["link"] = -1
+        angles = np.array([c.kind == "angle" for c in coordinates], dtype=bool)
+        records["turn"][angles] = np.arange(angles.sum())
         for i, link in enumerate(self._source.links):
             for place in link.coordinates:
                 structs[place].link = i
@@ -409,21 +432,20 @@ class Layout:
 
     def _joints(self) -> Any:
         hubs = self._source.elimination.hubs
-        structs = self._copied("jo_joint", self._source.joints, more=len(hubs))
+        joints = self._source.joints
+        structs = self._copied("jo_joint", joints, more=len(hubs))
+        records = self._records(structs, joints)
         for i in range(len(hubs)):
-            s = structs[len(self._source.joints) + i]
+            s = structs[len(joints) + i]
             s.nrow, s.lock, s.release = 6, -1, -1
             s.side[0] = s.side[1] = self._on_hub(hubs[i])  # what an error is about
-        line = 0
-        for i, joint in enumerate(self._source.joints):
-            s = structs[i]
-            s.nside, s.nperp, s.nrow = len(joint.sides), len(joint.perpendicular), joint.rows
-            for k, marker in enumerate(joint.sides):
-                s.side[k] = marker
-            s.nline, s.line = len(joint.lines), line
-            line += len(joint.lines)
-            for r, (a, b) in enumerate(joint.perpendicular):
-                s.perp_a[r], s.perp_b[r] = a, b
+        records["nrow"] = [joint.rows for joint in joints]
+        lines = np.array([len(joint.lines) for joint in joints], dtype=np.intc)
+        records["nline"], records["line"] = lines, np.cumsum(lines) - lines
+        pairs = [joint.perpendicular for joint in joints]
+        records["nside"] = _filled(records["side"], [joint.sides for joint in joints])
+        records["nperp"] = _filled(records["perp_a"], [[a for a, _ in some] for some in pairs])
+        _filled(records["perp_b"], [[b for _, b in some] for some in pairs])
         return structs
 
     def _on_hub(self, body: int) -> int:
@@ -493,6 +515,13 @@ def _blocked(E: NDArray[Any], padded_n: int, rows: int, dense: int) -> NDArray[A
     tiles = padded.reshape(-1, count, 4, count, 4).transpose(0, 3, 1, 4, 2)  # c, kb, jb, k, j
     kb, jb = np.triu_indices(count)
     return np.ascontiguousarray(tiles[:, kb, jb])
+
+
+def _filled(out: NDArray[np.intc], rows: Sequence[Sequence[int]]) -> list[int]:
+    """Write rows of numbers to the beginnings of those of `out`; return their lengths."""
+    for k in range(out.shape[1]):
+        out[:, k] = [row[k] if k < len(row) else 0 for row in rows]
+    return [len(row) for row in rows]
 
 
 def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
