@@ -94,3 +94,33 @@ def test_a_long_chain_is_examined_too():
     found = jo.doctor(jo.Mechanism(*links, *joints))
     assert found.still == ("b0",) and found.dead == ()
     assert (found.mobility, found.rigid_mobility) == (449, 449)
+
+
+def test_links_of_a_tree_tell_the_same_as_the_rows(monkeypatch):
+    """Joint coordinates need no engine; positions of the bodies project motions."""
+    names = ("bolted", "hung", "driven", "behind", "loose", "carried")
+    bodies = [
+        jo.RigidBody(name, 1.0, (0.1,) * 3, position=(i, 0, 0), markers={"e": (1, 0, 0)})
+        for i, name in enumerate(names)
+    ]
+    bolted, hung, driven, behind, loose, carried = bodies
+    motor = jo.Revolute("pin", bolted["origin"], driven.at((-2, 0, 0)), axis=(0, 1, 0))
+    joints = [
+        jo.Fixed("bolt", jo.ground["origin"], bolted["origin"]),
+        jo.Universal("cross", bolted["e"], hung["origin"], axis_a=(0, 1, 0), axis_b=(0, 0, 1)),
+        motor,
+        jo.Drive("motor", motor.angle, jo.ConstantSpeed(1.0)),
+        jo.Fixed("weld", driven["e"], behind["origin"]),
+        jo.Prismatic("guide", loose["e"], carried["origin"], axis=(1, 0, 0)),
+    ]
+    machine = jo.Mechanism(*bodies, *joints)
+    engines = []
+    projected = motions.Engine
+    monkeypatch.setattr(motions, "Engine", lambda *a, **k: engines.append(1) or projected(*a, **k))
+    tree = motions.moving(model := jo.compile(machine, core="joint"), model.q0)
+    assert not engines
+    for small in (motions.SMALL, 0):
+        monkeypatch.setattr(motions, "SMALL", small)
+        rows = motions.moving(model := jo.compile(machine, core="maximal"), model.q0)
+        assert tree == rows == {"hung", "loose", "carried"}
+    assert engines

@@ -132,9 +132,9 @@ def test_closed_joints_are_looked_at_once(monkeypatch):
     assert counts[1] < 2.1 * counts[0]
 
 
-# calls of functions for a hinged body in Python 3.11 with NumPy 2, those of both included: 410 for
-# its text, 590 for its objects, 460 to compile, 180 to examine it
-FEW = 1900
+# calls of functions for a hinged body in Python 3.11 with NumPy 2, those of both included: 290 for
+# its text, 560 for its objects, 430 to compile, 30 to examine it
+FEW = 1400
 
 
 def test_a_hinged_body_costs_few_calls():

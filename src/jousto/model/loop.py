@@ -83,7 +83,7 @@ def loops_of(model: Model) -> Loops:
             found.reaches.extend((link, at.get(links[link].parent, -1)) for link in path)
             found.loops.append((k, number, row, first, len(path)))
             row += model.joints[k].rows
-            seen += [(link, place) for link, place in at.items() if _moves(links[link])]
+            seen += [(link, place) for link, place in at.items() if is_moving(links[link])]
         found.meets.extend(_meets(seen))
     return found
 
@@ -108,7 +108,7 @@ def _meet_often(model: Model) -> bool:
     passed, meetings = [0] * len(links), 0
     for k in cut_joints(model, links):
         for link in _path(model, links, of_body, k):
-            if not _moves(links[link]):
+            if not is_moving(links[link]):
                 continue
             passed[link] += 1
             meetings += passed[link]  # with all that pass it, and with itself
@@ -125,7 +125,8 @@ def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
     return sorted((a, b) for places in of_link.values() for a in places for b in places if a <= b)
 
 
-def _moves(link: LinkModel) -> bool:
+def is_moving(link: LinkModel) -> bool:
+    """Return whether a link moves other than a drive tells it."""
     return link.kind in MOVING and link.driven < 0
 
 
@@ -155,7 +156,7 @@ def _groups(links: tuple[LinkModel, ...], paths: dict[int, list[int]]) -> list[l
     first: dict[int, int] = {}
     for k, path in paths.items():
         for link in path:
-            if _moves(links[link]):
+            if is_moving(links[link]):
                 one, other = sorted((root(first.setdefault(link, k)), root(k)))
                 roots[other] = one
     groups: dict[int, list[int]] = {}

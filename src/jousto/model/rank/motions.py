@@ -11,6 +11,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.hubs import order_joints
+from jousto.model.loop import cut_joints, is_moving
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
@@ -25,9 +26,9 @@ AGAIN = 8  # projections, since one with repeated rows leaves a small part of we
 def moving(model: Model, q: Array) -> set[str]:
     """Return the bodies that can move at a position, to first order.
 
-    Motions that the rows leave free are ``(1 - G^+ G) x``. Of small models all of them are
-    computed; of large ones random x are projected by the engine, whose effort grows with the
-    mechanism only.
+    Where every row is of a link of a tree, a body moves with the links that lead to it. Motions
+    that rows leave free otherwise are ``(1 - G^+ G) x``. Of small models all of them are computed;
+    of large ones random x are projected by the engine, whose effort grows with the mechanism only.
 
     Parameters
     ----------
@@ -35,6 +36,8 @@ def moving(model: Model, q: Array) -> set[str]:
     q : (nq,) array
         A position with closed joints.
     """
+    if model.links and not model.mixed and not cut_joints(model, model.links):
+        return _led(model)
     engine = Engine(model, implicit=False)
     engine.q[:] = q
     if model.nv <= SMALL:
@@ -43,6 +46,16 @@ def moving(model: Model, q: Array) -> set[str]:
     else:
         found = _projected(model, engine)
     return {b.name for b in model.bodies if found[b.iv : b.iv + 6 + b.n].max(initial=0.0) > MOVES}
+
+
+def _led(model: Model) -> set[str]:
+    """Return the bodies of a tree that any link without a drive leads to from the ground."""
+    moves: list[bool] = []
+    for link in model.links:
+        before = link.parent >= 0 and moves[link.parent]
+        moves.append(before or is_moving(link))
+    found = zip(model.links, moves, strict=True)
+    return {model.bodies[link.body].name for link, free in found if free and link.body >= 0}
 
 
 def _projected(model: Model, engine: Engine) -> Array:
