@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from jousto.base.collecting import uncollected
 from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.files import check_input
 from jousto.cli.group import command
@@ -256,6 +257,7 @@ def describe_result(path: Path) -> None:
 
 
 @command()
+@uncollected()
 def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
     from jousto.model.doctor import doctor

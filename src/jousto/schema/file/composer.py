@@ -8,16 +8,23 @@ rules of ruamel.yaml for 1.2. Unusual text and all text with an error is left to
 from __future__ import annotations
 
 import functools
+import operator
 import re
 from itertools import accumulate
 from typing import Any
 
 from jousto.base.collecting import uncollected
 
-# tabs, line ends of YAML 1.1 alone, directives, anchors, aliases, tags, text in blocks, and signs
-# of deep nesting by indentation
-UNUSUAL = re.compile(
-    r"[\t\x85\u2028\u2029\ufeff\x00-\x08\x0b-\x1f]|^%|(?:^|[\s\[\]{},:])[&*!|>?]|^[- :]{300}", re.M
+# searched one by one, since each begins with a sign that Python looks for quickly
+UNUSUAL = (
+    # tabs, line ends of YAML 1.1 alone, signs that are none
+    re.compile("[\t\x85\u2028\u2029\ufeff\x00-\x08\x0b-\x1f]"),
+    # directives
+    re.compile("%(?<=^%)", re.M),
+    # anchors, aliases, tags, text in blocks, keys of several lines
+    re.compile(r"[&*!|>?](?:(?<=[\s\[\]{},:].)|(?<=^.))", re.M),
+    # signs of deep nesting by indentation
+    re.compile("[- :]{300}(?<=^.{300})", re.M),
 )
 DEEP = 100  # brackets within brackets; libyaml's tree is made by recursion in C
 
@@ -34,7 +41,7 @@ def compose(text: str) -> Any:
     """
     read = _libyaml()
     plain = text.replace("\r\n", "\n")
-    if read is not None and UNUSUAL.search(plain) is None and _depth(plain) <= DEEP:
+    if read is not None and not _is_unusual(plain):
         import yaml
 
         try:
@@ -44,6 +51,11 @@ def compose(text: str) -> Any:
     from ruamel.yaml import YAML
 
     return YAML(typ="rt", pure=True).compose(text)
+
+
+def _is_unusual(text: str) -> bool:
+    """Return whether libyaml may read a text in another way, or fail at it."""
+    return any(sign.search(text) for sign in UNUSUAL) or _depth(text) > DEEP
 
 
 def _depth(text: str) -> int:
@@ -74,23 +86,14 @@ def _libyaml() -> Any:
                 known.append((tag, re.compile(pattern.pattern, pattern.flags)))
 
     class Loader(CParser, Words):  # type: ignore[misc]
+        # tags do not depend on where a node stands; functions in C cost the least
+        descend_resolver = staticmethod(operator.is_)
+        ascend_resolver = staticmethod(tuple)
+
         def __init__(self, text: str) -> None:
             CParser.__init__(self, text)
             Words.__init__(self)
-            self.tags: dict[Any, Any] = {}
-
-        def descend_resolver(self, *_: Any) -> None:
-            """Tags do not depend on where a node stands."""
-
-        def ascend_resolver(self) -> None:
-            """The same."""
-
-        def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
-            """Return the tag of a node; the words of a model repeat."""
-            word = (kind, value, implicit)
-            if word not in self.tags:
-                self.tags[word] = super().resolve(kind, value, implicit)
-            return self.tags[word]
+            self.resolve = functools.cache(super().resolve)  # the words of a model repeat
 
     def read(text: str) -> Any:
         loader = Loader(text)

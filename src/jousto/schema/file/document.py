@@ -281,12 +281,11 @@ class _Reader:
     def mapping(self, node: Any) -> dict[str, Any]:
         """Return the dictionary of a node, its merged keys included."""
         data: dict[str, Any] = {}
-        first: dict[str, int] = {}  # lines of the keys
+        first: dict[str, Any] = {}  # nodes of the keys
         merged: list[dict[str, Any]] = []
         for key_node, value_node in node.value:
-            line = key_node.start_mark.line + 1
             if not self.path:
-                self.section = line
+                self.section = key_node.start_mark.line + 1
             if key_node.id != "scalar":
                 self.note(key_node, "a key must be a plain word")
                 continue
@@ -297,12 +296,13 @@ class _Reader:
                 continue
             if key in data:
                 self.path.append(key)
-                self.note(key_node, f"given twice, first in line {first[key]}")
+                line = first[key].start_mark.line + 1
+                self.note(key_node, f"given twice, first in line {line}")
                 self.path.pop()
                 continue
-            first[key] = line
+            first[key] = key_node
             if self.lines is not None:
-                self.lines[*self.path, key] = line
+                self.lines[*self.path, key] = key_node.start_mark.line + 1
             data[key] = self.at(key, value_node)
         for other in merged:
             data = {**other, **data}
