@@ -8,10 +8,11 @@ import pytest
 from jousto.base.declare import kinds
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.base.rotations import Rotate
-from jousto.mechanism.bodies.body import RigidBody, ground
+from jousto.mechanism.bodies.body import FlexibleBody, RigidBody, ground
 from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.forces.springs import Bushing, Servo, Spring
+from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.joints.coupling import Drive, Gear
 from jousto.mechanism.joints.hinges import Revolute, Screw, Universal
 from jousto.mechanism.joints.points import Rod
@@ -45,6 +46,32 @@ def test_rows_of_joints(cls):
     pitch = {"pitch": 0.01} if cls is Screw else {}
     joint = cls("j", ground["origin"], body()["tip" if cls is Rod else "origin"], **pitch)
     assert joint.rows == len(joint.row_names) == ROWS[cls.__name__]
+
+
+def test_frames_of_many_joints_are_those_of_each(rng, rod):
+    """At once or one by one: both sides have the axis for z, by the smallest turn of side a.
+
+    Axes at random, none, along z, against it, nearly against it; every sixth joint is on a bent
+    modal body.
+    """
+    bent = FlexibleBody("rod", rod, modal_coordinates=np.full(rod.n, 1e-3))
+    joints = []
+    for i in range(60):
+        a = body(f"a{i}", orientation=Rotate(rng.normal(size=3), degrees=70))
+        b = body(f"b{i}", orientation=Rotate((1, 2, 3), degrees=40))["origin"]
+        side = a["tip"].turned(Rotate((3, 2, 1), degrees=50))
+        z = side.A[:, 2]
+        axis = (rng.normal(size=3), None, 2.0 * z, -z, 1e-4 * rng.normal(size=3) - z)[i % 5]
+        joints.append(Revolute(f"j{i}", side, bent["end"] if i % 6 == 5 else b, axis))
+    align_frames(joints)
+    for joint in joints:
+        axis = joint.a.A[:, 2] if joint.axis is None else joint.axis
+        alone = Revolute("alone", joint.a, joint.b, joint.axis)  # works out its own frames
+        for side, other in zip(joint.frames, alone.frames, strict=True):
+            np.testing.assert_allclose(side.A[:, 2], axis / np.linalg.norm(axis), atol=1e-11)
+            np.testing.assert_allclose(side.axes, other.axes, atol=1e-11)
+            assert not side.axes.flags.writeable
+        np.testing.assert_allclose(joint.frames[0].A, joint.frames[1].A, atol=1e-14)
 
 
 def test_universal_angles_are_those_of_the_cross():

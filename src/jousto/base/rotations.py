@@ -20,6 +20,8 @@ from jousto.base.numbers import number, set_fields
 
 UNIT_TOLERANCE = 1e-6
 
+PARALLEL = 1e-12  # sine of the angle between vectors that are parallel
+
 # largest component of the shortest vector that has a direction
 SHORTEST = 1e-150
 
@@ -129,23 +131,39 @@ def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
     z = A[:, 2]
     cross = crossed(z, h)
     sine, cosine = norm(cross), z @ h
-    if sine < 1e-12:
+    if sine < PARALLEL:
         if stepped(cross):
             return np.asarray(
                 exp_rotation(cross * np.sign(cosine.real)) @ turn_onto(A.real, h.real)
             )
         # parallel: nothing to do; opposite: half a turn about x
         return A.copy() if cosine > 0 else np.asarray(A @ np.diag([1.0, -1.0, -1.0]))
-    if cosine.real > -0.5:  # cosine E + c~ + c c^T / (1 + cosine) with c = z x h
-        x, y, w = cross.tolist()
-        f = 1.0 / (1.0 + cosine)
-        turn = [
-            [cosine + f * x * x, f * x * y - w, f * x * w + y],
-            [f * x * y + w, cosine + f * y * y, f * y * w - x],
-            [f * x * w - y, f * y * w + x, cosine + f * w * w],
-        ]
-        return np.asarray(np.array(turn) @ A)
+    if cosine.real > -0.5:
+        return np.asarray(least_turn(cross, cosine) @ A)
     return np.asarray(exp_rotation(cross / sine * arctan2(sine, cosine)) @ A)
+
+
+def turn_each_onto(A: Array, axes: Array) -> Array:
+    """Return what `turn_onto` does of frames A (n, 3, 3) and axes (n, 3)."""
+    h = axes / np.abs(axes).max(axis=1, keepdims=True)
+    h /= np.linalg.norm(h, axis=1, keepdims=True)
+    cross, cosine = crossed(A[:, :, 2], h), (A[:, :, 2] * h).sum(axis=1)
+    apart = np.linalg.norm(cross, axis=1) >= PARALLEL
+    near = apart & (cosine > -0.5)
+    out = A.copy()
+    out[near] = least_turn(cross[near], cosine[near]) @ A[near]
+    for i in np.flatnonzero(~near & (apart | (cosine < 0.0))):
+        out[i] = turn_onto(A[i], axes[i])
+    return out
+
+
+def least_turn(cross: Array, cosine: Array) -> Array:
+    """Return the smallest rotations (..., 3, 3) that turn unit vectors z onto unit vectors h.
+
+    ``cosine E + c~ + c c^T / (1 + cosine)`` with ``c = z x h`` (..., 3) and ``cosine = z . h``
+    """
+    c, size = cross, np.asarray(cosine)[..., None, None]
+    return np.asarray(size * np.eye(3) + skew(c) + c[..., :, None] * c[..., None, :] / (1.0 + size))
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
+from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.frame_record import frame_shape
 from jousto.model.hubs import joints_on, order_joints
@@ -103,6 +104,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, mechanism.events)
     used = used_joints(mechanism)
+    align_frames(mechanism.joints)
     for joint in mechanism.joints:
         builder.joint(joint, used=id(joint) in used)
     for coupling in mechanism.couplings:
@@ -195,6 +197,7 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
     v: list[Array] = []
     iq = iv = 0
     parts: dict[tuple[int, frozenset[str]], BodyModel] = {}
+    rigid = _inertias([body for body in mechanism.bodies if not isinstance(body, FlexibleBody)])
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody):
             kind = (id(body.reduced), body.drop_invariants)
@@ -203,7 +206,7 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
             D = np.array(floats(body.modal_damping))
             model = replace(parts[kind], name=body.name, iq=iq, iv=iv, D=D)
         else:
-            model = _rigid(body, iq, iv)
+            model = _rigid(body, iq, iv, *next(rigid))
         models.append(model)
         iq += 7 + model.n
         iv += 6 + model.n
@@ -216,18 +219,24 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
     return tuple(models), np.concatenate([empty, *q]), np.concatenate([empty, *v])
 
 
-def _rigid(body: RigidBody, iq: int, iv: int) -> BodyModel:
-    c = floats(body.center)
-    J = body.inertia
-    if c.any():
-        J = J + body.mass * (c @ c * np.eye(3) - np.outer(c, c))  # Steiner
+def _inertias(bodies: Sequence[RigidBody]) -> Iterator[tuple[Array, Array, Array]]:
+    """Return mass (1,), first moment (3,) and inertia (6,) about the origin, of each body."""
+    m = floats([body.mass for body in bodies]).reshape(-1, 1)
+    c = floats([body.center for body in bodies]).reshape(-1, 3)
+    J = floats([body.inertia for body in bodies]).reshape(-1, 3, 3)
+    squares = (c * c).sum(axis=1)[:, None, None] * np.eye(3) - c[:, :, None] * c[:, None, :]
+    J = J + m[..., None] * squares  # Steiner
+    return zip(m, m * c, J[:, ROWS, COLUMNS], strict=True)
+
+
+def _rigid(body: RigidBody, iq: int, iv: int, mass: Array, S0: Array, J0: Array) -> BodyModel:
     return BodyModel(
         name=body.name,
         iq=iq,
         iv=iv,
-        mass=np.array([body.mass]),
-        S0=body.mass * c,
-        J0=J[ROWS, COLUMNS],
+        mass=mass,
+        S0=S0,
+        J0=J0,
         **NO_MODES,
         alpha=body.damping if isinstance(body, BeamNode) else 0.0,
     )

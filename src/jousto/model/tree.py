@@ -133,7 +133,7 @@ class _Tree:
         heavy = sorted(range(len(self.model.bodies)), key=lambda i: -self._mass(i))
         for body in heavy:
             if body not in self.of_body:
-                self._add(LinkModel("free", -1, body))
+                self._add(None, "free", {"kind": "free", "parent": -1, "body": body})
                 self.of_body[body] = len(self.made) - 1
                 self._grow(body, near)
         if self.model.frictions and (rest := cut_joints(self.model, self.made)):
@@ -155,7 +155,7 @@ class _Tree:
             hub = m.bodies[hubs[0]].name
             raise _Unfit(f"body '{soft}' is flexible, and '{hub}' has very many joints")
         alone = [k for k, joint in enumerate(m.joints) if joint.release < 0 and joint.lock < 0]
-        known = {k for k in alone if is_link(m.joints[k]) and self._known(m.joints[k])}
+        known = {k for k in alone if is_link(m.joints[k]) and self._known(k)}
         drives = {k for k in alone if not is_link(m.joints[k]) and self._drives(m.joints[k])}
         while carried := carried_bodies(m, known, drives):
             links = self._on_bodies(carried, drives)
@@ -174,7 +174,8 @@ class _Tree:
         kept = [i for i in range(len(self.model.bodies)) if i not in carried]
         self.made, self.of_body = [], {body: i for i, body in enumerate(kept)}
         for body in kept:
-            self._add(LinkModel("body", -1, body, modes=self.model.bodies[body].n))
+            fields = {"kind": "body", "parent": -1, "body": body}
+            self._add(None, "body", {**fields, "modes": self.model.bodies[body].n})
         near: dict[int, list[int]] = {}
         for k in sorted(carried.values()):
             for body in self._ends(k):
@@ -228,16 +229,16 @@ class _Tree:
         known: list[int] = []
         for k, joint in enumerate(joints):
             if joint.coincident or joint.perpendicular:
-                if self._known(joint):
+                if self._known(k):
                     known.append(k)
             elif joint.lock < 0 and self._drives(joint):
                 self.drives.setdefault(joint.lines[0].coordinates[0], k)
         kept = spanning([(*self._ends(k), joints[k].rows) for k in known])
         return [known[i] for i in kept]
 
-    def _known(self, joint: JointModel) -> bool:
+    def _known(self, place: int) -> bool:
         try:
-            self.kinds[joint.name] = self._kind(joint)
+            self.kinds[self.model.joints[place].name] = self._kind(place)
         except _Unfit:
             return False
         return True
@@ -277,33 +278,34 @@ class _Tree:
         if above >= 0 and self.made[above].kind == "fixed":
             # what hangs on a fixed body hangs on what that is fixed to
             above = self.made[above].parent
-        link = LinkModel(
-            kind, above, body, outer=outer, inner=inner, joint=k, reversed=int(reversed_)
-        )
+        link = {"kind": kind, "parent": above, "body": body, "outer": outer, "inner": inner}
+        link |= {"joint": k, "reversed": int(reversed_)}
         if kind in ("cylindrical", "universal"):
             first = "slide" if kind == "cylindrical" else "hinge"
             crossed = int(kind == "universal")
-            self._add(replace(link, kind=first, body=-1, inner=-1, joint=-1), joint, kind)
+            self._add(joint, kind, link | {"kind": first, "body": -1, "inner": -1, "joint": -1})
             above = len(self.made) - 1
-            link = replace(link, kind="hinge", parent=above, outer=-1, crossed=crossed)
-        self._add(link, joint, kind)
+            link |= {"kind": "hinge", "parent": above, "outer": -1, "crossed": crossed}
+        self._add(joint, kind, link)
         self.of_body[body] = len(self.made) - 1
 
-    def _add(self, link: LinkModel, joint: JointModel | None = None, kind: str = "") -> None:
-        """Append a link with its places and the coordinates that are its own."""
-        last = self.made[-1] if self.made else None
-        more: dict[str, Any] = {}
-        if last is not None:
-            more = {"x": last.x + last.positions, "u": last.u + last.rates}
-        if joint is not None:
-            more["coordinates"] = self._own(link, joint, kind)
-        for coordinate in more.get("coordinates", link.coordinates):
-            if coordinate in self.drives and "drive" not in more and link.drive < 0:
-                drive = self.drives.pop(coordinate)
-                more |= {"drive": drive, "driven": self.first_line[drive]}
-        self.made.append(replace(link, **more) if more else link)
+    def _add(self, joint: JointModel | None, whole: str, link: dict[str, Any]) -> None:
+        """Append a link of these fields with its places and the coordinates that are its own.
 
-    def _own(self, link: LinkModel, joint: JointModel, kind: str) -> tuple[int, ...]:
+        `whole` is the kind of the joint, of which a link may be the first or the second half.
+        """
+        if self.made:
+            last = self.made[-1]
+            link |= {"x": last.x + last.positions, "u": last.u + last.rates}
+        if joint is not None:
+            link["coordinates"] = self._own(link, joint, whole)
+        for coordinate in link.get("coordinates", ()):
+            if coordinate in self.drives and "drive" not in link:
+                drive = self.drives.pop(coordinate)
+                link |= {"drive": drive, "driven": self.first_line[drive]}
+        self.made.append(LinkModel(**link))
+
+    def _own(self, link: dict[str, Any], joint: JointModel, kind: str) -> tuple[int, ...]:
         """Coordinates that the position of a link is, up to the sign."""
         a, b = joint.sides[:2]
         pairs = {"hinge": ("angle", a, b), "slide": ("along", a, b)}
@@ -311,9 +313,9 @@ class _Tree:
         for i in self.between.get(self._pair(a, b), ()):
             c = self.model.coordinates[i]
             if kind == "universal":
-                mine = not link.reversed and c.kind == "angle" and self._crossed(link, joint, i)
+                mine = not link["reversed"] and c.kind == "angle" and self._crossed(link, joint, i)
             else:
-                mine = (c.kind, c.a, c.b) == pairs.get(link.kind) and (
+                mine = (c.kind, c.a, c.b) == pairs.get(link["kind"]) and (
                     c.kind == "angle" or c.axis_a == 2
                 )
             if mine:
@@ -337,11 +339,11 @@ class _Tree:
         one, other = self.model.markers[a].body, self.model.markers[b].body
         return (one, other) if one <= other else (other, one)
 
-    def _crossed(self, link: LinkModel, joint: JointModel, place: int) -> bool:
+    def _crossed(self, link: dict[str, Any], joint: JointModel, place: int) -> bool:
         """Whether an angle is that of the first or the second hinge of a universal joint."""
         a, b = joint.sides[:2]
         c = self.model.coordinates[place]
-        if link.body < 0:
+        if link["body"] < 0:
             return c.a == a and self._turned(c.b, b, Z_FIRST)
         return self._turned(c.a, b, Y_FIRST_BACK) and self._turned(c.b, a, Z_FIRST)
 
@@ -354,8 +356,9 @@ class _Tree:
             and float(np.abs(one.A0 - other.A0 @ axes).max()) < 1e-14
         )
 
-    def _kind(self, joint: JointModel) -> str:
+    def _kind(self, place: int) -> str:
         """Return what a joint is as links, _Unfit where it is none of them."""
+        joint = self.model.joints[place]
         rows, sliding = set(joint.perpendicular), self._slides(joint)
         kind = LINKS.get((joint.coincident, sliding, frozenset(rows)))
         if kind is None or (joint.coincident and joint.lines):
@@ -363,9 +366,7 @@ class _Tree:
         if kind in ("ball", "universal"):
             return kind
         axes = (2,) if rows == PARALLEL else (0, 1, 2)
-        A, B = (self._axes(side) for side in joint.sides[:2])
-        cosines = (A * B).sum(axis=0).tolist()
-        if any(cosines[i] < ALIGNED for i in axes):
+        if any(self.cosines[place][i] < ALIGNED for i in axes):
             raise _Unfit(f"the axes of joint '{joint.name}' point in opposite directions")
         return kind
 
@@ -379,17 +380,19 @@ class _Tree:
                 held.add(c.axis_a)
         return held == {0, 1} and len(joint.lines) == 2
 
-    def _axes(self, side: int) -> Array:
-        """Return the axes of a marker at the start, in columns."""
-        marker = self.model.markers[side]
-        local = np.real(marker.A0)
-        return np.asarray(local if marker.body < 0 else self.rotations[marker.body] @ local)
-
     @cached_property
-    def rotations(self) -> Array:
-        """Rotation matrices (nb, 3, 3) of the bodies at the start."""
-        first = np.array([body.iq + 3 for body in self.model.bodies])
-        return rotation_matrix(np.real(self.model.q0)[first[:, None] + np.arange(4)])
+    def cosines(self) -> list[list[float]]:
+        """Cosines between the axes x, y, z of sides 0 and 1 of each joint at the start."""
+        m = self.model
+        first = np.array([body.iq + 3 for body in m.bodies])
+        A = rotation_matrix(np.real(m.q0)[first[:, None] + np.arange(4)])
+        A = np.concatenate([A, np.eye(3)[None]])  # that of the ground, -1
+        sides = np.array([joint.sides[:2] for joint in m.joints], dtype=np.intp)
+        markers = [m.markers[i] for i in sides.ravel()]
+        local = np.real([marker.A0 for marker in markers])
+        axes = (A[[marker.body for marker in markers]] @ local).reshape(-1, 2, 3, 3)
+        found: list[list[float]] = (axes[:, 0] * axes[:, 1]).sum(axis=1).tolist()
+        return found
 
 
 def _smooth_pieces(data: Array, count: int, degree: int) -> bool:

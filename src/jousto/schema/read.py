@@ -203,6 +203,7 @@ def build_model(
         if name not in named
     )
     finish(document, [*valid.problems, *builder.found], [*unused, *builder.warnings])
+    builder.known.clear()  # sections refer to the builder: all entries would stay as garbage
     assert mechanism is not None
     variants = Variants(build_model, whole, expanded.parameters, rigid, trust, expanded.idle)
     given = (mechanism, simulation, document.text, fatigue, monitor)

@@ -176,6 +176,15 @@ def world_positions(markers: Sequence[Marker]) -> Array:
     return np.asarray(R + (A @ u[..., None])[..., 0])
 
 
+def carriers(markers: Sequence[Marker]) -> Array:
+    """Return the frames (n, 3, 3) of markers without their axes, see `Marker.carrier`."""
+    A = rotation_matrix(floats([marker.body.orientation for marker in markers]).reshape(-1, 4))
+    for i, marker in enumerate(markers):
+        if hasattr(marker.body, "reduced"):
+            A[i] = marker.carrier
+    return A
+
+
 def marker_axes(label: str, axes: Any) -> Array:
     """Return A_0 (3, 3) of an orientation given by the user, exactly E for None."""
     if axes is None:

@@ -11,15 +11,17 @@ A new joint is one class: two tuples and, where it slides, its lines.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import ClassVar
 
-from jousto.base.arrays import Array, read_only
+from jousto.base.arrays import Array, frozen, read_only, transposed
+from jousto.base.complexstep import floats, is_stepping
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Flag, Name, field
-from jousto.base.rotations import Direction, turn_onto
-from jousto.mechanism.bodies.marker import Marker, MarkerField
+from jousto.base.rotations import Direction, turn_each_onto, turn_onto
+from jousto.mechanism.bodies.marker import Marker, MarkerField, carriers
 from jousto.mechanism.joints.coordinate import AXES, Angle, Coordinate, Displacement, Line
 
 # perpendicular pairs (axis of a, axis of b): x, y, z = 0, 1, 2
@@ -194,6 +196,30 @@ def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
 
 def aligned(marker: Marker, frame: Array) -> Marker:
     """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
-    axes = read_only(marker.carrier.T @ frame)
+    return with_axes(marker, read_only(marker.carrier.T @ frame))
+
+
+def align_frames(joints: Iterable[Joint]) -> None:
+    """Work out the frames of joints, of all at once; each joint does it alone where it is asked."""
+    found = [
+        joint
+        for joint in joints
+        if joint.as_placed and type(joint).frames is Joint.frames and "frames" not in vars(joint)
+    ]
+    if not found or is_stepping():
+        return
+    sides = [joint.a for joint in found], [joint.b for joint in found]
+    carrier_a, carrier_b = (carriers(markers) for markers in sides)
+    frames = carrier_a @ floats([marker.axes for marker in sides[0]])
+    given = [i for i, joint in enumerate(found) if joint.direction is not None]
+    axes = floats([found[i].direction for i in given]).reshape(-1, 3)
+    frames[given] = turn_each_onto(frames[given], axes)
+    axes_a, axes_b = (frozen(transposed(A) @ frames) for A in (carrier_a, carrier_b))
+    for joint, x, y in zip(found, axes_a, axes_b, strict=True):
+        vars(joint)["frames"] = with_axes(joint.a, x), with_axes(joint.b, y)
+
+
+def with_axes(marker: Marker, axes: Array) -> Marker:
+    """Return the marker with axes (3, 3) in the frame of its body."""
     given = marker.body, marker.point, marker.position_local, marker.node
     return Marker(*given, axes, marker.followed)

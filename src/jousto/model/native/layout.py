@@ -388,8 +388,9 @@ class Layout:
         markers, bodies = self._source.markers, self._source.bodies
         structs = self._copied("jo_marker", markers)
         self._refer(self._records(structs, markers), "marker", ("u0", "A0"), markers)
-        for i, marker in enumerate(markers):
-            if marker.body < 0 or not bodies[marker.body].n:
+        modal = {i for i, body in enumerate(bodies) if body.n}
+        for i, marker in enumerate(markers) if modal else ():
+            if marker.body not in modal:
                 continue
             s, n, pad = structs[i], bodies[marker.body].n, self._library.JO_PAD
             np_ = -(-n // pad) * pad

@@ -85,15 +85,14 @@ def _libyaml() -> Any:
                 known = Words.yaml_implicit_resolvers.setdefault(letter, [])
                 known.append((tag, re.compile(pattern.pattern, pattern.flags)))
 
-    class Loader(CParser, Words):  # type: ignore[misc]
+    class Loader(CParser):  # type: ignore[misc]
         # tags do not depend on where a node stands; functions in C cost the least
         descend_resolver = staticmethod(operator.is_)
         ascend_resolver = staticmethod(tuple)
 
         def __init__(self, text: str) -> None:
-            CParser.__init__(self, text)
-            Words.__init__(self)
-            self.resolve = functools.cache(super().resolve)  # the words of a model repeat
+            super().__init__(text)
+            self.resolve = functools.cache(Words().resolve)  # the words of a model repeat
 
     def read(text: str) -> Any:
         loader = Loader(text)

@@ -15,6 +15,7 @@ from jousto.mechanism.bodies.inertia import rigid_inertia
 from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.foreign.fmu import Fmu
+from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.entries import model as sm, parts as sp
 from jousto.schema.file.document import Loc
@@ -198,8 +199,13 @@ class ModelBuilder(Builder):
             key: Joined(named[key], named["robots"], key) for key in ("bodies", "joints", "sensors")
         }
         self.sensors = list(dict.fromkeys([*self.sensors, *known["sensors"]]))
+        items: list[tuple[Loc, Any]] = []
         with self.catching():  # once for all of them
-            items = [item for made in sections for item in made.all() if item[0][0] != "parts"]
+            for made in sections:
+                found = made.all()
+                if made.key == "joints":
+                    align_frames(joint for _, joint in found)
+                items += found if made.key != "parts" else []
         if not known["bodies"] and (self.found or self.broken):
             return None
         gravity = [] if entry.gravity is None else [Gravity(entry.gravity)]
