@@ -29,7 +29,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
         return None
     diagonal = shape == (3,)
     J = np.diag(tensor) if diagonal else tensor
-    scale = float(np.abs(tensor).max())
+    scale = max(map(abs, tensor.ravel().tolist()))
     if not diagonal and np.abs(J - J.T).max() > 1e-9 * scale:
         i, j = np.unravel_index(int(np.argmax(np.abs(J - J.T))), (3, 3))
         problems.add(

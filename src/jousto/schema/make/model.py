@@ -16,7 +16,7 @@ from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.joints.base import align_frames
-from jousto.mechanism.mechanism import Mechanism
+from jousto.mechanism.mechanism import Mechanism, where
 from jousto.schema.entries import model as sm, parts as sp
 from jousto.schema.file.document import Loc
 from jousto.schema.make.blocks.fatigue import FORMS as OF_FATIGUE, build_curves
@@ -190,7 +190,7 @@ class ModelBuilder(Builder):
                 (getattr(e, "name", None), (key, i), e)
                 for i, e in zip(index[key], getattr(entry, key) or (), strict=True)
                 if not (self.rigid and getattr(e.declared, "flexible", False))
-                and getattr(e, "sensor", None) not in gone
+                and not (gone and getattr(e, "sensor", None) in gone)
             ]
             known[key] = made = Section(self, key, entries, self.item)
             sections.append(made)
@@ -217,12 +217,6 @@ class ModelBuilder(Builder):
         self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str, settings: Any
     ) -> Any:
         """Return the Mechanism; note its problems at the entries they belong to."""
-        from jousto.mechanism.mechanism import where
-
-        places = {where(item): loc for loc, item in items}
-        inner = {
-            where(x): loc for loc, item in items if isinstance(item, Assembly) for x in item.items
-        }
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
@@ -234,6 +228,7 @@ class ModelBuilder(Builder):
                     start=settings.get("start", "initial"),
                 )
             except InputError as error:
+                places, inner = places_of(items)
                 for problem in error.problems:
                     loc = places.get(problem.where, ())
                     text = problem.message if loc else str(problem)
@@ -241,7 +236,8 @@ class ModelBuilder(Builder):
                     self.note(self.refine(loc, problem.message) if loc else loc, text)
                 return None
         # what is broken would only cause wrong warnings
-        if not (self.found or self.broken):
+        if caught and not (self.found or self.broken):
+            places, inner = places_of(items)
             for item in caught:
                 place = getattr(item.message, "where", "")
                 if place in inner:
@@ -249,6 +245,13 @@ class ModelBuilder(Builder):
                 else:
                     self.warn(places.get(place, ()), item, {place.lower()})
         return made
+
+
+def places_of(items: list[tuple[Loc, Any]]) -> tuple[dict[str, Loc], dict[str, Loc]]:
+    """Return the paths of items by what messages call them, and those of what robots bring."""
+    own = {where(item): loc for loc, item in items}
+    robots = [(loc, item) for loc, item in items if isinstance(item, Assembly)]
+    return own, {where(x): loc for loc, robot in robots for x in robot.items}
 
 
 def rigid_body(body: FlexibleBody) -> RigidBody:
