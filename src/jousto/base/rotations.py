@@ -106,7 +106,7 @@ def unit_vector(direction: ArrayLike) -> Array:
 def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Array | None:
     """Return a vector (3,) that has a direction, or note why it has none."""
     direction = problems.array(where, name, value, (3,))
-    if direction is not None and np.abs(direction).max() < SHORTEST:
+    if direction is not None and max(map(abs, direction.tolist())) < SHORTEST:
         found = ", ".join(f"{x:g}" for x in direction)
         problems.add(where, f"{name} is ({found}), must have a direction")
         return None
