@@ -300,27 +300,21 @@ def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
     x = check_history(series)
     values, index = turning_points(x)
     pairs, rest = count_turning(values)
-    closed = np.ones(len(pairs))
+    whole, left = len(pairs), values[rest]
     if rule == "half":
-        ends = np.stack([rest[:-1], rest[1:]], axis=1)
-        pairs, closed = np.concatenate([pairs, ends]), np.append(closed, np.full(len(ends), 0.5))
+        pairs = np.concatenate([pairs, np.stack([rest[:-1], rest[1:]], axis=1)])
     elif rule == "repeat":
-        again = close(values[rest], values[rest])[0]
+        again = close(left, left)[0]
         # places in the two copies of the residue
-        twice = np.concatenate([rest, rest])[again] if len(again) else again
-        pairs, closed = np.concatenate([pairs, twice]), np.append(closed, np.ones(len(again)))
-    a, b = values[pairs[:, 0]], values[pairs[:, 1]]
-    return Cycles(
-        np.abs(b - a),
-        0.5 * (a + b),
-        closed,
-        index[pairs[:, 0]],
-        index[pairs[:, 1]],
-        rule,
-        values,
-        values[rest],
-        b > a,
-    )
+        pairs = np.concatenate([pairs, rest[again % len(rest)]])
+        whole = len(pairs)
+    closed = np.full(len(pairs), 0.5)
+    closed[:whole] = 1.0
+    first, second = pairs.T
+    a, b = values[first], values[second]
+    ranges = np.abs(b - a)
+    places = index[first], index[second]
+    return Cycles(ranges, 0.5 * (a + b), closed, *places, rule, values, left, b > a)
 
 
 def turning_points(x: Array) -> tuple[Array, Ints]:
@@ -328,14 +322,16 @@ def turning_points(x: Array) -> tuple[Array, Ints]:
 
     Of a plateau the first sample is taken; a constant history has one.
     """
-    keep = np.append(True, x[1:] != x[:-1])
-    index = np.flatnonzero(keep).astype(np.int64)
+    kept = np.ones(len(x), dtype=bool)
+    np.not_equal(x[1:], x[:-1], out=kept[1:])
+    index = kept.nonzero()[0]
     y = x[index]
     if len(y) > 2:
         rises = y[1:] > y[:-1]
-        turns = np.concatenate([[True], rises[1:] != rises[:-1], [True]])
+        turns = np.ones(len(y), dtype=bool)
+        np.not_equal(rises[1:], rises[:-1], out=turns[1:-1])
         index, y = index[turns], y[turns]
-    return y, index
+    return y, index.astype(np.int64, copy=False)
 
 
 def close(first: Array, second: Array) -> tuple[Ints, Ints]:

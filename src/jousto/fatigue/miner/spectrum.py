@@ -37,7 +37,8 @@ class Spectrum:
         # are taken away again: nothing is lost in large sums. Powers are relative to the largest
         self.top = float(self.x[0]) if len(self.x) else 1.0
         y = self.x / self.top
-        self.above = np.append(0.0, np.cumsum(n * y**k))
+        self.above = np.zeros(len(y) + 1)
+        np.cumsum(n * y**k, out=self.above[1:])
         self.below = np.zeros(len(y) + 1)
         if not math.isinf(k2):
             self.below[:-1] = np.cumsum((n * y**k2)[::-1])[::-1]

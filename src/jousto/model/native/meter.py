@@ -372,16 +372,16 @@ def count_cycles(
     problems.raise_if_any()
     engine, ffi = library.real_library(), library.ffi()
     count = len(x)
-    cycles, where = np.zeros((count // 2 + 1, 2)), np.zeros((count // 2 + 1, 2), np.int64)
-    residue, residue_where = np.zeros(count + 1), np.zeros(count + 1, np.int64)
+    cycles, where = np.empty((count // 2 + 1, 2)), np.empty((count // 2 + 1, 2), np.int64)
+    residue, residue_where = np.empty(count + 1), np.empty(count + 1, np.int64)
     length = ffi.new("long long *")
     closed = engine.jo_rainflow(
-        ffi.cast("double *", x.ctypes.data),
+        ffi.from_buffer("double[]", x),
         count,
-        ffi.cast("double *", cycles.ctypes.data),
-        ffi.cast("long long *", where.ctypes.data),
-        ffi.cast("double *", residue.ctypes.data),
-        ffi.cast("long long *", residue_where.ctypes.data),
+        ffi.from_buffer("double[]", cycles),
+        ffi.from_buffer("long long[]", where),
+        ffi.from_buffer("double[]", residue),
+        ffi.from_buffer("long long[]", residue_where),
         length,
     )
     left = int(length[0])
