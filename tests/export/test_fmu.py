@@ -214,7 +214,7 @@ def test_a_unit_of_sources_builds_elsewhere(
     assert all(f'name="{name}"' in recipe for name in files)
     token = fmpy.read_model_description(str(unit)).instantiationToken
     shutil.copy(Path(__file__).with_name("fuzz.c"), sources)
-    sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-Og")
+    sanitize = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O0")
     program = compiled(sources, *files, "fuzz.c", flags=("-DJO_NO_ALLOCATION", *sanitize))
     done = subprocess.run([program, token, "600"], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, FLAGS, compiled
+from exported import CC, PLAIN, compiled
 from jousto.export import named
 from jousto.export.named import named_constants
 from jousto.export.program import program
@@ -129,7 +129,7 @@ def test_a_program_with_other_values_is_that_of_the_other_file(cart: Path, tmp_p
     for name, text in (flat(made) | {"use.c": MAIN}).items():
         (tmp_path / name).write_text(text)
     sources = [path.name for path in tmp_path.glob("*.c")]
-    run = compiled(tmp_path, *sources, flags=("-DJO_NO_ALLOCATION", *FLAGS))
+    run = compiled(tmp_path, *sources, flags=("-DJO_NO_ALLOCATION", *PLAIN))
     import subprocess
 
     done = subprocess.run([run], capture_output=True, text=True, check=True).stdout

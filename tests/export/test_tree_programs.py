@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from exported import CC, STEP, compiled, expected, reaching_arm, table
+from exported import CC, PLAIN, STEP, compiled, expected, reaching_arm, table
 from jousto.export.program import program
 from jousto.export.project import write_program
 from model.test_tree_ports import machine
@@ -19,7 +19,6 @@ from model.test_tree_ports import machine
 pytestmark = pytest.mark.skipif(
     CC is None or sys.platform == "win32", reason="no C compiler to compile the programs with"
 )
-PLAIN = ("-O0", "-ffp-contract=off")
 
 
 @pytest.fixture(scope="module")
