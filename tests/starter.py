@@ -2,7 +2,7 @@
 
 A process of its own takes longer to import them than to do its work. Modules of jousto are
 imported by each, so that what one forgets to import is missed as ever. Reads lines of JSON
-(folder, file for the output, words) and answers with exit codes.
+(folder, file for the output, words, variables of the environment) and answers with exit codes.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ LIBRARIES = (
 PATIENCE = 300  # s
 
 
-def become(folder: str, out: str, words: list[str]) -> None:
+def become(folder: str, out: str, words: list[str], settings: dict[str, str]) -> None:
     """Do in this process what `python -m jousto` does in a folder, its output to a file."""
     signal.alarm(PATIENCE)
+    os.environ.update(settings)
     os.chdir(folder)
     to = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
     for number, of in enumerate((os.open(os.devnull, os.O_RDONLY), to, to)):

@@ -104,10 +104,10 @@ def starter() -> subprocess.Popen[str]:
     return started
 
 
-def run_command(words: list[str], folder: Path | None = None) -> tuple[int, str]:
-    """Return exit code and output of a command in a process of its own."""
+def run_command(words: list[str], folder: Path | None = None, **settings: str) -> tuple[int, str]:
+    """Return exit code and output of a command in a process of its own, with more variables."""
     with tempfile.TemporaryDirectory(prefix="jousto-command-") as place:
-        asked = json.dumps([str(folder or Path.cwd()), f"{place}/out", words])
+        asked = json.dumps([str(folder or Path.cwd()), f"{place}/out", words, settings])
         print(asked, file=starter().stdin, flush=True)
         code = int(starter().stdout.readline())
         return code, Path(place, "out").read_text(encoding="utf-8")
