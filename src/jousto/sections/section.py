@@ -12,8 +12,8 @@ where they agree with the strain-energy definition and belong to the section alo
 from __future__ import annotations
 
 import math
-from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from functools import cache, cached_property
+from typing import Any, Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 
@@ -111,6 +111,19 @@ class Section(Protocol):
     def points(self) -> Any:
         """Where stress is recovered."""
         ...
+
+
+def is_section(value: object) -> TypeGuard[Section]:
+    """Return whether a value has the properties of a section, without computing those of ours."""
+    kind: Any = type(value)
+    return _has_properties(kind) or isinstance(value, Section)
+
+
+@cache
+def _has_properties(kind: type) -> bool:
+    """Return whether a class itself has all properties of a section."""
+    wanted = (name for name, one in vars(Section).items() if isinstance(one, property))
+    return all(hasattr(kind, name) for name in wanted)
 
 
 class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):

@@ -21,7 +21,7 @@ from jousto.materials.library import by_name
 from jousto.materials.material import Material
 from jousto.mechanism.bodies.posed import Inertia, Mass
 from jousto.sections.points import StressPoint, section_outline, stress_points
-from jousto.sections.section import Section
+from jousto.sections.section import is_section
 
 # m/s: waves that no solid carries along a beam
 FASTEST_WAVE = 5e4
@@ -101,7 +101,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note what is no section or material, and what they lack."""
         section, material = self.section, self.material
-        if not isinstance(section, Section):
+        if not is_section(section):
             problems.add(
                 where,
                 f"is {section!r}, must be a section such as Rectangle, Tube or GeneralSection, or "

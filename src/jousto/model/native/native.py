@@ -521,7 +521,7 @@ class Engine:
     # -- memory layout ----------------------------------------------------------------------
 
     def _pointer(self, array: Scalars) -> Any:
-        return self._ffi.cast("jo_real *", array.ctypes.data)
+        return self._ffi.from_buffer("jo_real[]", array)
 
     def _view(self, pointer: Any, count: int, kind: Any = None) -> Scalars:
         dtype = self.dtype if kind is None else np.dtype(kind)

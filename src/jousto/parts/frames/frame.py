@@ -31,7 +31,7 @@ from jousto.parts.frames.element import (
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.frames.stress import StressOperator, beam_stress
 from jousto.parts.mass import MassPoints, PointMass, joined, rigid_points
-from jousto.sections.section import Section
+from jousto.sections.section import Section, is_section
 
 # m, sections and parts that are larger are probably given in mm
 WIDEST, LARGEST = 5.0, 200.0
@@ -304,14 +304,18 @@ def _per_element(
     problems: Problems, where: str, name: str, value: Any, ne: int, kind: Any
 ) -> list[Any] | None:
     """Return one object for each element from one object or a sequence of them."""
-    if isinstance(value, kind):
+
+    def fits(item: object) -> bool:
+        return is_section(item) if kind is Section else isinstance(item, kind)
+
+    if fits(value):
         return [value] * ne
     if not isinstance(value, Sequence) or isinstance(value, str):
         how = by_name(value) if kind is Material else ""
         wanted = f"a {kind.__name__} or one per element{how}"
         problems.add(where, f"{name} is {value!r}, must be {wanted}")
         return None
-    wrong = [i for i, item in enumerate(value) if not isinstance(item, kind)]
+    wrong = [i for i, item in enumerate(value) if not fits(item)]
     if wrong:
         i = wrong[0]
         problems.add(where, f"{name}s[{i}] is {value[i]!r}, must be a {kind.__name__}")

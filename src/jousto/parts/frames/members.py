@@ -18,7 +18,7 @@ from jousto.materials.material import Material
 from jousto.parts.form import Dictionary
 from jousto.parts.frames.element import Elements, default_orientation
 from jousto.parts.frames.frame import BeamOptions, FrameArrays
-from jousto.sections.section import Section
+from jousto.sections.section import Section, is_section
 
 # positions closer than this part of the frame's size are one node
 MERGE = 1e-8
@@ -33,7 +33,7 @@ class SectionField(Nested[Section, Section]):
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the section."""
-        if not isinstance(value, Section):
+        if not is_section(value):
             problems.add(where, f"{self.name} is {value!r}, must be a Section")
         return value
 
