@@ -13,7 +13,6 @@ import pytest
 
 import jousto as jo
 from exported import CC
-from jousto.export import toolchain
 from jousto.export.work import by_file
 
 MODEL = """
@@ -34,13 +33,9 @@ def test_every_step_is_in_one_class() -> None:
 
 @pytest.mark.chooses
 @pytest.mark.skipif(CC is None or sys.platform == "win32", reason="no C compiler")
-def test_steps_of_a_model_file_are_timed(
-    tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_steps_of_a_model_file_are_timed(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     from jousto.cli.group import app
 
-    # how long a step takes is not looked at: not optimised, the program is built in a quarter
-    monkeypatch.setattr(toolchain, "FLAGS", ("-std=c99", "-O0"))
     path = tmp_path / "mass.yaml"
     path.write_text(MODEL)
     with pytest.raises(SystemExit) as end:
