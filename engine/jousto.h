@@ -44,7 +44,7 @@ typedef double jo_real;
     ROW(modal_load, force[3], torque[3]) \
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
-    ROW(pid, proportional, integral, derivative, weight, cut, unwind, lower, upper, start, speed) \
+    ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     /* the last row */
 
 #define JO_FORCE_NUMBER(name, ...) JO_FORCE_##name,

@@ -11,6 +11,7 @@ import pytest
 
 import jousto as jo
 from exported import CC
+from jousto.cli.group import app
 from jousto.export.fmu import write_fmu
 
 fmpy = pytest.importorskip("fmpy")
@@ -41,3 +42,41 @@ def test_a_unit_from_rest_stays_there(kind: str, tmp_path: Path) -> None:
     assert integral is not None and filtered is not None
     assert (integral.get("unit"), filtered.get("unit")) == ("N m", "rad")
     assert float(integral.get("start", "0")) == pytest.approx(weight, rel=1e-8)
+
+
+FILE = """
+parameters:
+  kp: {value: 60 N m/rad, bounds: [20 N m/rad, 200 N m/rad]}
+bodies:
+  - {type: rigid, name: link, mass: 2 kg, inertia: [0.01, 0.1, 0.1], center: [0.4, 0, 0]}
+joints:
+  - {type: revolute, name: hinge, a: ground.origin, b: link.origin, axis: [0, -1, 0]}
+forces:
+  - type: pid
+    name: hold
+    coordinate: hinge.angle
+    reference: 0.6 rad
+    kp: ${kp}
+    ki: 80 N m/rad/s
+    kd: 12 N m s/rad
+    limit: 20 N m
+sensors:
+  - {type: coordinate, name: angle, coordinate: hinge.angle}
+gravity: [0, 0, -9.81]
+simulation: {t_end: 1 s, solver: {type: RK4, step: 1 ms}}
+"""
+
+
+def test_a_gain_of_the_file_can_be_changed_in_the_unit(tmp_path: Path) -> None:
+    """Filter and tracking times follow, as in a file with that gain."""
+    path, unit = tmp_path / "arm.yaml", tmp_path / "arm.fmu"
+    path.write_text(FILE)
+    with pytest.raises(SystemExit):
+        app(["export", str(path), "-o", str(unit)])
+    result = fmpy.simulate_fmu(
+        str(unit), stop_time=1.0, start_values={"kp": 90.0}, output_interval=0.01
+    )
+    path.write_text(FILE.replace("value: 60", "value: 90"))
+    model = jo.compile(jo.read_model(path).mechanism)
+    run = jo.simulate(model, 1.0, solver=jo.RK4(step=1e-3), output_step=0.01)
+    np.testing.assert_allclose(result["angle"], run["angle"][:, 0], rtol=0, atol=1e-9)

@@ -62,7 +62,7 @@ def test_surfaces_that_follow_a_node(tmp_path: Path) -> None:
     assert len(reduced.nodes) == 14 and reduced.n == 12 - 6
     assert_allclose(reduced.nodes[reduced.node("end")], [1.0, 0.05, 0.05])
     assert reduced.rotation(reduced.node("end")) is not None
-    with pytest.raises(InputError, match="interface 'foot': no node set 'left'; known: ALL, LEFT"):
+    with pytest.raises(InputError, match="no node set 'left'; did you mean 'LEFT'"):
         read_part(write(tmp_path, text.replace("nodes: LEFT", "nodes: left")))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import jousto as jo
+from jousto.cli.group import app
 from jousto.model.native.native import Engine
 from jousto.natural.exchange import moved
 from jousto.simulation import DormandPrince, Newmark
@@ -181,7 +183,8 @@ def test_equilibrium_is_where_the_controller_wants_it(core: str, method: Any) ->
 def test_a_limited_controller_rests_where_its_limit_does() -> None:
     """cos(angle) = limit / (m g l), below the reference."""
     model = jo.compile(arm(limit=5.0))
-    rest = jo.equilibrium(model)
+    with pytest.warns(jo.JoustoWarning, match=r"'hold' is at a limit of its force and rests 1\."):
+        rest = jo.equilibrium(model)
     engine = Engine(model)
     engine.q[:], engine.v[:] = rest.q, 0.0
     engine.start_states()
@@ -251,6 +254,24 @@ def test_without_vibration_the_filter_follows() -> None:
     first = jo.simulate(model, 1e-3, state=state)
     assert state.states == pytest.approx([8.0, first["s"][0, 0]])
     assert first["f"][0, 0] == pytest.approx(8.0 - 300.0 * first["s"][0, 0], rel=1e-9)
+
+
+@pytest.mark.parametrize("core", ["joint", "maximal"])
+def test_a_rope_only_pulls(core: str) -> None:
+    """Along a distance pulling is negative: 0 above, and a mass hangs at the height wanted."""
+    mass = jo.RigidBody("mass", 100.0, (1, 1, 1), position=(0, 0, -3))
+    guide = jo.Prismatic("guide", jo.ground["origin"], mass["origin"], axis=(0, 0, 1))
+    rope = jo.Distance(jo.ground.at((0, 0, 4.0)), mass["origin"], name="rope")
+    winch = jo.mechanism.PID("winch", rope, 5.0, kp=2e3, ki=800.0, kd=2e3, limit=0.0, lower=-1500.0)
+    s, f = jo.CoordinateSensor("s", rope), jo.ForceSensor("f", winch)
+    items = (mass, guide, winch, s, f, jo.Gravity((0, 0, -G)))
+    model = jo.compile(jo.Mechanism(*items), core=core)
+    run = jo.simulate(model, 20.0, output_step=0.01)
+    assert run["f"].max() <= 0.0 and run["f"].min() == -1500.0
+    assert run["s"][-1, 0] == pytest.approx(5.0, abs=1e-4)
+    assert run["f"][-1, 0] == pytest.approx(-100.0 * G, rel=1e-3)
+    rest = jo.equilibrium(model)
+    assert rest.states == pytest.approx([-100.0 * G, 5.0], rel=1e-8)
 
 
 # -- states everywhere --------------------------------------------------------------------------
@@ -342,6 +363,23 @@ def test_a_model_file_has_the_same_controller(tmp_path: Path) -> None:
     np.testing.assert_array_equal(run["y"], same["y"])
 
 
+def test_the_command_shows_the_force_at_rest(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With the states of rest: without load the controller does nothing at its reference."""
+    path = tmp_path / "loop.yaml"
+    more = "  - {type: force, name: f, force: hold}\ngravity: [-3, 0, 0]\n"
+    path.write_text(FILE.replace("limit: 1.5 N", "limit: 15 N") + more)
+    with pytest.raises(SystemExit):
+        app(["equilibrium", str(path)])
+    said = capsys.readouterr().out
+    assert re.search(r"sensor f +3 N", said) and re.search(r"sensor y +1 m", said)
+    with pytest.raises(SystemExit):
+        app(["check", str(path)])
+    said = capsys.readouterr().out
+    assert "rail.displacement, reference 1 m, kp 8 N/m, ki 4 N/m/s, kd 4 N s/m, limit 15 N" in said
+
+
 @pytest.mark.parametrize(
     ("how", "said"),
     [
@@ -351,7 +389,8 @@ def test_a_model_file_has_the_same_controller(tmp_path: Path) -> None:
         ({"limit": None, "lower": 0.0}, "lower goes with limit"),
         ({"lower": 2.0}, "lower is 2, must be below the limit of 1.5"),
         ({"ki": -1.0}, "ki is -1, must not be negative"),
-        ({"limit": 0.0}, "limit is 0, must be positive; None is no limit"),
+        ({"limit": -1.0}, "limit is -1, must not be negative; None is no limit"),
+        ({"limit": 0.0}, "limit is 0: it does nothing; for pulling alone give lower, too"),
         ({"filter": 0.0}, "filter is 0 s, must be positive"),
     ],
 )

@@ -244,6 +244,9 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     # the names that the user gave come before those that number the nodes
     known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"n(ode)?\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
+    if not near:  # of other letters, such as PID for pid
+        small = {one.lower(): one for one in known}
+        near = [small[x] for x in difflib.get_close_matches(str(name).lower(), small, n=1)]
     if near:
         return f"; did you mean '{near[0]}'?"
     if not known:

@@ -49,12 +49,13 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
     from jousto.model.native.native import Engine
     from jousto.model.scales import scales_of
     from jousto.simulation.results.frames import component_units
+    from jousto.simulation.state import put
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
     compiled = compiled_model(model, trust)
     state = rest(compiled)
     engine = Engine(compiled)
-    engine.q[:], engine.v[:], engine.time[0] = state.q, state.v, state.time
+    put(engine, state, "equilibrium")
     engine.accelerations()
     values, scales = engine.sensors(), scales_of(compiled)
     places = without_rounding(state.q, scales.floor("m"))

@@ -239,13 +239,14 @@ def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, 
         angular = model.coordinates[force.coordinate].kind in ANGULAR
         s, f = ("rad", "N m") if angular else ("m", "N")
         rate = bool(named("jo_pid_data", force.data).speed)
-        units = {"lower": f, "upper": f, "weight": "1", "cut": "1/s", "unwind": "1/s"}
+        units = {"lower": f, "upper": f, "weight": "1", "filter": "s", "tracking": "s"}
         times = ("{}/{}/s", "{}/{}", "{} s/{}", "{} s2/{}")[rate:]
         for name, text in zip(("integral", "proportional", "derivative"), times, strict=False):
             units[name] = text.format(f, s)
         for name, at in places("jo_pid_data").items():
             if name in units and abs(force.data[at.start]) < NEVER:
-                yield name, units[name], f"{name} of {force.name}", at.start
+                usual = ", 0 for that of its gains" if units[name] == "s" else ""
+                yield name, units[name], f"{name} of {force.name}{usual}", at.start
     elif force.kind == "bushing":
         for field, letter, tail in (("K", "k", ""), ("D", "d", " s")):
             at = places("jo_bushing_data")[field].start

@@ -13,6 +13,7 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.springs import CurveField
 from jousto.mechanism.joints.coordinate import Along, Coordinate
+from jousto.mechanism.signals.base import Constant
 from jousto.mechanism.signals.piecewise import Table
 
 if TYPE_CHECKING:
@@ -104,6 +105,9 @@ def given(force: ForceElement) -> str:
             places.append(value.name)
         elif value is True and kind.default is not True:
             values.append(kind.label)
+        elif isinstance(value, Constant) and isinstance(kind.unit, Along):
+            unit = kind.unit.of(getattr(force, kind.unit.field))
+            values.append(f"{kind.label} {value.value:.6g} {unit}")
         elif isinstance(value, Table) and isinstance(kind, CurveField):
             s = getattr(force, kind.at.field)
             units = (str(kind.unit.of(s)), str(kind.at.of(s)))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.base.errors import InputError, Problem, SimulationError, warn
 from jousto.model.model import ForceModel, Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
@@ -16,6 +16,8 @@ from jousto.simulation.state import State, put
 
 SETTLED = 1e-9
 """Of the size of the mechanism, or rad: a coordinate stands where its controller wants it."""
+OFF = 1e-6
+"""Of the size: a coordinate that rests farther from its reference is worth a warning."""
 PROBE = 1e-4
 """Of the integral part that moves a coordinate by the size of the mechanism by its gains."""
 ROUNDS = 40
@@ -136,6 +138,10 @@ def settle_controllers(
     for _ in range(ROUNDS):
         left = r[sought]
         if (np.abs(left) <= small).all():
+            put(wanted, replace(at, v=0.0 * at.v), "equilibrium")
+            wanted.accelerations()
+            errors = wanted.state_rates[places][sought] / gains[sought]
+            _warn_off(model, [found[i] for i in sought], errors)
             return at
         step = np.linalg.lstsq(J, -left, rcond=1e-10)[0]
         r, at = rates(x + step, at)
@@ -172,9 +178,9 @@ def follow_filters(model: Model, engine: Engine) -> None:
 
 def fastest_tracking(model: Model) -> tuple[float, str]:
     """Return the shortest time constant of back-calculation, s, and whose it is; infinite: none."""
-    rates = {f.name: float(named("jo_pid_data", f.data).unwind.real) for f in controllers(model)}
-    name = max(rates, key=lambda one: rates[one], default="")
-    return (1.0 / rates[name], name) if name and rates[name] > 0.0 else (float("inf"), "")
+    times = {force.name: _tracking_time(force) for force in controllers(model)}
+    name = min(times, key=lambda one: times[one], default="")
+    return times.get(name, float("inf")), name
 
 
 def tracking_warning(model: Model, step: float) -> str:
@@ -192,9 +198,30 @@ def tracking_warning(model: Model, step: float) -> str:
     )
 
 
+def _warn_off(model: Model, forces: list[ForceModel], errors: Array) -> None:
+    """Warn of controllers that rest at a limit, away from their reference."""
+    for force, error in zip(forces, errors.tolist(), strict=True):
+        if abs(error) > OFF * _size(model, force):
+            unit = "rad" if model.coordinates[force.coordinate].kind == "angle" else "m"
+            warn(
+                f"equilibrium of {model.name!r}",
+                f"PID '{force.name}' is at a limit of its force and rests {abs(error):.3g} {unit} "
+                "from its reference; it needs a larger limit, or another reference",
+            )
+
+
 def _moves(force: ForceModel) -> bool:
     numbers = named("jo_pid_data", force.data)
     return bool(numbers.integral != 0.0 or numbers.derivative != 0.0)
+
+
+def _tracking_time(force: ForceModel) -> float:
+    """Return the time constant of the back-calculation, s; infinite without one."""
+    x = named("jo_pid_data", force.data)
+    given, ki = float(np.real(x.tracking)), float(np.real(x.integral))
+    usual = float(np.real(x.tracking_share * x.proportional)) / ki if ki > 0.0 else 0.0
+    time = given or usual
+    return time if ki > 0.0 and time > 0.0 else float("inf")
 
 
 def _held(force: ForceModel) -> ForceModel:
@@ -203,7 +230,9 @@ def _held(force: ForceModel) -> ForceModel:
 
 def _without_limits(model: Model) -> Model:
     """Return the model whose integral parts change with the error alone."""
-    forces = (_with_zeros(f, "unwind") if f.kind == "pid" else f for f in model.forces)
+    forces = (
+        _with_zeros(f, "tracking", "tracking_share") if f.kind == "pid" else f for f in model.forces
+    )
     return replace(model, forces=tuple(forces)).keeping_tree(model)
 
 

@@ -55,6 +55,8 @@ class _Controller(ForceElement):
         if self.ki and self.limit is not None and self.tracking is None and not self.kp:
             message = "tracking is missing, which is 0.9 kp/ki only where there is kp; give it in s"
             problems.add(where, message)
+        if self.limit == 0.0 and self.lower is None:
+            problems.add(where, "limit is 0: it does nothing; for pulling alone give lower, too")
         if self.lower is not None and self.limit is None:
             problems.add(where, "lower goes with limit, the largest force; give it, too")
         elif self.lower is not None and self.limit is not None and self.lower >= self.limit:
@@ -78,14 +80,17 @@ class _Controller(ForceElement):
     @property
     def pushes(self) -> tuple[Push, ...]:
         """The controller along its coordinate."""
+        limited = self.limit is not None
         high = NEVER if self.limit is None else self.limit
         data = {
             "proportional": self.kp,
             "integral": self.ki,
             "derivative": self.kd,
             "weight": self.weight,
-            "cut": 1.0 / self.filter_time if self.kd else 0.0,
-            "unwind": 1.0 / self.tracking_time if self.tracking_time else 0.0,
+            "filter": self.filter or 0.0,
+            "filter_share": FILTER if self.filter is None and self.kp else 0.0,
+            "tracking": (self.tracking or 0.0) if limited else 0.0,
+            "tracking_share": TRACKING if self.tracking is None and limited else 0.0,
             "lower": -high if self.lower is None else self.lower,
             "upper": high,
             "start": self.initial,
@@ -132,15 +137,15 @@ class PID(_Controller, tag="pid"):
     )
     kd: Number = field("Gain on the rate", unit=DAMPING, least=0, default=0.0, kw_only=True)
     limit: OptionalNumber = field(
-        "Largest force; None for no limit",
+        "Largest force, 0 for one that only pulls; None for no limit",
         unit=FORCE,
-        above=0,
+        least=0,
         remedy="None is no limit",
         default=None,
         kw_only=True,
     )
     lower: OptionalNumber = field(
-        "Least force, where it is not -limit: 0 for a rope", unit=FORCE, default=None, kw_only=True
+        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
     )
     filter: OptionalNumber = field(
         "Time constant of the filter of the rate; None for 0.1 kd/kp",
@@ -200,9 +205,9 @@ class SpeedPID(_Controller, tag="speed-pid"):
     )
     kd: Number = field("Gain on the acceleration", unit=INERTIA, least=0, default=0.0, kw_only=True)
     limit: OptionalNumber = field(
-        "Largest force; None for no limit",
+        "Largest force, 0 for one that only pulls; None for no limit",
         unit=FORCE,
-        above=0,
+        least=0,
         remedy="None is no limit",
         default=None,
         kw_only=True,
