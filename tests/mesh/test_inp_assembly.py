@@ -128,7 +128,7 @@ def test_parts_without_an_assembly(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("found", "instead", "sentence"),
     [
-        ("PART=arm", "PART=arn", "INSTANCE: there is no part 'arn' above it; known: Arm"),
+        ("PART=arm", "PART=arn", "INSTANCE: there is no part 'arn' above it; did you mean 'Arm'"),
         ("NAME=B-1", "NAME=a-1", "there are two instances 'a-1'"),
         ("A-1.corner,", "A-1.korner,", "'A-1.korner' is neither a number nor a set"),
         ("A-1.corner,", "A-3.corner,", "'A-3.corner' is neither a number nor a set"),
