@@ -377,7 +377,7 @@ def test_the_command_shows_the_force_at_rest(
     with pytest.raises(SystemExit):
         app(["check", str(path)])
     said = capsys.readouterr().out
-    assert "rail.displacement, reference 1 m, kp 8 N/m, ki 4 N/m/s, kd 4 N s/m, limit 15 N" in said
+    assert "rail.displacement, limit 15 N, reference 1 m, kp 8 N/m, ki 4 N/m/s, kd 4 N s/m" in said
 
 
 @pytest.mark.parametrize(

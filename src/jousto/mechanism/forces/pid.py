@@ -32,18 +32,51 @@ class _Controller(ForceElement):
     """What controllers of a coordinate and of its rate share; their gains have other units."""
 
     speed = False
-    coordinate: CoordinateField
+    coordinate: CoordinateField = field("What is controlled, or whose rate is")
     reference: SignalField
     kp: Number
     ki: Number
     kd: Number
-    limit: OptionalNumber
-    lower: OptionalNumber
-    filter: OptionalNumber
-    tracking: OptionalNumber
-    weight: Number
-    feedforward: OptionalSignal
-    initial: Number
+    limit: OptionalNumber = field(
+        "Largest force, 0 for one that only pulls; None for no limit",
+        unit=FORCE,
+        least=0,
+        remedy="None is no limit",
+        default=None,
+        kw_only=True,
+    )
+    lower: OptionalNumber = field(
+        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
+    )
+    filter: OptionalNumber = field(
+        "Time constant of the filter of the derivative; None for 0.1 kd/kp",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    tracking: OptionalNumber = field(
+        "Time constant of the back-calculation; None for 0.9 kp/ki",
+        unit="s",
+        above=0,
+        default=None,
+        kw_only=True,
+    )
+    weight: Number = field(
+        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
+    )
+    feedforward: OptionalSignal = field(
+        "Force that is added before the limits; None for none",
+        unit=FORCE,
+        default=None,
+        kw_only=True,
+    )
+    initial: Number = field(
+        "Integral part at the start, such as the load that it carries",
+        unit=FORCE,
+        default=0.0,
+        kw_only=True,
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note times that do not follow from the gains, and limits the wrong way round."""
@@ -129,53 +162,12 @@ class PID(_Controller, tag="pid"):
     """
 
     kind = "PID"
-    coordinate: CoordinateField = field("What is controlled")
     reference: SignalField = field("Wanted value r", unit=VALUE)
     kp: Number = field("Gain on the error", unit=STIFFNESS, least=0, kw_only=True)
     ki: Number = field(
         "Gain on the integral of the error", unit=STIFFNESS_RATE, least=0, default=0.0, kw_only=True
     )
     kd: Number = field("Gain on the rate", unit=DAMPING, least=0, default=0.0, kw_only=True)
-    limit: OptionalNumber = field(
-        "Largest force, 0 for one that only pulls; None for no limit",
-        unit=FORCE,
-        least=0,
-        remedy="None is no limit",
-        default=None,
-        kw_only=True,
-    )
-    lower: OptionalNumber = field(
-        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
-    )
-    filter: OptionalNumber = field(
-        "Time constant of the filter of the rate; None for 0.1 kd/kp",
-        unit="s",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    tracking: OptionalNumber = field(
-        "Time constant of the back-calculation; None for 0.9 kp/ki",
-        unit="s",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    weight: Number = field(
-        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
-    )
-    feedforward: OptionalSignal = field(
-        "Force that is added before the limits; None for none",
-        unit=FORCE,
-        default=None,
-        kw_only=True,
-    )
-    initial: Number = field(
-        "Integral part at the start, such as the weight that it carries",
-        unit=FORCE,
-        default=0.0,
-        kw_only=True,
-    )
 
 
 class SpeedPID(_Controller, tag="speed-pid"):
@@ -197,50 +189,9 @@ class SpeedPID(_Controller, tag="speed-pid"):
 
     kind = "speed PID"
     speed = True
-    coordinate: CoordinateField = field("What moves")
     reference: SignalField = field("Wanted rate r", unit=RATE)
     kp: Number = field("Gain on the error", unit=DAMPING, least=0, kw_only=True)
     ki: Number = field(
         "Gain on the integral of the error", unit=STIFFNESS, least=0, default=0.0, kw_only=True
     )
     kd: Number = field("Gain on the acceleration", unit=INERTIA, least=0, default=0.0, kw_only=True)
-    limit: OptionalNumber = field(
-        "Largest force, 0 for one that only pulls; None for no limit",
-        unit=FORCE,
-        least=0,
-        remedy="None is no limit",
-        default=None,
-        kw_only=True,
-    )
-    lower: OptionalNumber = field(
-        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
-    )
-    filter: OptionalNumber = field(
-        "Time constant of the filter of the acceleration; None for 0.1 kd/kp",
-        unit="s",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    tracking: OptionalNumber = field(
-        "Time constant of the back-calculation; None for 0.9 kp/ki",
-        unit="s",
-        above=0,
-        default=None,
-        kw_only=True,
-    )
-    weight: Number = field(
-        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
-    )
-    feedforward: OptionalSignal = field(
-        "Force that is added before the limits; None for none",
-        unit=FORCE,
-        default=None,
-        kw_only=True,
-    )
-    initial: Number = field(
-        "Integral part at the start, such as the load that it carries",
-        unit=FORCE,
-        default=0.0,
-        kw_only=True,
-    )
