@@ -162,13 +162,13 @@ ROOMS := $(addprefix tests/,design fatigue measurement model parts planar recove
 FILES := $(addprefix --ignore=tests/,parts/mesh parts/test_apart.py reduction/test_cache.py \
   simulation/test_damage.py measurement/monitor/test_damage.py)
 FLAGS := $(shell grep -m1 '^flags' /proc/cpuinfo 2>/dev/null)
-KERNELS := $(if $(filter avx,$(FLAGS)),Sandybridge) $(if $(filter avx2,$(FLAGS)),Haswell) \
-  $(if $(filter avx512vl,$(FLAGS)),SkylakeX)
+KERNELS := $(if $(filter avx512vl,$(FLAGS)),SkylakeX) $(if $(filter avx2,$(FLAGS)),Haswell) \
+  $(if $(filter avx,$(FLAGS)),Sandybridge)
 DISPATCHED := from numpy._core._multiarray_umath import __cpu_dispatch__ as d, __cpu_features__ as f; \
   print(*(x for x in d if f[x]))
-# those that differ most from what a new processor chooses first: CI runs as many as it has time for
+# CI runs as many of them as it has time for
 kernel-names:
-	@echo old-processor $(addprefix kernel-,$(KERNELS))
+	@echo $(addprefix kernel-,$(KERNELS)) old-processor
 kernels: $(addprefix kernel-,$(KERNELS)) old-processor  ## the tests of numbers with other kernels of BLAS and NumPy
 kernel-% old-processor: export HYPOTHESIS_PROFILE := few
 kernel-%: export OPENBLAS_CORETYPE = $*

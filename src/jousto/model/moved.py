@@ -54,6 +54,8 @@ def _moved(model: Model, placed: Array) -> str:
         far, wide = away > GAP_TOLERANCE * model.size, turned > GAP_TOLERANCE
         how = [f"by {away:.4g} m"] * far + [f"by {np.degrees(turned):.4g} degrees"] * wide
         if how:
-            ways.append((max(away / model.size, turned), f"'{body.name}' {' and '.join(how)}"))
-    ways.sort(key=lambda way: -way[0])
-    return some([text for _, text in ways], 4) or "modes alone"
+            # what turns alike to rounding is in the order of how far it came
+            most = float(f"{max(away / model.size, turned):.9g}")
+            ways.append((most, away, f"'{body.name}' {' and '.join(how)}"))
+    ways.sort(key=lambda way: (-way[0], -way[1]))
+    return some([text for _, _, text in ways], 4) or "modes alone"
