@@ -76,7 +76,7 @@ def lost(
     if zero:
         ends |= {h: at(h * size) for h in (WIDE, -WIDE)}
         still = [end for end in ends.values() if end is not None]
-        left += [i for i in zero if not still or any(end[i] != y[i] for end in still)]
+        left += [i for i in zero if not still or not all(_same(end[i], y[i]) for end in still)]
     if left:
         ends |= {h: at(h * size) for h in (RELATIVE, -RELATIVE)}
 
@@ -100,6 +100,11 @@ def lost(
     return found
 
 
+def _same(a: float, y: float) -> bool:
+    """Return whether an outcome has not changed, but for its rounding."""
+    return bool(abs(a - y) <= ROUNDING * abs(y))
+
+
 def _grows(rest: dict[float, float], least: float) -> bool:
     """Return whether what a derivative leaves of a change is proportional to the step."""
     sides = [{h: rest[s * h] for h in (RELATIVE, FAR) if s * h in rest} for s in (1.0, -1.0)]
@@ -118,7 +123,7 @@ def _jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size:
     """Return what an outcome that is constant close by does farther away, if it jumps there."""
     for side in (1.0, -1.0):
         inner, outer = ends[side * RELATIVE], ends[side * WIDE]
-        if inner is None or outer is None or inner[i] != y or outer[i] == y:
+        if inner is None or outer is None or not _same(inner[i], y) or _same(outer[i], y):
             continue
         low, high, beyond = RELATIVE, WIDE, outer
         for _ in range(BISECTIONS):
@@ -126,7 +131,7 @@ def _jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size:
             here = at(side * middle * size)
             if here is None:
                 break
-            if here[i] == y:
+            if _same(here[i], y):
                 low = middle
             else:
                 high, beyond = middle, here
