@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import jousto as jo
-from jousto.base.rooms import public_names
+from jousto.base.lazy_exports import public_names
 from jousto.planar.dynamics import simulate_planar
 from jousto.planar.items import PlanarBeam, PlanarLoad, PlanarSection, PlanarSupport
 from jousto.planar.methods import PlanarGeneralizedAlpha

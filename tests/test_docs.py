@@ -38,7 +38,7 @@ from typer.testing import CliRunner
 
 import jousto as jo
 from jousto.base.declare import SECTIONS, kinds
-from jousto.base.rooms import public_names
+from jousto.base.lazy_exports import public_names
 from jousto.cli.group import app
 
 ROOT = Path(__file__).parent.parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.base.seal import BLOCK, Seal, sealed
+from jousto.base.checksums import BLOCK, Seal, sealed
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from typing import Any
 
 import jousto as jo
 from jousto.base.declare import kinds
-from jousto.base.rooms import public_names
+from jousto.base.lazy_exports import public_names
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.schema.entries.declared import entry_of
 from jousto.schema.entries.model import ModelEntry

@@ -11,7 +11,7 @@ What a first model needs are names of the package itself; more is in its rooms, 
 import sys
 from importlib import import_module
 
-from jousto.base.rooms import open_room, public_names
+from jousto.base.lazy_exports import open_room, public_names
 
 VERBS = ("plot", "write")
 

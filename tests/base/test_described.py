@@ -15,7 +15,7 @@ import pytest
 
 import jousto as jo
 import session
-from jousto.base.described import FEW, LIMIT, describe, described
+from jousto.base.object_repr import FEW, LIMIT, describe, described
 
 PUBLIC = {
     place.rpartition(".")[2]: thing

@@ -15,8 +15,8 @@ import pytest
 
 import jousto as jo
 import session
-from jousto.base.renamed import ARGUMENTS, RENAMED
-from jousto.base.rooms import Room, public_names
+from jousto.base.lazy_exports import Room, public_names
+from jousto.base.renames import ARGUMENTS, RENAMED
 
 ROOT = Path(__file__).parents[2]
 STUB = ROOT / "src" / "jousto" / "__init__.pyi"

@@ -12,7 +12,7 @@ import pytest
 
 import jousto as jo
 from cli.test_meshes import call
-from jousto.base import seal
+from jousto.base import checksums
 
 STEEL = jo.Material(E=2.07e11, nu=0.3, rho=7850)
 FOREIGN = np.array([17.0, 4.0])  # what nobody may read
@@ -116,7 +116,7 @@ def test_changed_numbers_are_named(original, tmp_path):
 
 
 def test_checksums_reach_over_many_blocks(pendulum, tmp_path, monkeypatch):
-    monkeypatch.setattr(seal, "BLOCK", 4)
+    monkeypatch.setattr(checksums, "BLOCK", 4)
     run = jo.simulate(pendulum, 0.01, path=tmp_path / "run.h5")
     whole = run["tip"]
     with h5py.File(run.path) as file:
@@ -315,6 +315,6 @@ def test_a_file_of_another_program_with_additions_is_read(original, tmp_path):
     shutil.copy(original, path)
     with h5py.File(path, "r+") as file:
         file["notes"] = "mine"
-    assert seal.sealed(path) is None
+    assert checksums.sealed(path) is None
     for one, other in zip(everything(path), everything(original), strict=True):
         np.testing.assert_array_equal(one, other)

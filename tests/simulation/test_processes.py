@@ -11,7 +11,7 @@ import pytest
 
 import jousto as jo
 from jousto.base.errors import MissingFileError, Problem
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.simulation.running.simulate import RunInterrupted
 
 

@@ -22,8 +22,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from jousto.base.errors import InputError, JoustoError, Problem
-from jousto.base.renamed import ARGUMENTS
-from jousto.base.rooms import public_names
+from jousto.base.lazy_exports import public_names
+from jousto.base.renames import ARGUMENTS
 
 F = TypeVar("F", bound=Callable[..., Any])
 Scope = Mapping[str, Any]

@@ -26,10 +26,10 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, ParamSpec, Protocol, TypeVar, dataclass_transform
 
 from jousto.base.arguments import explained
-from jousto.base.described import describe
 from jousto.base.errors import CallError, Problem, Problems, suggest
 from jousto.base.fields import MISSING, Facts, Field, Name, field, kept
 from jousto.base.names import check_name
+from jousto.base.object_repr import describe
 from jousto.base.units import KINDS, check_unit
 
 P = ParamSpec("P")

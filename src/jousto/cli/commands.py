@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.collecting import uncollected
 from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.files import check_input
+from jousto.base.garbage_collection import uncollected
 from jousto.cli.group import command
 from jousto.cli.options import Core, Model, Output, Result, Trust, amount, compile_model, end_time
 from jousto.cli.parts import describe_content, describe_part

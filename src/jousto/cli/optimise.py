@@ -11,8 +11,8 @@ from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
 from jousto.cli.options import Drawing, End, Limits, Model, Output, Trust, Vary, amount, tell_files
+from jousto.cli.study_options import check_choice, limits_of, parameters_of, problems_of
 from jousto.cli.terminal import FAILED, columns, say
-from jousto.cli.varied import check_choice, limits_of, parameters_of, problems_of
 
 if TYPE_CHECKING:
     from jousto.design.optimisation.optimum import Optimum
@@ -128,7 +128,7 @@ def _least(
 ) -> None:
     """Optimise by one method or several; print and write what was found."""
     from jousto.design.optimisation.comparison import Comparison
-    from jousto.design.optimisation.of_file import file_problem
+    from jousto.design.optimisation.from_model_file import file_problem
     from jousto.design.optimisation.optimise import optimise as best_of
 
     found: list[Optimum] = []
@@ -163,7 +163,7 @@ def _reliable(
 ) -> None:
     """Optimise for an index of reliability; print and write what was found."""
     from jousto.design.reliability.errors import DesignPointError, LimitStateError
-    from jousto.design.reliability.of_file import file_rbdo
+    from jousto.design.reliability.from_model_file import file_rbdo
 
     try:
         found = file_rbdo(file, limits, **options)

@@ -21,8 +21,7 @@ from jousto.cli.options import (
     Workers,
     amount,
 )
-from jousto.cli.terminal import FAILED, columns, facts, say
-from jousto.cli.varied import (
+from jousto.cli.study_options import (
     WAYS,
     check_choice,
     limits_of,
@@ -30,6 +29,7 @@ from jousto.cli.varied import (
     parameters_of,
     problems_of,
 )
+from jousto.cli.terminal import FAILED, columns, facts, say
 
 if TYPE_CHECKING:
     from jousto.design.reliability.form import FormResult
@@ -74,7 +74,7 @@ def reliability(
     """
     from jousto.base.files import write_table
     from jousto.design.reliability.errors import DesignPointError, LimitStateError
-    from jousto.design.reliability.of_study import limit_state
+    from jousto.design.reliability.from_study import limit_state
     from jousto.design.reliability.pma import pma
     from jousto.design.reliability.sampling import SamplingResult
     from jousto.design.studies.study import study

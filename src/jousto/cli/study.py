@@ -14,8 +14,8 @@ from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
 from jousto.cli.options import Model, On, Output, Trust, Workers, amount
+from jousto.cli.study_options import LONG, WAYS, check_choice, nothing_varied, problems_of, varied
 from jousto.cli.terminal import say
-from jousto.cli.varied import LONG, WAYS, check_choice, nothing_varied, problems_of, varied
 
 if TYPE_CHECKING:
     from jousto.base.arrays import Array

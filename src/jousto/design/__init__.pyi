@@ -1,6 +1,7 @@
 # names of jo.design; they are loaded from here when they are first used
 from .optimisation.comparison import Comparison as Comparison
 from .optimisation.equivalent import equivalent_loads as equivalent_loads
+from .optimisation.from_model_file import file_problem as file_problem
 from .optimisation.limits import (
     DisplacementLimit as DisplacementLimit,
     FrequencyLimit as FrequencyLimit,
@@ -8,7 +9,6 @@ from .optimisation.limits import (
     StressLimit as StressLimit,
 )
 from .optimisation.machine import MachineProblem as MachineProblem
-from .optimisation.of_file import file_problem as file_problem
 from .optimisation.optimise import optimise as optimise
 from .optimisation.optimum import Cycle as Cycle, Optimum as Optimum
 from .optimisation.problem import Place as Place, Problem as Problem
@@ -18,6 +18,8 @@ from .reliability.errors import (
     LimitStateError as LimitStateError,
 )
 from .reliability.form import FormResult as FormResult, form as form
+from .reliability.from_model_file import file_rbdo as file_rbdo
+from .reliability.from_study import limit_state as limit_state
 from .reliability.inputs.random import Conditional as Conditional, Random as Random
 from .reliability.inputs.transform import (
     JointDistribution as JointDistribution,
@@ -25,8 +27,6 @@ from .reliability.inputs.transform import (
     Rosenblatt as Rosenblatt,
 )
 from .reliability.limit import LimitState as LimitState
-from .reliability.of_file import file_rbdo as file_rbdo
-from .reliability.of_study import limit_state as limit_state
 from .reliability.pma import (
     PmaResult as PmaResult,
     RiaResult as RiaResult,

@@ -11,8 +11,8 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.export.program import Program, program
 from jousto.export.project import flat
 from jousto.export.toolchain import build, here, platforms

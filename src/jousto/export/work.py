@@ -8,7 +8,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.model.model import Model
 
 SECONDS = 120.0  # that a count may take

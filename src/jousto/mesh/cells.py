@@ -11,8 +11,8 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Ints
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.mesh import reference as solids
 from jousto.mesh.reference import EDGES
 from jousto.mesh.sets import read_integers

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.mesh.grid import Grid
 from jousto.mesh.surface import face_normals
 

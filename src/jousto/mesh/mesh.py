@@ -9,8 +9,8 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Ints
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.object_repr import described
 from jousto.mesh.grid import Grid
 from jousto.mesh.holes import Hole, find_holes
 from jousto.mesh.inspection import Finding, duplicates, inspect, merge_tolerance

@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, frozen
-from jousto.base.described import described
 from jousto.base.errors import count
+from jousto.base.object_repr import described
 from jousto.mesh.cells import SOLIDS, Cells, base, edges
 from jousto.mesh.reference import jacobians, places, shape_functions, table
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, frozen
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.mesh.cells import SOLIDS, SURFACES, Cells, base, faces
 
 # triangles that draw a face: corners first, then midside nodes, all turned like the face

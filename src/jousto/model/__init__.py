@@ -1,5 +1,5 @@
 """COMPILE: a mechanism becomes flat arrays for the C engine."""
 
-from jousto.base.rooms import open_room
+from jousto.base.lazy_exports import open_room
 
 open_room(__name__)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 
 
 @described

@@ -11,9 +11,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.collecting import uncollected
 from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
+from jousto.base.garbage_collection import uncollected
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.beams.pieces import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody

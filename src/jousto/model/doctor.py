@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import skew
-from jousto.base.collecting import uncollected
-from jousto.base.described import described
 from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
+from jousto.base.garbage_collection import uncollected
+from jousto.base.object_repr import described
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile

@@ -9,7 +9,7 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 from jousto.base.complexstep import floats
-from jousto.base.described import described
+from jousto.base.object_repr import described
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart

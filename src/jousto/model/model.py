@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.sensors.rule import MeterRule

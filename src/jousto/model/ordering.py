@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from jousto.base.described import described
+from jousto.base.object_repr import described
 
 MOST = 15_000_000
 """Products of blocks in one factorisation; their list alone takes a gigabyte and more."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 
 GROUPS = ("joint", "force", "sensor", "marker")
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.simulation.results.diagnostics import Energy
 
 

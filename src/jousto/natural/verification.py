@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import some
-from jousto.base.described import described
 from jousto.base.errors import count
+from jousto.base.object_repr import described
 from jousto.natural.compared import Compared, Way
 from jousto.simulation.results.diagnostics import FAIR
 

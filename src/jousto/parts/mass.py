@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, read_only, scatter, skew
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, field
 from jousto.base.numbers import Number
+from jousto.base.object_repr import described
 
 
 class NodeField(Field["int | str", "int | str"]):

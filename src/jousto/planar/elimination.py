@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.planar.jets import derivatives
 
 Array = NDArray[Any]

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.described import described
 from jousto.base.errors import Problems, suggest, warn
+from jousto.base.object_repr import described
 from jousto.planar.element import mass_matrix, shape_matrix
 from jousto.planar.elimination import (
     ArmCoupling,

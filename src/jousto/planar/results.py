@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.planar.frame import PlanarFrame
 from jousto.planar.system import Point
 

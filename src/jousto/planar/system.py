@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.planar.element import (
     Middle,
     gradient,

@@ -10,9 +10,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.files import write_table
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.mechanism.event import Event
 from jousto.mechanism.forces.friction import Friction

@@ -1,5 +1,5 @@
 """REDUCE: a part with a mesh becomes a few modes, invariants and modal stress."""
 
-from jousto.base.rooms import open_room
+from jousto.base.lazy_exports import open_room
 
 open_room(__name__)

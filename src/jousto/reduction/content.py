@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems, suggest
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.parts.frames.element import BeamElements
 from jousto.parts.frames.outlines import Outlines
 from jousto.reduction.fields.invariants import Invariants

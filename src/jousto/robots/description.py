@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from jousto.base.arrays import Array, skew
-from jousto.base.described import described
 from jousto.base.errors import Problem
+from jousto.base.object_repr import described
 from jousto.base.rotations import turn_onto
 
 KINDS = ("revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed")

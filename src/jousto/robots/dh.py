@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.base.rotations import exp_rotation
 from jousto.mechanism.bodies.inertia import check_inertia
 from jousto.robots.description import Frame, Link, Robot, RobotJoint

@@ -9,7 +9,7 @@ from typing import Any
 
 from jousto.base.errors import InputError, Problem, Problems, UnknownNameError, suggest
 from jousto.base.fields import AnyField, Field, Flag, Name, OptionalText, field, kept
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import Number, Vector, number
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.assembly import Assembly

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, read_only
-from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.base.rotations import euler_parameters, parse_orientation, rotation_matrix
 from jousto.mechanism.bodies.marker import Marker
 from jousto.robots.tree import Tree

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Index
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.simulation.results.solution import Solution
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from pydantic import TypeAdapter, ValidationError
 
 from jousto.base.arguments import explained
-from jousto.base.collecting import uncollected
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.garbage_collection import uncollected
+from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.robots.build import mechanism as robot_mechanism

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jousto.base.described import described
 from jousto.base.errors import InputError
+from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.schema.file.document import DOCUMENTS, Document, read_document

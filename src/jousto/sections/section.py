@@ -19,10 +19,10 @@ import numpy as np
 
 from jousto.base.complexstep import scalar
 from jousto.base.declare import Declared
-from jousto.base.described import describe
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Items, Label, field
 from jousto.base.numbers import Number, OptionalPositive, Positive
+from jousto.base.object_repr import describe
 
 Shear = tuple[tuple[float, float, float], tuple[float, float, float]]
 NO_SHEAR: Shear = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))

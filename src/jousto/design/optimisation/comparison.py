@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.design.optimisation.optimum import Optimum
 
 

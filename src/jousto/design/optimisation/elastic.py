@@ -12,8 +12,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Sparse
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.parts.frames.stress import StressOperator
 from jousto.parts.part import Part
 from jousto.reduction.sparse.factor import Solver, factorise

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import nnls
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import count
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.design.optimisation.problem import Place
 
 ACTIVE = 1e-3

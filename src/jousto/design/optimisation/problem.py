@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem as Trouble, Problems, count, suggest
+from jousto.base.object_repr import described
 from jousto.design.optimisation.elastic import Elastic, Motion
 from jousto.design.optimisation.limits import BodyLimit, FrequencyLimit, Limit
 from jousto.design.studies.parameters.parameter import Parameter

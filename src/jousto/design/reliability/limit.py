@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import (
     InputError,
     JoustoError,
@@ -21,6 +20,7 @@ from jousto.base.errors import (
     suggest,
 )
 from jousto.base.names import check_name
+from jousto.base.object_repr import described
 from jousto.design.reliability.errors import LimitStateError
 
 SHOWN = 6  # variables in a message

@@ -11,9 +11,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems, count
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
+from jousto.base.object_repr import described
 from jousto.design.reliability.errors import DesignPointError, LimitStateError
 from jousto.design.reliability.form import (
     FormResult,

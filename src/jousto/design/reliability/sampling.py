@@ -13,9 +13,9 @@ from scipy.special import logsumexp, ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
+from jousto.base.object_repr import described
 from jousto.design.reliability.form import FormResult, form
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState

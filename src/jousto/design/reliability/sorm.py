@@ -12,8 +12,8 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.base.object_repr import described
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult, form
 from jousto.design.reliability.inputs.space import Space

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import Problems
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult
 from jousto.design.reliability.inputs.space import Space

@@ -12,8 +12,8 @@ from scipy.stats import multivariate_normal
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.object_repr import described
 from jousto.design.reliability.form import FormResult, form
 from jousto.design.reliability.limit import LimitState
 from jousto.design.reliability.sampling import SamplingResult, monte_carlo

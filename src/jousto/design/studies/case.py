@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jousto.base.described import described
 from jousto.base.errors import InputError, NotAnalytic, Problem
+from jousto.base.object_repr import described
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model

@@ -26,7 +26,15 @@ from jousto.design.studies.gradient_result import (
     GradientResult,
     place_of,
 )
-from jousto.design.studies.lost import AGREES, RELATIVE, ROUNDING, WHOLE, WIDE, lost, unseen
+from jousto.design.studies.lost_derivatives import (
+    AGREES,
+    RELATIVE,
+    ROUNDING,
+    WHOLE,
+    WIDE,
+    lost,
+    unseen,
+)
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator, reason
 from jousto.design.studies.study import Study

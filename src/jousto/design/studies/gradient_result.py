@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problem, UnknownNameError, suggest
+from jousto.base.object_repr import described
 
 EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
 DIFFERENCES, NONE = "differences", "none"

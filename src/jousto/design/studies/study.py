@@ -12,21 +12,21 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.files import check_file
+from jousto.base.object_repr import described
 from jousto.base.progress import bars
 from jousto.design.studies.case import Case, Settings
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.design.studies.outcomes.outcomes import read_outcomes
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.parameters.samples import grid, latin_hypercube, read_samples
+from jousto.design.studies.running.content_hash import key_of
 from jousto.design.studies.running.evaluator import Evaluator, Row
 from jousto.design.studies.running.guard import taken_over
 from jousto.design.studies.running.journal import Journal, check_same
-from jousto.design.studies.running.keys import key_of
+from jousto.design.studies.running.parallel import spread
 from jousto.design.studies.running.sources import choose, source_of
-from jousto.design.studies.running.spread import spread
 from jousto.design.studies.table import StudyTable, check_suffix, read_study
 
 Report = Callable[[int, int], None]

@@ -12,10 +12,10 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, UnknownNameError, count, suggest
 from jousto.base.files import Rows, Tabular, written
 from jousto.base.hdf5 import open_format
+from jousto.base.object_repr import described
 from jousto.design.studies.running.journal import FORMAT, VERSION
 
 SUFFIXES = (".h5", ".hdf5", ".csv", ".parquet")

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.object_repr import described
 from jousto.materials.material import Material
 
 SHALLOW = 0.04

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems, warn
+from jousto.base.object_repr import described
 from jousto.fatigue.contact.contact import SHALLOW, HertzContact, rolling_contact
 from jousto.fatigue.multiaxial.planes import DangVan, Findley, critical_plane
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.object_repr import described
 from jousto.fatigue.cycles.rainflow import (
     Cycles,
     check_history,

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arrays import Array, Ints
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.model.native.meter import count_cycles
 
 RESIDUES = ("half", "repeat", "ignore")

@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.fatigue.cycles.rainflow import count_turning, turning_points
 from jousto.materials.strength.strain_life import FORMS, Form, StrainLife

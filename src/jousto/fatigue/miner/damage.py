@@ -11,8 +11,8 @@ from scipy.special import ndtr
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.object_repr import described
 from jousto.fatigue.cycles.rainflow import Cycles, rainflow
 from jousto.fatigue.miner.spectrum import Spectrum
 from jousto.materials.strength.mean_stress import MeanStress, PartCompression, WeldRatio

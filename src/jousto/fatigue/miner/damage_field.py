@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Index
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.base.rounding import SHARE
 from jousto.fatigue.cycles.duty import DutyCycle, check_duty, count_duty

@@ -14,9 +14,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.fatigue.local.strain_life import RESIDUES, Residue
 from jousto.fatigue.multiaxial.planes import (

@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.base.fields import field
 from jousto.base.files import Rows, Tabular
 from jousto.base.numbers import Number, Positive
+from jousto.base.object_repr import described
 from jousto.base.ranking import largest, ranking
 from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.fatigue.random.spectral import (
     METHODS,

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.declare import Declared
-from jousto.base.described import describe
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Choice, Label, field
 from jousto.base.numbers import Number, Vector
+from jousto.base.object_repr import describe
 from jousto.mesh.reference import CORNERS, FACES, shape_functions
 from jousto.parts.frames.stress import StressOperator
 from jousto.parts.solids.stress import SolidStress

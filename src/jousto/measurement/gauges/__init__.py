@@ -1,5 +1,5 @@
 """Gauges: what rosettes say, and measured records."""
 
-from jousto.base.rooms import open_room
+from jousto.base.lazy_exports import open_room
 
 open_room(__name__)

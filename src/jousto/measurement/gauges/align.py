@@ -9,8 +9,8 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.object_repr import described
 from jousto.measurement.gauges.record import Record, record_of
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.base.units import shown_unit
 from jousto.measurement.gauges.align import Alignment, align as align_records
 from jousto.measurement.gauges.record import Record, record_of

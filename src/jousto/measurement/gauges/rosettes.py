@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import LARGE_STRAIN, Problems, strain_remedy, warn
+from jousto.base.object_repr import described
 from jousto.mechanism.sensors.gauge import NU_CALIBRATION
 from jousto.mechanism.sensors.rosette import ANGLES, KINDS
 

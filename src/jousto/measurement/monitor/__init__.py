@@ -1,5 +1,5 @@
 """Monitoring: measured strains to stress, damage and remaining life while they come."""
 
-from jousto.base.rooms import open_room
+from jousto.base.lazy_exports import open_room
 
 open_room(__name__)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, OptionalPositive, OptionalWhole
+from jousto.base.object_repr import described
 from jousto.measurement.monitor.health import OK
 
 NEVER = -np.inf

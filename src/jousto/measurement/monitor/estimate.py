@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Posterior, Told
 from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction

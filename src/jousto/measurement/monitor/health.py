@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, Positive, Whole
+from jousto.base.object_repr import described
 from jousto.measurement.monitor.stream import EMPTY, INFINITE
 from jousto.measurement.twin.signals import LARGEST
 from jousto.model.native.header import kinds

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.model.native.meter import DamageMeter
 
 PAUSE = 10.0  # usual steps of time from which on a gap is no watched time

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.measurement.monitor.alarms import Alarm, AlarmLimits, Alarms
 from jousto.measurement.monitor.estimate import Estimator, estimator_of
 from jousto.measurement.monitor.health import OK, Change, ChannelRules, Health

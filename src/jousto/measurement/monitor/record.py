@@ -24,10 +24,10 @@ import h5py
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.checksums import Seal, sealed
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, create, unwritable
 from jousto.base.hdf5 import Group, damage, open_format
-from jousto.base.seal import Seal, sealed
 from jousto.base.version import __version__
 from jousto.simulation.results.image import SparseImage, reserve
 from jousto.simulation.results.writer import uninterrupted

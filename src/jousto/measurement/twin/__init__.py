@@ -1,5 +1,5 @@
 """TWIN: what strain gauges tell of the whole body: stress everywhere, loads and life."""
 
-from jousto.base.rooms import open_room
+from jousto.base.lazy_exports import open_room
 
 open_room(__name__)

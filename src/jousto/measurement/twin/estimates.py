@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.measurement.twin.kalman import Channels, Gain
 from jousto.measurement.twin.motion.reference import Reference
 from jousto.measurement.twin.motion.system import System

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.base.fields import field
 from jousto.base.numbers import Positive
+from jousto.base.object_repr import described
 from jousto.measurement.twin.motion.system import Accelerometer, System
 
 STEADY = 1e-5

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.motion.reference import STILL, InertialForce, Reference
 from jousto.measurement.twin.motion.system import UnknownLoad

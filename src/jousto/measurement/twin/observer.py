@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Estimates, Step, modal
 from jousto.measurement.twin.kalman import (
     Balance,

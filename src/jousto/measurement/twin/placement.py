@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.object_repr import described
 from jousto.base.ranking import largest
 from jousto.measurement.twin.motion.system import as_rows
 from jousto.measurement.twin.reconstruction import FEWER, NOISE

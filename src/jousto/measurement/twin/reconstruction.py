@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Told
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, read_time
 

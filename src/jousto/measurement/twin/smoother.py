@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Estimates, modal, spread
 from jousto.measurement.twin.kalman import STEADY, Gain, backward, drifts
 

@@ -12,8 +12,8 @@ from scipy.stats import chi2
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.kalman import Gain, first_gain, next_gain
 from jousto.measurement.twin.observer import Observer

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.fields import AnyField, Field, field, kept
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import OptionalValues, set_fields
 from jousto.materials.damping import ProportionalDamping
 from jousto.mechanism.beams.frames import arc_lengths, strains

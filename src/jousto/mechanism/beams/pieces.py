@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import set_fields
 from jousto.base.rotations import (
     euler_parameters,

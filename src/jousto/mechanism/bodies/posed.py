@@ -12,7 +12,7 @@ from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Name, field
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import Number, OptionalNumber, OptionalValues, Vector
 from jousto.base.rotations import parse_orientation
 from jousto.mechanism.bodies.inertia import check_inertia

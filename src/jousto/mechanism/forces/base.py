@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 from numpy.typing import ArrayLike
 
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.fields import Name, field
+from jousto.base.object_repr import described
 from jousto.mechanism.bodies.body import MovingBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.coordinate import Coordinate

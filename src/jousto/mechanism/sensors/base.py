@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from jousto.base.arrays import Array
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.fields import Name, field
+from jousto.base.object_repr import described
 from jousto.mechanism.bodies.marker import Marker
 
 

@@ -12,8 +12,8 @@ import scipy
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.base.object_repr import described
 from jousto.model.model import Model
 from jousto.model.native import library
 from jousto.model.native.failures import AT_BODY, failure

@@ -14,10 +14,10 @@ import numpy as np
 from jousto.base.arrays import Array, skew, transposed
 from jousto.base.complexstep import norm
 from jousto.base.declare import Declared
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalPositive
+from jousto.base.object_repr import described
 
 # of one member or beam: a hundred times more than make sense
 MOST_ELEMENTS = 100_000

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array, Ints
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.sections.points import section_outline
 from jousto.sections.section import Section
 

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, Sparse, node_dofs, scatter, transposed
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.parts.frames.element import (
     BeamElements,
     end_displacements,

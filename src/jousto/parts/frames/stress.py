@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, read_only, scatter, times
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.parts.frames.element import BeamElements, end_displacements, stiffness
 from jousto.sections.section import Section
 

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import Orthotropic, elasticity
 from jousto.mesh.reference import gradients, jacobians, table

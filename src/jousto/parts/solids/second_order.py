@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import gradients, table
 from jousto.parts.frames.second_order import (

@@ -10,8 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, read_only, times
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.materials.material import Material
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import CORNERS, gradients, places, shape_functions, table

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Index
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.base.units import shown_unit
 from jousto.model.native.recover import LANES, Recovery

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.base.ranking import TIE
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.object_repr import described
 from jousto.base.ranking import TIE, ranking
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights

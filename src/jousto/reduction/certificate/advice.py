@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, count
+from jousto.base.object_repr import described
 from jousto.reduction.certificate.certificate import Table, number
 from jousto.reduction.certificate.certify import full_model
 from jousto.reduction.certificate.part_checks import FullModel

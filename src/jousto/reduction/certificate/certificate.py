@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, count
+from jousto.base.object_repr import described
 
 Status = Literal["ok", "note", "warn", "fail"]
 

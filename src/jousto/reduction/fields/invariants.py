@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, frozen
 from jousto.base.complexstep import scalar
-from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.reduction.modes.rigid import rigid_modes
 
 if TYPE_CHECKING:

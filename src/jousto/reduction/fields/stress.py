@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
+from jousto.base.object_repr import described
 
 if TYPE_CHECKING:
     from jousto.reduction.fields.residual_stress import ResidualStress

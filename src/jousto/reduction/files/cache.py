@@ -22,9 +22,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, warn
 from jousto.base.files import DAMAGED_NPZ, written
+from jousto.base.object_repr import described
 from jousto.reduction.reduced import ReducedPart
 
 RECIPE = 2

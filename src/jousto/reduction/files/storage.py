@@ -15,10 +15,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.base.checksums import Seal, sealed
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_input, written
 from jousto.base.hdf5 import DAMAGE, Group
-from jousto.base.seal import Seal, sealed
 from jousto.parts.frames.element import BeamElements
 from jousto.parts.frames.outlines import Outlines
 from jousto.reduction.content import Content

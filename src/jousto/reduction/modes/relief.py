@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import Problems
+from jousto.base.object_repr import described
 from jousto.parts.part import Part
 from jousto.reduction.methods import FreeFree, ShapeFunctions
 from jousto.reduction.modes.eigen import Flexibility

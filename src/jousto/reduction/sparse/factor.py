@@ -17,8 +17,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.object_repr import described
 from jousto.reduction.sparse import backends
 
 SMALL = 6000

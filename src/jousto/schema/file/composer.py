@@ -13,7 +13,7 @@ import re
 from itertools import accumulate
 from typing import Any
 
-from jousto.base.collecting import uncollected
+from jousto.base.garbage_collection import uncollected
 
 # searched one by one, since each begins with a sign that Python looks for quickly
 UNUSUAL = (

@@ -9,10 +9,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from jousto.base.collecting import uncollected
-from jousto.base.described import described
 from jousto.base.errors import InputError, MissingFileError, Problem, Problems
 from jousto.base.files import check_text
+from jousto.base.garbage_collection import uncollected
+from jousto.base.object_repr import described
 from jousto.mesh.formats import is_cad, is_mesh
 from jousto.schema.file.composer import compose
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
+from jousto.base.object_repr import described
 from jousto.model.model import Model
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import modes

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import count
+from jousto.base.object_repr import described
 
 ROUND_OFF = 1e-12  # share of the largest energy that the balance cannot know
 GOOD, FAIR = 1e-3, 0.05  # shares of the scale of the balance; beyond FAIR a run warns

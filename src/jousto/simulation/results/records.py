@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.model.beam_record import BeamShape
 from jousto.model.frame_record import FrameShape
 from jousto.model.symbol_record import SymbolShape

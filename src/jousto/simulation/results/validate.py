@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from jousto.base.checksums import Sealed, sealed
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_input
 from jousto.base.hdf5 import Group, check_dataset, damage, open_format
-from jousto.base.seal import Sealed, sealed
 from jousto.simulation.results.columns import DIAGNOSTICS
 from jousto.simulation.results.stress import BEAMS, knows_stress, read_beam, read_stress
 from jousto.simulation.results.writer import CONTENTS, EVENT_COLUMNS, FORMAT, FORMAT_VERSION

@@ -20,9 +20,9 @@ import h5py
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.checksums import Seal
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import beside_of, check_file, create, take_place, unwritable
-from jousto.base.seal import Seal
 from jousto.base.version import __version__
 from jousto.model.model import Model
 from jousto.model.scales import scales_of

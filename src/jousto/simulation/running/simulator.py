@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, SimulationError, suggest
+from jousto.base.object_repr import described
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus

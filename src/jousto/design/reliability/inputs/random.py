@@ -13,9 +13,9 @@ from scipy.special import ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.names import check_name
+from jousto.base.object_repr import described
 from jousto.design.studies.parameters.distributions import (
     SHAPED,
     are_moments,

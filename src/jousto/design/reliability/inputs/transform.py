@@ -13,9 +13,9 @@ from scipy.special import ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, read_only
-from jousto.base.described import described
 from jousto.base.errors import InputError, JoustoError, Problem, Problems, suggest
 from jousto.base.names import check_name
+from jousto.base.object_repr import described
 from jousto.design.reliability.inputs.correlation import normal_correlation
 from jousto.design.reliability.inputs.random import Conditional, Law, Random, class_name, law
 

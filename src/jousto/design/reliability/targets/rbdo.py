@@ -11,10 +11,10 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, some
-from jousto.base.described import described
 from jousto.base.errors import Problems, count
 from jousto.base.files import Rows, Tabular
-from jousto.base.frozen import Frozen
+from jousto.base.frozen_dict import Frozen
+from jousto.base.object_repr import described
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult, design_point
 from jousto.design.reliability.limit import LimitState

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from jousto.base.complexstep import norm, scalar
-from jousto.base.described import described
 from jousto.base.errors import suggest
+from jousto.base.object_repr import described
 from jousto.design.studies.case import Case
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.mechanism.bodies.body import FlexibleBody

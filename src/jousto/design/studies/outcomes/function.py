@@ -10,11 +10,11 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.complexstep import is_stepping, scalar
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.names import check_name
+from jousto.base.object_repr import described
 from jousto.design.studies.case import Case
-from jousto.design.studies.outcomes.along import along, has_slope
+from jousto.design.studies.outcomes.complex_step import along, has_slope
 from jousto.design.studies.outcomes.outcome import Outcome
 
 

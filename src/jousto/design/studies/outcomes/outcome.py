@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.design.studies.case import Case
 
 

@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.base.expressions import NONE, ExpressionError, Quantity, evaluate, measure
+from jousto.base.object_repr import described
 from jousto.base.units import UnitError
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.design.studies.outcomes.outcomes import read_outcome

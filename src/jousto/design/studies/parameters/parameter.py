@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from jousto.base.arguments import explained
-from jousto.base.described import described
 from jousto.base.errors import Problems
 from jousto.base.expressions import measure, unit_of
 from jousto.base.names import check_name
+from jousto.base.object_repr import described
 from jousto.base.units import UnitError
 from jousto.design.studies.parameters.distributions import (
     check_moments,

@@ -18,7 +18,7 @@ from jousto.base.errors import InputError, JoustoError, JoustoWarning, Problem, 
 from jousto.design.studies.case import Case, Machine, run_together
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.design.studies.parameters.parameter import Parameter
-from jousto.design.studies.running.between import WIDTH, between
+from jousto.design.studies.running.finite_differences import WIDTH, between
 from jousto.design.studies.running.sources import Memory, Source
 from jousto.model.native.ensemble import machines
 from jousto.reduction.files.recalled import recalling

@@ -11,8 +11,8 @@ from typing import Any
 
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.files import check_file, unwritable
+from jousto.design.studies.running.content_hash import unknown
 from jousto.design.studies.running.evaluator import Row
-from jousto.design.studies.running.keys import unknown
 
 FORMAT = "jousto study"
 VERSION = 2

@@ -11,7 +11,7 @@ from jousto.base.arguments import DEEP
 from jousto.base.errors import InputError, JoustoError, Problem, suggest
 from jousto.design.studies.case import Counts, Machine, Settings
 from jousto.design.studies.parameters.parameter import Parameter
-from jousto.design.studies.running.keys import key_of
+from jousto.design.studies.running.content_hash import key_of
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.model import Model
 from jousto.reduction.files.recalled import Recalled

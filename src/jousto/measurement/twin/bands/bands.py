@@ -13,9 +13,9 @@ from scipy.stats import qmc
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.measurement.twin.estimates import Posterior
 from jousto.recovery.fields.criteria import Criterion, check_criterion, evaluate, weights
 from jousto.reduction.fields.stress import StressModes

@@ -10,9 +10,9 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
 from jousto.measurement.twin.bands.bands import _check, _pick
 from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.smoother import sample_posterior, smooth

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
+from jousto.base.object_repr import described
 from jousto.measurement.twin.bands.bands import (
     criterion_band,
     floored,

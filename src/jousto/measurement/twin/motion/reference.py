@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import UnivariateSpline
 
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, JoustoWarning, Problem, Problems, suggest
+from jousto.base.object_repr import described
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.mechanism import Mechanism

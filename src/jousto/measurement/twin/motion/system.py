@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.described import described
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.object_repr import described
 from jousto.measurement.twin.motion.reference import InertialForce, Motion, cross
 from jousto.reduction.reduced import ReducedPart
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from jousto.base.described import described
 from jousto.base.errors import InputError, suggest
 from jousto.base.expressions import Quantity
+from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.schema.entries.blocks.limits import ReliabilityEntry
 from jousto.schema.file.document import EXPRESSION

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from jousto.base.renamed import RENAMED
+from jousto.base.renames import RENAMED
 
 
 class Room(ModuleType):

@@ -11,6 +11,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem as Trouble, suggest
 from jousto.base.expressions import Quantity
+from jousto.design.optimisation.cost import read_price
 from jousto.design.optimisation.limits import (
     DisplacementLimit,
     FrequencyLimit,
@@ -19,7 +20,6 @@ from jousto.design.optimisation.limits import (
     StressLimit,
 )
 from jousto.design.optimisation.machine import MachineProblem
-from jousto.design.optimisation.price import read_price
 from jousto.design.studies.outcomes.deflection import Deflection
 from jousto.design.studies.outcomes.outcomes import Damage, Frequency, Stress
 from jousto.design.studies.outcomes.requirement import Requirement, read_requirement

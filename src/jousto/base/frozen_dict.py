@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
 from typing import TypeVar
 
-from jousto.base.described import FEW, LIMIT
+from jousto.base.object_repr import FEW, LIMIT
 
 K = TypeVar("K")
 V = TypeVar("V")

@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem as Trouble, Problems
-from jousto.design.optimisation.price import read_price
-from jousto.design.reliability.of_study import limit_state
+from jousto.design.optimisation.cost import read_price
+from jousto.design.reliability.from_study import limit_state
 from jousto.design.reliability.targets.rbdo import RbdoResult, rbdo
 from jousto.design.studies.outcomes.requirement import Requirement, read_requirement
 from jousto.design.studies.parameters.parameter import Parameter
