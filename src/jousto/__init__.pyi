@@ -89,7 +89,7 @@ from .mechanism.sensors.motion import (
     PositionSensor as PositionSensor,
     VelocitySensor as VelocitySensor,
 )
-from .mechanism.sensors.readings import (
+from .mechanism.sensors.scalar import (
     CoordinateSensor as CoordinateSensor,
     RateSensor as RateSensor,
     SignalSensor as SignalSensor,

@@ -17,7 +17,7 @@ import jousto as jo
 from cli.test_cli import MODEL
 from jousto.base.files import create, write_table, written
 from jousto.cli.group import app
-from jousto.measurement.monitor.record import Layout, Record
+from jousto.measurement.monitor.record_writer import Layout, Record
 from jousto.mesh.cells import Cells
 from jousto.output.files.meshes import write_mesh
 from jousto.output.files.sid import write_sid

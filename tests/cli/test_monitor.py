@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import jousto as jo
 from hearing import hear
 from jousto.cli.group import app
-from jousto.measurement.monitor.recorded import MonitorRecord
+from jousto.measurement.monitor.record_reader import MonitorRecord
 from measurement.monitor.watched import NAMES, lines, motion, written
 
 MODEL = """\

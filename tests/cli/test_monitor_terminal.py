@@ -12,7 +12,7 @@ import pytest
 
 from cli.test_monitor import ENV, MODEL
 from hearing import hear
-from jousto.measurement.monitor.recorded import MonitorRecord
+from jousto.measurement.monitor.record_reader import MonitorRecord
 from measurement.monitor.watched import lines, motion
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals are of Unix")

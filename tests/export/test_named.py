@@ -10,10 +10,10 @@ import pytest
 
 import jousto as jo
 from exported import CC, PLAIN, compiled
-from jousto.export import named
-from jousto.export.named import named_constants
+from jousto.export import tunable_constants
 from jousto.export.program import program
 from jousto.export.project import flat
+from jousto.export.tunable_constants import named_constants
 
 FILE = """
 name: cart
@@ -108,13 +108,13 @@ def test_what_parts_are_made_of_is_not_tried(
     file = jo.read_model(path)
     model = jo.compile(file.mechanism)
     tried: list[str] = []
-    variant = named._variant
+    variant = tunable_constants._variant
 
     def seen(file: object, values: dict[str, float], *rest: object) -> object:
         tried.extend(values)
         return variant(file, values, *rest)
 
-    monkeypatch.setattr(named, "_variant", seen)
+    monkeypatch.setattr(tunable_constants, "_variant", seen)
     assert [x.name for x in named_constants(file, model)] == ["k"]
     assert set(tried) == {"load", "k"}
 

@@ -13,7 +13,7 @@ import pytest
 
 import jousto as jo
 from exported import CC
-from jousto.export.work import by_file
+from jousto.export.instruction_count import by_file
 
 MODEL = """
 bodies: [{name: mass, mass: 1 kg, inertia: [1, 1, 1], position: [1, 0, 0]}]

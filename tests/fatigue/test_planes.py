@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import jousto as jo
-from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circles
+from jousto.fatigue.multiaxial.enclosing_ball import enclosing_ball, enclosing_circles
 from jousto.fatigue.multiaxial.planes import normals, on_planes
 
 T = np.linspace(0.0, 2.0 * np.pi, 361)

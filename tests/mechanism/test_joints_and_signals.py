@@ -17,7 +17,7 @@ from jousto.mechanism.joints.coupling import Drive, Gear
 from jousto.mechanism.joints.hinges import Revolute, Screw, Universal
 from jousto.mechanism.joints.points import Rod
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.readings import (
+from jousto.mechanism.sensors.scalar import (
     CoordinateSensor,
     EnergySensor,
     RateSensor,

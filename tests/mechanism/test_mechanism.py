@@ -14,7 +14,7 @@ from jousto.base.declare import kinds
 from jousto.base.errors import InputError, JoustoWarning
 from jousto.base.rotations import Rotate
 from jousto.mechanism.beams.body import BeamBody, BeamDamping
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker

@@ -28,7 +28,7 @@ from jousto.mechanism.sensors.motion import (
     PositionSensor,
     VelocitySensor,
 )
-from jousto.mechanism.sensors.readings import CoordinateSensor
+from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.piecewise import Ramp
 from jousto.parts.part import Part
 from jousto.reduction.methods import CraigBampton, FreeFree

@@ -12,7 +12,7 @@ import jousto as jo
 from gmsh_session import opened
 from jousto.base.errors import InputError
 from jousto.mesh.cells import SOLIDS
-from jousto.mesh.readers.library import load_meshio
+from jousto.mesh.readers.meshio_formats import load_meshio
 
 from .blocks import block
 

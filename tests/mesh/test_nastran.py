@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.base.errors import InputError
 from jousto.mesh.cells import SOLIDS
-from jousto.mesh.readers.library import load_meshio
+from jousto.mesh.readers.meshio_formats import load_meshio
 
 from .blocks import block
 

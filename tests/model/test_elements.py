@@ -11,7 +11,7 @@ from jousto.mechanism.joints import coupling as c
 from jousto.mechanism.joints.coordinate import Angle, Displacement
 from jousto.mechanism.joints.hinges import Revolute
 from jousto.mechanism.joints.slides import Prismatic
-from jousto.mechanism.sensors.readings import (
+from jousto.mechanism.sensors.scalar import (
     CoordinateSensor,
     EnergySensor,
     RateSensor,

@@ -17,7 +17,7 @@ import jousto as jo
 from gmsh_session import opened
 from hearing import hear
 from jousto.base.errors import InputError, JoustoWarning
-from jousto.mesh.readers.apart import apart, packed, unpacked
+from jousto.mesh.readers.subprocess_reader import apart, packed, unpacked
 
 MODULE = """
 import faulthandler, json, os, sys, time
@@ -103,7 +103,7 @@ def test_nested_values_are_packed_and_unpacked() -> None:
 def test_ctrl_c_ends_both_processes(tmp_path: Path) -> None:
     script = (
         "import sys; from pathlib import Path\n"
-        "from jousto.mesh.readers.apart import apart\n"
+        "from jousto.mesh.readers.subprocess_reader import apart\n"
         "apart(Path(sys.argv[1]), 'strange:endless', '')\n"
     )
     mark = tmp_path / "pid"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.mechanism.sensors.readings import EnergySensor, SignalSensor
+from jousto.mechanism.sensors.scalar import EnergySensor, SignalSensor
 from jousto.recovery.shape import rotation_matrices
 from jousto.scene.make import make_scene
 from jousto.scene.scene import Scene, Side, Symbol

@@ -35,13 +35,13 @@ from jousto.mechanism.sensors.motion import (
     PositionSensor,
     VelocitySensor,
 )
-from jousto.mechanism.sensors.readings import (
+from jousto.mechanism.sensors.rosette import Rosette
+from jousto.mechanism.sensors.scalar import (
     CoordinateSensor,
     EnergySensor,
     RateSensor,
     SignalSensor,
 )
-from jousto.mechanism.sensors.rosette import Rosette
 from jousto.mechanism.sensors.section import SectionSensor
 from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import USE, Constant, Signal

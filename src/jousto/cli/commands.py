@@ -127,7 +127,7 @@ def info(
 
         describe_model(read_model(file, trust=trust))
     elif hdf5_format(file) == MONITOR:
-        from jousto.measurement.monitor.recorded import MonitorRecord
+        from jousto.measurement.monitor.record_reader import MonitorRecord
 
         say(str(MonitorRecord(file)))
     else:
@@ -152,7 +152,7 @@ def plot(
     from jousto.output.plot import plot as draw
 
     if hdf5_format(result) == MONITOR:
-        from jousto.measurement.monitor.recorded import MonitorRecord
+        from jousto.measurement.monitor.record_reader import MonitorRecord
 
         if names:
             raise InputError(Problem(names[0], "the record of a monitoring run has no sensors"))

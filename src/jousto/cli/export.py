@@ -173,7 +173,7 @@ def _machine(
     trust: bool,
 ) -> None:
     """Write a machine with the method, the start and the end of its model file."""
-    from jousto.export.named import named_constants
+    from jousto.export.tunable_constants import named_constants
     from jousto.output.write import write
 
     model, solver, state, found = machine_of(file, step, trust)
@@ -200,7 +200,7 @@ def _machine(
 
 def _page(file: Path, output: Path, step: float | None, inputs: list[str], trust: bool) -> None:
     """Write a machine as a page in which it runs."""
-    from jousto.export.named import named_constants
+    from jousto.export.tunable_constants import named_constants
     from jousto.output.write import write
     from jousto.simulation.live.ranges import parse_ranges
 

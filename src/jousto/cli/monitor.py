@@ -177,7 +177,7 @@ class Board:
         from rich.text import Text
 
         from jousto.measurement.monitor.health import STATES
-        from jousto.measurement.monitor.recorded import duration
+        from jousto.measurement.monitor.record_reader import duration
 
         monitor, update, place = progress.monitor, progress.update, progress.place
         if len(update.time):

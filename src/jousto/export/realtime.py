@@ -13,10 +13,10 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
+from jousto.export.instruction_count import Work, work_of
 from jousto.export.program import Program, program
 from jousto.export.project import flat
 from jousto.export.toolchain import build, here, platforms
-from jousto.export.work import Work, work_of
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import State

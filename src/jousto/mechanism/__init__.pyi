@@ -17,7 +17,7 @@ from .sensors.body import (
 )
 from .sensors.damage import DamageSensor as DamageSensor
 from .sensors.motion import AccelerationPartsSensor as AccelerationPartsSensor
-from .sensors.readings import EnergySensor as EnergySensor
+from .sensors.scalar import EnergySensor as EnergySensor
 from .sensors.section import SectionSensor as SectionSensor
 from .signals.base import Product as Product, Sum as Sum
 from .signals.switched import Switched as Switched

@@ -9,7 +9,7 @@ import numpy as np
 
 from jousto.base.errors import Problems, suggest, warn
 from jousto.mechanism.beams.body import BeamBody
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, Ground, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.event import Event
@@ -18,10 +18,10 @@ from jousto.mechanism.forces.friction import Friction
 from jousto.mechanism.forces.loads import Gravity, PointLoad
 from jousto.mechanism.foreign.fmu import Fmu, FmuSensor
 from jousto.mechanism.initial import Initial
+from jousto.mechanism.items_by_kind import Members
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate, Distance
 from jousto.mechanism.joints.coupling import Coupler, Drive
-from jousto.mechanism.members import Members
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched

@@ -15,7 +15,7 @@ from jousto.mechanism import checks
 from jousto.mechanism.beams.body import BeamBody
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.checks import where as where
-from jousto.mechanism.members import CORES, STARTS, Members, word_problem
+from jousto.mechanism.items_by_kind import CORES, STARTS, Members, word_problem
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

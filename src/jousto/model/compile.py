@@ -15,7 +15,7 @@ from jousto.base.complexstep import floats, is_stepping
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.garbage_collection import uncollected
 from jousto.base.rotations import rotation_matrix
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.joints.base import align_frames

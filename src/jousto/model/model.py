@@ -14,7 +14,7 @@ from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.foreign.fmu import Fmu
-from jousto.mechanism.sensors.rule import MeterRule
+from jousto.mechanism.sensors.damage_rule import MeterRule
 from jousto.model.beam_record import BeamShape
 from jousto.model.frame_record import FrameShape
 from jousto.model.ordering import Elimination

@@ -12,7 +12,7 @@ from jousto.base.arrays import Array
 from jousto.base.complexstep import floats
 from jousto.base.errors import count
 from jousto.mechanism.beams.body import BeamBody
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement

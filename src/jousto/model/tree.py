@@ -12,7 +12,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
-from jousto.mechanism.members import CORES, word_problem
+from jousto.mechanism.items_by_kind import CORES, word_problem
 from jousto.model.carried import bearers, carried_bodies, is_link, with_ports
 from jousto.model.loop import cut_joints, drawback, spanning
 from jousto.model.model import JointModel, LinkModel, Model

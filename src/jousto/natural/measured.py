@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import Body, FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement
@@ -17,7 +17,7 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import AccelerationSensor, AngularAccelerationSensor
-from jousto.mechanism.sensors.readings import EnergySensor
+from jousto.mechanism.sensors.scalar import EnergySensor
 from jousto.natural.equations.known import is_read
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution

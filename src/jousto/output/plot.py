@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jousto.materials.strength.sn import SN
     from jousto.materials.strength.strain_life import StrainLife
     from jousto.measurement.gauges.compare import GaugeComparison
-    from jousto.measurement.monitor.recorded import MonitorRecord
+    from jousto.measurement.monitor.record_reader import MonitorRecord
     from jousto.measurement.twin.bands.bands import Band
     from jousto.output.scenes.view import View
     from jousto.planar.results import PlanarPath, PlanarRun

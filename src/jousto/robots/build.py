@@ -20,7 +20,7 @@ from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Drive
 from jousto.mechanism.joints.slides import Fixed
 from jousto.mechanism.mechanism import Mechanism
-from jousto.mechanism.sensors.readings import CoordinateSensor
+from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot

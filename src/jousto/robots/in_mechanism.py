@@ -13,9 +13,9 @@ from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import Number, Vector, number
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.assembly import Assembly
+from jousto.mechanism.bodies.base import ZERO3, Orientation
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
-from jousto.mechanism.bodies.posed import ZERO3, Orientation
 from jousto.robots.actuators import with_actuators
 from jousto.robots.build import built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot

@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.inertia import rigid_inertia
 from jousto.mechanism.bodies.marker import Marker

@@ -7,7 +7,7 @@ from typing import Any
 from jousto.base.declare import Declared
 from jousto.base.fields import Choice, Nested, field
 from jousto.base.numbers import Duration, OptionalDuration
-from jousto.mechanism.members import CORES, STARTS
+from jousto.mechanism.items_by_kind import CORES, STARTS
 
 
 class SolverField(Nested[Any, Any]):

@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from cli.test_meshes import call
-from jousto.measurement.monitor.recorded import MonitorRecord
+from jousto.measurement.monitor.record_reader import MonitorRecord
 from jousto.measurement.monitor.watch import watch
 from measurement.monitor.watched import curve, lines, monitor, motion, written
 

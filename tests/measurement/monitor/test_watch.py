@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.measurement.monitor import record as records
+from jousto.measurement.monitor import record_writer as records
 from jousto.measurement.monitor.alarms import AlarmLimits
 from jousto.measurement.monitor.health import STATES
-from jousto.measurement.monitor.recorded import MonitorRecord
+from jousto.measurement.monitor.record_reader import MonitorRecord
 from jousto.measurement.monitor.watch import _layout, watch
 from measurement.monitor.watched import (
     NAMES,
@@ -367,7 +367,7 @@ FULL = """
 import resource, signal, sys
 sys.path.insert(0, sys.argv[1])
 from measurement.monitor.watched import curve, monitor
-from jousto.measurement.monitor import record as records
+from jousto.measurement.monitor import record_writer as records
 from jousto.measurement.monitor.watch import watch
 import jousto as jo
 create = records.Record.create.__func__

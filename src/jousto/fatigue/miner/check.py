@@ -9,7 +9,7 @@ from jousto.base.errors import Problems
 from jousto.base.fields import AnyField, Field, OptionalText, Text, field
 from jousto.base.numbers import OptionalDuration, OptionalNumber, set_fields
 from jousto.mechanism.sensors.damage import Correction, Curve, Residue
-from jousto.mechanism.sensors.rule import RESIDUES
+from jousto.mechanism.sensors.damage_rule import RESIDUES
 
 
 class StressSites(Field["str | tuple[str | int, ...]", "tuple[str | int, ...]"]):

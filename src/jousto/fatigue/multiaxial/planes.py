@@ -24,7 +24,7 @@ from jousto.base.files import Rows, Tabular
 from jousto.base.numbers import Number, Positive
 from jousto.base.object_repr import described
 from jousto.base.ranking import largest, ranking
-from jousto.fatigue.multiaxial.enclosing import enclosing_ball, enclosing_circles
+from jousto.fatigue.multiaxial.enclosing_ball import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife
 from jousto.recovery.fields.planes import outward
 

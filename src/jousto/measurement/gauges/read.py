@@ -14,9 +14,9 @@ from jousto.base.errors import InputError, MissingFileError, Problem, Problems, 
 from jousto.base.files import check_input
 from jousto.measurement.gauges.clock import counted
 from jousto.measurement.gauges.lvm import read_lvm
-from jousto.measurement.gauges.order import ordered
 from jousto.measurement.gauges.record import GAP, Raw, Record, record_of, too_large
 from jousto.measurement.gauges.table import read_table
+from jousto.measurement.gauges.time_stamps import ordered
 from jousto.measurement.gauges.units import STRAIN, parse_unit
 
 TIMES = ("time", "t", "zeit", "aika", "timestamp", "time stamp", "datetime", "date", "temps",

@@ -2,6 +2,6 @@
 from .alarms import AlarmLimits as AlarmLimits
 from .health import ChannelRules as ChannelRules
 from .monitor import Monitor as Monitor
-from .recorded import MonitorRecord as MonitorRecord
+from .record_reader import MonitorRecord as MonitorRecord
 from .setup import MonitorSettings as MonitorSettings
 from .watch import watch as watch

@@ -15,9 +15,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
 from jousto.measurement.monitor.alarms import Alarm, AlarmLimits, Alarms
-from jousto.measurement.monitor.estimate import Estimator, estimator_of
 from jousto.measurement.monitor.health import OK, Change, ChannelRules, Health
 from jousto.measurement.monitor.life import Life, LifeMeter
+from jousto.measurement.monitor.streaming_reconstruction import Estimator, estimator_of
 from jousto.measurement.twin.bands.bands import stress_band
 from jousto.measurement.twin.bands.spot_band import SpotBand
 from jousto.measurement.twin.estimates import Posterior

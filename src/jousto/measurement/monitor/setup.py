@@ -18,8 +18,8 @@ from jousto.measurement.twin.reconstruction import Reconstruction
 from jousto.measurement.twin.signals import GaugeErrors, gauge_errors
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.sensors.damage import Correction, Curve, Residue
+from jousto.mechanism.sensors.damage_rule import RESIDUES
 from jousto.mechanism.sensors.gauge import Gauge
-from jousto.mechanism.sensors.rule import RESIDUES
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.solution import Solution
 

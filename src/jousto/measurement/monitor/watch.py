@@ -27,8 +27,8 @@ from jousto.base.files import reason
 from jousto.measurement.monitor.alarms import Alarm
 from jousto.measurement.monitor.health import STATES, Change
 from jousto.measurement.monitor.monitor import Monitor, Summary, Update
-from jousto.measurement.monitor.record import Column, Layout, Record, Table
-from jousto.measurement.monitor.recorded import KINDS, MonitorRecord, duration
+from jousto.measurement.monitor.record_reader import KINDS, MonitorRecord, duration
+from jousto.measurement.monitor.record_writer import Column, Layout, Record, Table
 from jousto.measurement.monitor.stream import UNITS, Block, Oddity, Place, Stream, factor
 from jousto.simulation.results.writer import uninterrupted
 

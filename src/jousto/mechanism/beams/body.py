@@ -15,10 +15,9 @@ from jousto.base.fields import AnyField, Field, field, kept
 from jousto.base.frozen_dict import Frozen
 from jousto.base.numbers import OptionalValues, set_fields
 from jousto.materials.damping import ProportionalDamping
+from jousto.mechanism.beams.discretisation import BeamNode, element_data, node_bodies
 from jousto.mechanism.beams.frames import arc_lengths, strains
-from jousto.mechanism.beams.limits import highest_frequencies
-from jousto.mechanism.beams.pieces import BeamNode, element_data, node_bodies
-from jousto.mechanism.beams.placing import (
+from jousto.mechanism.beams.geometry import (
     COARSE,
     WIDE,
     along_nodes,
@@ -34,9 +33,10 @@ from jousto.mechanism.beams.placing import (
     outlined,
     placed_shape,
 )
+from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.mechanism.beams.stiffness import BeamSection
+from jousto.mechanism.bodies.base import ZERO3, Posed
 from jousto.mechanism.bodies.marker import Marker, marker_axes
-from jousto.mechanism.bodies.posed import ZERO3, Posed
 
 SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
 

@@ -19,7 +19,7 @@ from jousto.base.fields import AnyField, Field, Items, field
 from jousto.base.numbers import DefaultValues, Number, OptionalValues, Values, set_fields
 from jousto.materials.library import by_name
 from jousto.materials.material import Material
-from jousto.mechanism.bodies.posed import Inertia, Mass
+from jousto.mechanism.bodies.base import Inertia, Mass
 from jousto.sections.points import StressPoint, section_outline, stress_points
 from jousto.sections.section import is_section
 

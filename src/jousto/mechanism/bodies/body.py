@@ -17,9 +17,7 @@ from jousto.base.fields import AnyField, Field, Reference, field, kept
 from jousto.base.numbers import Number, Vector, set_fields
 from jousto.base.rotations import Direction
 from jousto.base.units import LENGTHS
-from jousto.mechanism.bodies.inertia import check_mass, damping_diagonal
-from jousto.mechanism.bodies.marker import NO_TURN, Marker, marker_axes
-from jousto.mechanism.bodies.posed import (
+from jousto.mechanism.bodies.base import (
     ZERO3,
     Inertia,
     Mass,
@@ -28,6 +26,8 @@ from jousto.mechanism.bodies.posed import (
     Points,
     Posed,
 )
+from jousto.mechanism.bodies.inertia import check_mass, damping_diagonal
+from jousto.mechanism.bodies.marker import NO_TURN, Marker, marker_axes
 from jousto.mechanism.bodies.shapes import (
     Lengths,
     LengthUnit,

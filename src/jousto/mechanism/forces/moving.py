@@ -13,7 +13,7 @@ from jousto.base.errors import InputError, Problems
 from jousto.base.fields import Flag, Texts, field
 from jousto.base.numbers import Vector
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
-from jousto.mechanism.bodies.reference import MovingBodyField
+from jousto.mechanism.bodies.body_field import MovingBodyField
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.signals.base import OptionalSignal, SignalField
 

@@ -12,8 +12,8 @@ from jousto.base.errors import Problems
 from jousto.base.fields import Field, field
 from jousto.base.numbers import Number, OptionalNumber
 from jousto.mechanism.bodies.body import ground
+from jousto.mechanism.bodies.body_field import FlexibleField
 from jousto.mechanism.bodies.marker import Marker, MarkerField
-from jousto.mechanism.bodies.reference import FlexibleField
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.joints.coordinate import (
     DAMPING,

@@ -16,7 +16,7 @@ from jousto.base.numbers import Duration, number
 from jousto.mechanism.event import component_of
 from jousto.mechanism.foreign.description import Description, Variable, fits, read_description
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.sensors.readings import SignalSensor
+from jousto.mechanism.sensors.scalar import SignalSensor
 from jousto.mechanism.signals.base import Input
 
 ENERGIES = ("delivered", "received", "energy_error")

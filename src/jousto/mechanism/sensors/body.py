@@ -12,7 +12,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Field, field
 from jousto.base.numbers import set_fields
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.bodies.reference import FlexibleField
+from jousto.mechanism.bodies.body_field import FlexibleField
 from jousto.mechanism.sensors.base import Reading, Sensor
 
 VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")

@@ -10,7 +10,7 @@ from jousto.base.fields import Choice, Field, Reference, field
 from jousto.base.numbers import DefaultNumber, Number, set_fields
 from jousto.mechanism.sensors.base import Meter, Reading, Sensor
 from jousto.mechanism.sensors.body import VonMisesSensor
-from jousto.mechanism.sensors.rule import RESIDUES, MeterRule, meter_rule
+from jousto.mechanism.sensors.damage_rule import RESIDUES, MeterRule, meter_rule
 
 
 class Counted(Reference[Any, Any]):

@@ -12,7 +12,6 @@ import numpy as np
 
 from jousto.base.arrays import Ints, some
 from jousto.base.errors import InputError, Problem, count
-from jousto.mesh.readers.apart import apart
 from jousto.mesh.readers.element_types import (
     ANSYS_BRICKS,
     ANSYS_FACES,
@@ -24,6 +23,7 @@ from jousto.mesh.readers.element_types import (
 )
 from jousto.mesh.readers.nblock import read_nblocks
 from jousto.mesh.readers.raw import RawCells, RawMesh
+from jousto.mesh.readers.subprocess_reader import apart
 
 # surface, contact and target elements, constraint equations: silent
 _SILENT = {170, 172, 173, 174, 175, 176, 184}

@@ -18,9 +18,9 @@ from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, Problems, count, suggest, warn
 from jousto.mesh.cells import Cells, edges
 from jousto.mesh.mesh import Mesh
-from jousto.mesh.readers.apart import apart
 from jousto.mesh.readers.cad import cad_scale
 from jousto.mesh.readers.msh import vtk_order
+from jousto.mesh.readers.subprocess_reader import apart
 
 log = logging.getLogger(__name__)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.ranking import largest
-from jousto.mechanism.sensors.rule import MeterRule, check_residue, meter_rule
+from jousto.mechanism.sensors.damage_rule import MeterRule, check_residue, meter_rule
 from jousto.model.native import library
 from jousto.model.native.header import kinds
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import Problems
-from jousto.mechanism.sensors.rule import meter_rule
+from jousto.mechanism.sensors.damage_rule import meter_rule
 from jousto.model.native import library
 from jousto.model.native.header import kinds
 from jousto.model.native.meter import native_rule

@@ -9,7 +9,7 @@ from jousto.mechanism.event import Event
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.sensors.readings import CoordinateSensor
+from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.model.model import EventModel, SensorModel
 
 DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}

@@ -9,7 +9,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.mechanism.sensors.readings import CoordinateSensor
+from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import Signal
 from jousto.model.model import MeterModel, SensorModel
 from jousto.model.native.header import kinds

@@ -16,7 +16,7 @@ from jousto.measurement.twin.bands.bands import Band
 from jousto.output.style import COLORS, INK, MUTED, Picture, blend, drawing, headline, panels_below
 
 if TYPE_CHECKING:
-    from jousto.measurement.monitor.recorded import MonitorRecord
+    from jousto.measurement.monitor.record_reader import MonitorRecord
 
 PANELS = 12  # panels
 

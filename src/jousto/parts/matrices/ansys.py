@@ -11,7 +11,7 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.base.errors import MissingFileError, Problem
-from jousto.mesh.readers.apart import apart
+from jousto.mesh.readers.subprocess_reader import apart
 from jousto.parts.matrices.nodes import Positions
 from jousto.parts.matrices.text import mirrored, refuse
 

@@ -10,9 +10,9 @@ import numpy as np
 from jousto.base.errors import InputError, Problems
 from jousto.base.names import check_name
 from jousto.mechanism.assembly import Assembly
+from jousto.mechanism.bodies.base import Posed
 from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.inertia import rigid_inertia
-from jousto.mechanism.bodies.posed import Posed
 from jousto.mechanism.forces.loads import Gravity
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.joints.base import align_frames

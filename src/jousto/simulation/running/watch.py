@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jousto.base.errors import warn
-from jousto.mechanism.sensors.readings import ENERGIES
+from jousto.mechanism.sensors.scalar import ENERGIES
 from jousto.model.model import Model
 from jousto.model.native.header import places
 from jousto.model.rank.redundancy import disagreement

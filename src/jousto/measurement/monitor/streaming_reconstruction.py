@@ -111,7 +111,7 @@ def estimator_of(twin: Any) -> Estimator:
     if isinstance(twin, Reconstruction):
         return Static(twin)
     if isinstance(twin, Observer):
-        from jousto.measurement.monitor.observed import Dynamic
+        from jousto.measurement.monitor.streaming_observer import Dynamic
 
         return Dynamic(twin)
     raise InputError(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import InputError, JoustoWarning
-from jousto.mesh.readers.apart import ANSWER, ARRAYS, TASK, packed
+from jousto.mesh.readers.subprocess_reader import ANSWER, ARRAYS, TASK, packed
 
 
 def main(folder: Path) -> None:

@@ -15,7 +15,7 @@ from jousto.base.numbers import set_fields
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.assembly import Assembly, unpacked
 from jousto.mechanism.beams.body import BeamBody
-from jousto.mechanism.beams.pieces import BeamNode
+from jousto.mechanism.beams.discretisation import BeamNode
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.bodies.marker import world_positions
 from jousto.mechanism.event import Event

@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, count, suggest
 from jousto.base.files import written
 from jousto.base.hdf5 import Group, check_dataset
 from jousto.measurement.monitor.health import STATES
-from jousto.measurement.monitor.record import ENDED, open_record
+from jousto.measurement.monitor.record_writer import ENDED, open_record
 
 # columns of each table: values of a row (None: any number, 0 a single one) and kind of numbers
 TABLES: dict[str, dict[str, tuple[str | int | None, str]]] = {

@@ -15,8 +15,8 @@ from jousto.base.arrays import Ints
 from jousto.base.errors import InputError, Problem, count
 from jousto.mesh.cells import KINDS, SOLIDS, Cells, base, mirrored
 from jousto.mesh.quality import volumes
-from jousto.mesh.readers.apart import apart
 from jousto.mesh.readers.raw import Members, RawCells, RawMesh
+from jousto.mesh.readers.subprocess_reader import apart
 
 # whole-number arrays with up to this many values become sets
 _VALUES = 64

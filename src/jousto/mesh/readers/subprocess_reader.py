@@ -51,7 +51,7 @@ def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
         task = {"function": function, "arguments": {"path": str(path.absolute()), **arguments}}
         (folder / TASK).write_text(json.dumps(task), encoding="utf-8")
         # -P: modules that lie in the working folder are not imported
-        command = [sys.executable, "-P", "-m", "jousto.mesh.readers.worker", name]
+        command = [sys.executable, "-P", "-m", "jousto.mesh.readers.subprocess_worker", name]
         paths = os.pathsep.join(entry for entry in sys.path if entry)
         with open(folder / "told", "w+b") as told:
             code = subprocess.run(
