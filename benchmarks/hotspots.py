@@ -17,7 +17,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from jousto.recovery.fields.build import field_from
-from jousto.recovery.hotspots.spots import hot_spots
+from jousto.recovery.hotspots.hot_spots import hot_spots
 from jousto.reduction.fields.stress import StressModes
 
 MODES = 20

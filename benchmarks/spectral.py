@@ -14,7 +14,7 @@ import numpy as np
 import jousto as jo
 from jousto.fatigue.cycles.rainflow import turning_points
 from jousto.fatigue.random.spectral import METHODS, damage_of_moments, spectral_moments
-from jousto.model.native.meter import count_cycles
+from jousto.model.native.damage_meter import count_cycles
 
 SLOPES = (3, 5, 7, 10)
 SAMPLES = 12

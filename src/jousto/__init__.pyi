@@ -121,7 +121,7 @@ from .parts.frames.members import Member as Member
 from .parts.interface import Interface as Interface
 from .parts.part import Part as Part
 from .recovery.fields.build import stress_field as stress_field
-from .recovery.hotspots.spots import hot_spots as hot_spots
+from .recovery.hotspots.hot_spots import hot_spots as hot_spots
 from .reduction.damping import Rayleigh as Rayleigh
 from .reduction.methods import CraigBampton as CraigBampton, FreeFree as FreeFree
 from .reduction.reduced import ReducedPart as ReducedPart

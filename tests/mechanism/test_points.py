@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import jousto as jo
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.reduction.points import followed
+from jousto.reduction.interpolated_points import followed
 from parts.grids import grid
 
 Array = NDArray[np.float64]

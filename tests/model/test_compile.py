@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.model.elimination_order import eliminate
 from jousto.model.native import library
-from jousto.model.ordering import eliminate
 from jousto.simulation.results.columns import columns
 
 

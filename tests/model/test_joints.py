@@ -142,7 +142,7 @@ def test_joint_forces_follow_from_the_virtual_work_of_the_rows(name, flexible):
 def _free(model: jo.Model) -> jo.Model:
     from dataclasses import replace
 
-    from jousto.model.ordering import eliminate
+    from jousto.model.elimination_order import eliminate
 
     return replace(model, joints=(), elimination=eliminate([], []))
 

@@ -9,8 +9,8 @@ import jousto as jo
 from jousto.base.arrays import skew
 from jousto.base.rotations import rotation_matrix
 from jousto.model.compile import axial, half_inertia_rate
+from jousto.model.elimination_order import eliminate
 from jousto.model.model import BodyModel, Model
-from jousto.model.ordering import eliminate
 
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import jousto as jo
-from jousto.model.native.meter import count_cycles
+from jousto.model.native.damage_meter import count_cycles
 
 ASTM = np.array([-2.0, 1, -3, 5, -1, 3, -4, 4, -2])  # ASTM E1049-85(2017), figure 6
 # few values make ties and plateaus, many make long residues; none are closer than the rounding of

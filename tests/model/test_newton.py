@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.model import newton
+from jousto.model import newton_pattern
 from jousto.model.model import ForceModel
 from jousto.model.native.native import Engine, displaced
-from jousto.model.newton import newton_pattern
+from jousto.model.newton_pattern import newton_pattern
 from model import (
     test_forces,
     test_friction,
@@ -267,9 +267,9 @@ def test_compile_does_not_order_newtons_matrix() -> None:
     joint = jo.Spherical("pivot", jo.ground["origin"], body["origin"])
     model = jo.compile(jo.Mechanism(body, joint))
     jo.doctor(model).lines()
-    assert model not in newton._KNOWN
+    assert model not in newton_pattern._KNOWN
     jo.simulate(model, 1e-2, solver=jo.GeneralizedAlpha(1e-2))
-    assert model in newton._KNOWN
+    assert model in newton_pattern._KNOWN
 
 
 def test_an_engine_without_newtons_matrix_refuses_what_needs_it() -> None:

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import jousto as jo
-from jousto.model import ordering
-from jousto.model.ordering import eliminate
+from jousto.model import elimination_order
+from jousto.model.elimination_order import eliminate
 
 
 def factor_pattern(count, cliques):
@@ -83,7 +83,7 @@ def test_a_chain_is_eliminated_from_both_ends() -> None:
 
 
 def test_a_long_chain_is_eliminated_from_the_ground_to_its_free_end() -> None:
-    count = ordering.LONG + 2
+    count = elimination_order.LONG + 2
     bodies = [(k, k + 1) for k in range(count - 1)]
     for free in (count - 1, 0):
         assert eliminate([5] * count, [*bodies, (free,)]).order[-1] == free
@@ -107,10 +107,12 @@ def test_too_many_loops_are_refused():
     n = 12
     grid = [(i * n + j, i * n + j + 1) for i in range(n) for j in range(n - 1)]
     grid += [(i * n + j, i * n + j + n) for i in range(n - 1) for j in range(n)]
-    with pytest.raises(ordering.TooDense) as found:
-        ordering.eliminate([3] * n * n, grid, most=200)
+    with pytest.raises(elimination_order.TooDense) as found:
+        elimination_order.eliminate([3] * n * n, grid, most=200)
     assert found.value.clique == ()
-    assert ordering.eliminate([3] * 150, [(i, i + 1) for i in range(149)], most=200).fill == 0
+    assert (
+        elimination_order.eliminate([3] * 150, [(i, i + 1) for i in range(149)], most=200).fill == 0
+    )
 
 
 def net(side: int) -> tuple[int, list[list[int]]]:
@@ -132,10 +134,10 @@ def test_ordering_a_net_takes_no_more_work_than_its_factor(monkeypatch) -> None:
     The bound in their place leaves some 5 % more blocks; 10 % are allowed.
     """
     count, cliques = net(24)
-    assert count > ordering.LONG
+    assert count > elimination_order.LONG
     profile = cProfile.Profile()
     found = profile.runcall(eliminate, [3] * count, cliques)
     calls = sum(each[1] for each in pstats.Stats(profile).stats.values())
     assert calls < 3 * sum(len(column) for column in found.updates)
-    monkeypatch.setattr(ordering, "LONG", count)
+    monkeypatch.setattr(elimination_order, "LONG", count)
     assert found.count < 1.1 * eliminate([3] * count, cliques).count

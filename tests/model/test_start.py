@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.model import start as start_module
+from jousto.model import initial_conditions as start_module
 
 STEEL = jo.Material(210e9, 0.3, 7850.0)
 SPEED = 30.0  # rad/s
@@ -135,7 +135,7 @@ def test_free_bodies_and_given_rates_stay() -> None:
 
 
 def test_a_mechanism_that_is_too_large_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = sys.modules["jousto.model.start"]
+    module = sys.modules["jousto.model.initial_conditions"]
     monkeypatch.setattr(module, "MOST", 5)
     with pytest.warns(
         jo.JoustoWarning, match="rows are more than 5.*jo.simulation.vibration_free_state.model"

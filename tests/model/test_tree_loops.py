@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import jousto as jo
-from jousto.model.loop import loops_of
+from jousto.model.loop_joints import loops_of
 from jousto.model.native.native import Engine
 from model.test_tree import assert_rewinds, compared, joint, marker, moved, tree
 

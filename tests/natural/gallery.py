@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.natural.compared import Compared
+from jousto.natural.comparison import Compared
 from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
 from natural.terms import TERMS

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import jousto as jo
-from jousto.natural.instants import Instants, at_states
+from jousto.natural.sensors_at_state import Instants, at_states
 from jousto.reduction.methods import Reduction
 from verification.mechanisms import SECTION, SOFT
 

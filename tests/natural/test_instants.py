@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.natural.instants import at_states
-from jousto.natural.measured import largest_of, measured, typical_sizes
+from jousto.natural.added_sensors import largest_of, measured, typical_sizes
+from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verify import by_engine
 from natural.machines import differences, everything, read, rod, rssr
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from jousto.natural.equations.linear import Layout, Slopes, Term
+from jousto.natural.equations.block_matrix import Layout, Slopes, Term
 
 NB, W, NS = 5, 15, 12
 MODES = np.array([3, 0, 2, 0, 1])
@@ -27,7 +27,7 @@ def test_solvers_against_full_matrices(large: bool, monkeypatch: pytest.MonkeyPa
     1e-9: the matrices have condition numbers below 1e4.
     """
     if large:
-        monkeypatch.setattr("jousto.natural.equations.linear.LARGE", 1)
+        monkeypatch.setattr("jousto.natural.equations.block_matrix.LARGE", 1)
     rng = np.random.default_rng(3)
     ends = rng.integers(0, NB + 1, (NS, 2))
     ends[0], ends[1] = (2, 2), (NB, 1)

@@ -195,7 +195,7 @@ def test_the_start_is_closed_and_fits_drives() -> None:
 def test_large_machines_take_sparse_matrices(monkeypatch: pytest.MonkeyPatch) -> None:
     machine = with_loads(iftomm.four_bars(2))
     dense = moving_frame(machine, 0.02, step=2e-3)
-    monkeypatch.setattr("jousto.natural.equations.linear.LARGE", 1)
+    monkeypatch.setattr("jousto.natural.equations.block_matrix.LARGE", 1)
     sparse = moving_frame(machine, 0.02, step=2e-3)
     for name in dense:
         size = np.abs(dense[name]).max()

@@ -14,7 +14,7 @@ import pytest
 
 import jousto as jo
 from jousto.base.arrays import Array
-from jousto.natural.equations import frames, friction, laws, scalars
+from jousto.natural.equations import coordinates, force_laws, frames, friction
 from jousto.natural.equations.bodies import FRAME, Bodies
 from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
@@ -48,7 +48,7 @@ def no_coriolis(patch: Patch) -> None:
         mixed = np.where(sliding, 0.0, 2.0 * np.sum(dP * dQ, axis=1))
         return np.asarray(np.sum(ddP * Q + P * ddQ, axis=1) + mixed)
 
-    patch.setattr(scalars.Products, "second", second)
+    patch.setattr(coordinates.Products, "second", second)
 
 
 def round_bodies(patch: Patch) -> None:
@@ -90,7 +90,7 @@ def lost_modes(patch: Patch) -> None:
 
 def no_moment(patch: Patch) -> None:
     """A bushing acts on the first body at its marker, without the moment of the distance."""
-    whole = laws.relative
+    whole = force_laws.relative
 
     def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
         x, ga, gb = whole(a, b)
@@ -98,7 +98,7 @@ def no_moment(patch: Patch) -> None:
             ga[k, 1 + k] = 0.0
         return x, ga, gb
 
-    patch.setattr(laws, "relative", relative)
+    patch.setattr(force_laws, "relative", relative)
 
 
 def pushing(patch: Patch) -> None:
@@ -115,7 +115,7 @@ def pushing(patch: Patch) -> None:
 
         return apply
 
-    patch.setattr("jousto.natural.equations.machine.rubbing", rubbing)
+    patch.setattr("jousto.natural.equations.system.rubbing", rubbing)
 
 
 @dataclass(frozen=True)

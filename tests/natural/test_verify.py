@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.natural.compared import Compared
+from jousto.natural.comparison import Compared
 from jousto.natural.verify import verify
 from natural.machines import SECTION, rod
 from verification.iftomm import bricard

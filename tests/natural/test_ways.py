@@ -11,9 +11,9 @@ import pytest
 
 import jousto as jo
 from jousto.base.rotations import rotation_matrix
-from jousto.natural import ways
-from jousto.natural.compared import Way
-from jousto.natural.exchange import exchanged, held
+from jousto.natural import engine_variants
+from jousto.natural.comparison import Way
+from jousto.natural.rebuilt_mechanism import exchanged, held
 from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
 from jousto.reduction import NodeFrame, in_frame
@@ -77,7 +77,7 @@ def off(found: Verification, way: str, reading: str) -> float:
 def test_a_method_with_a_fault_shows(monkeypatch: Patch) -> None:
     """A Newmark method with too much weight on the new velocity is of order 1."""
     bad = jo.simulation.Newmark(beta=0.6, gamma=1.0)
-    monkeypatch.setattr(ways, "another", lambda solver, model: bad)
+    monkeypatch.setattr(engine_variants, "another", lambda solver, model: bad)
     way = ways_of(compare(pushed()))["Newmark"]
     assert way.apart
     assert way.worst is not None
@@ -91,7 +91,7 @@ def test_a_frame_with_a_fault_shows(monkeypatch: Patch, sound: Verification) -> 
         part = in_frame(reduced, frame)
         return replace(part, frequencies=1.02 * part.frequencies)
 
-    monkeypatch.setattr(ways, "in_frame", wrong)
+    monkeypatch.setattr(engine_variants, "in_frame", wrong)
     broken = compare(pushed())
     assert off(broken, "another frame", "stress") > 10 * off(sound, "another frame", "stress")
 
@@ -151,7 +151,7 @@ def test_two_methods_judge_what_the_moving_frame_does_not_know(monkeypatch: Patc
     assert "does not know 1 thing of the machine; two methods of the engine agree" in found.verdict
     assert "not known" in str(found)
     monkeypatch.setattr(
-        ways, "another", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
+        engine_variants, "another", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
     )
     broken = compare(stop())
     assert not broken.agrees

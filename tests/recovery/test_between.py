@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import jousto as jo
 from jousto.recovery.fields.build import field_from
-from jousto.recovery.hotspots.between import PARTS, cubics
+from jousto.recovery.hotspots.interval_bounds import PARTS, cubics
 from jousto.reduction.fields.stress import StressModes
 
 Array = NDArray[np.float64]

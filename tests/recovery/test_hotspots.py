@@ -16,9 +16,9 @@ from jousto.base.errors import InputError, JoustoError
 from jousto.recovery.fields.build import field_from
 from jousto.recovery.fields.criteria import Plane, evaluate
 from jousto.recovery.fields.field import StressField
+from jousto.recovery.hotspots.hot_spots import hot_spots
 from jousto.recovery.hotspots.measures import EXTREMES, measure
 from jousto.recovery.hotspots.search import search
-from jousto.recovery.hotspots.spots import hot_spots
 from jousto.recovery.hotspots.windows import cut, spectral
 from jousto.reduction.fields.stress import StressModes
 

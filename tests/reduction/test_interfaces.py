@@ -16,7 +16,7 @@ from jousto.parts.interface import Interface
 from jousto.parts.part import Part
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.modes import eigen
-from jousto.reduction.modes.held import rigid_left
+from jousto.reduction.modes.fixed_interface_response import rigid_left
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
 from jousto.sections.section import Tube

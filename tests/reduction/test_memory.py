@@ -77,9 +77,9 @@ def test_too_large_for_the_machine(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_pardiso_counts_before_it_factorises(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pypardiso")
-    from jousto.reduction.files import run
+    from jousto.reduction import stages
 
-    monkeypatch.setattr(run, "machine_memory", lambda: 100.0)
+    monkeypatch.setattr(stages, "machine_memory", lambda: 100.0)
     with pytest.raises(InputError, match="pardiso could not factorise.*it needs .* GiB"):
         reduce(block((6, 2, 2)), METHOD, solver="pardiso")
 

@@ -7,7 +7,13 @@ import pytest
 
 from jousto.materials.material import Material
 from jousto.parts.part import Part
-from jousto.reduction.fields.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
+from jousto.reduction.fields.solid_surface_strain import (
+    LeavesSurface,
+    Skin,
+    grid_strain,
+    point_strain,
+    tangent,
+)
 from parts.grids import ALL, grid
 
 STEEL = Material(E=210e9, nu=0.3, rho=7850.0)

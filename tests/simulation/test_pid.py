@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 import jousto as jo
 from jousto.cli.group import app
 from jousto.model.native.native import Engine
-from jousto.natural.exchange import moved
+from jousto.natural.rebuilt_mechanism import moved
 from jousto.simulation import DormandPrince, Newmark
 from jousto.simulation.controllers import tracking_warning
 

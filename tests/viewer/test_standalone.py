@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.recovery.hotspots import spots
+from jousto.recovery.hotspots import hot_spots
 from jousto.viewer.extremes import stress_fields
 from jousto.viewer.frames import Frames
 from jousto.viewer.standalone import contents, page
@@ -94,21 +94,21 @@ def test_only_bodies_that_may_have_a_worst_place_are_searched(
     places lie on its first links, however many follow. Stress across the links is 0 everywhere.
     """
     searched: list[int] = []
-    whole = spots.search
+    whole = hot_spots.search
 
     def counted(modes: np.ndarray, *given: Any, **named: Any) -> Any:
         searched.append(len(modes))
         return whole(modes, *given, **named)
 
-    monkeypatch.setattr(spots, "search", counted)
+    monkeypatch.setattr(hot_spots, "search", counted)
     work = {}
     for n in (4, 8):
         fields = stress_fields(scenes_of([chain(n, tmp_path / f"{n}.h5")])[0])
         for criterion in ("von-mises", "principal-1", "principal-3", "s11", "s13"):
             searched.clear()
-            found = spots.worst_places(fields, count=10, criterion=criterion, separation=0.04)
+            found = hot_spots.worst_places(fields, count=10, criterion=criterion, separation=0.04)
             work[n, criterion] = len(searched)
-            full = spots.hot_spots(fields, criterion=criterion, separation=0.04)
+            full = hot_spots.hot_spots(fields, criterion=criterion, separation=0.04)
             told = [(x.body, x.site, x.time, x.value) for x in full.spots]
             assert [(x.body, x.site, x.time, x.value) for x in found] == told
             assert work[n, criterion] == work[4, criterion] < 4

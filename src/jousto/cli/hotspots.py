@@ -25,7 +25,7 @@ from jousto.cli.terminal import columns, say
 
 if TYPE_CHECKING:
     from jousto.recovery.fields.criteria import Plane
-    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.recovery.hotspots.hot_spots import HotSpots
     from jousto.simulation.results.solution import Solution
 
 REMARK = "at stored instants, of these modes, step and mesh; jousto hotspots gives the error budget"
@@ -87,7 +87,7 @@ def hotspots(
     """
     from jousto.recovery.budget import error_budget
     from jousto.recovery.fields.build import stress_field
-    from jousto.recovery.hotspots.spots import hot_spots
+    from jousto.recovery.hotspots.hot_spots import hot_spots
     from jousto.simulation.results.solution import load
 
     apart = amount(separation, "m", "--separation")
@@ -212,7 +212,7 @@ def worst_places(
     run: Solution, start: float | None = None, end: float | None = None
 ) -> list[HotSpots]:
     """Return the place of the largest von Mises stress of each body that has stress data."""
-    from jousto.recovery.hotspots.spots import hot_spots
+    from jousto.recovery.hotspots.hot_spots import hot_spots
 
     return [hot_spots(run, bodies=name, count=1, start=start, end=end) for name in run.stressed]
 

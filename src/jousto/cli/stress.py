@@ -111,7 +111,7 @@ def errors(field: StressField, criterion: Criterion, *, residual: bool = False) 
     """Return what the stress of the worst place may be wrong by."""
     from jousto.recovery.budget import error_budget, told
     from jousto.recovery.fields.criteria import weights
-    from jousto.recovery.hotspots.spots import hot_spots
+    from jousto.recovery.hotspots.hot_spots import hot_spots
 
     if field.frame == "world" and weights(criterion) is not None:
         return [f"errors: {REMARK}"]  # components that turn with the body are not searched

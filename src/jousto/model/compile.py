@@ -20,25 +20,25 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.checks import coordinates_of, used_joints
 from jousto.mechanism.joints.base import align_frames
 from jousto.mechanism.mechanism import Mechanism
+from jousto.model.elimination_order import MOST, Elimination, TooDense
 from jousto.model.frame_record import frame_shape
 from jousto.model.hubs import joints_on, order_joints
+from jousto.model.initial_conditions import quiet_velocities, started
 from jousto.model.model import BodyModel, Model, Shape
-from jousto.model.moved import warn_moved
+from jousto.model.moved_bodies import warn_moved
 from jousto.model.native.native import Engine, SingularJoints
-from jousto.model.ordering import MOST, Elimination, TooDense
 from jousto.model.packing.bodies import beam_models, beam_shapes, warn_beams, warn_bodies
 from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
 from jousto.model.packing.foreign import fmu_models
-from jousto.model.packing.measure import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
+from jousto.model.packing.sensors import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
 from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
-from jousto.model.start import quiet_velocities, started
-from jousto.model.stepped import with_start
+from jousto.model.start_complex_step import with_start
 from jousto.model.symbols import Symbols
 from jousto.model.tree import with_core
-from jousto.reduction.located import located
+from jousto.reduction.stress_sites import located
 
 if TYPE_CHECKING:
     from jousto.reduction.fields.stress import StressModes

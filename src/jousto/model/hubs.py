@@ -12,8 +12,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
+from jousto.model.elimination_order import Elimination, eliminate
 from jousto.model.model import BodyModel, JointModel, MarkerModel
-from jousto.model.ordering import Elimination, eliminate
 
 MANY = 24
 """Joints on a body above which it is a hub; of fewer the dense block is as quick."""

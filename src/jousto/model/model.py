@@ -16,8 +16,8 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.sensors.damage_rule import MeterRule
 from jousto.model.beam_record import BeamShape
+from jousto.model.elimination_order import Elimination
 from jousto.model.frame_record import FrameShape
-from jousto.model.ordering import Elimination
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 

@@ -13,9 +13,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.mechanism.items_by_kind import CORES, word_problem
-from jousto.model.carried import bearers, carried_bodies, is_link, with_ports
-from jousto.model.loop import cut_joints, drawback, spanning
+from jousto.model.loop_joints import cut_joints, drawback, spanning
 from jousto.model.model import JointModel, LinkModel, Model
+from jousto.model.subtrees import bearers, carried_bodies, is_link, with_ports
 
 PORTS = 4
 """Fewest bodies that joint coordinates carry beside flexible ones for "auto" to take them.
@@ -223,7 +223,7 @@ class _Tree:
         """Return the joints that become links; note the drives of coordinates.
 
         Where joints close a loop those with the fewest rows are left out, and with all that is no
-        link their rows stay, see loop.py.
+        link their rows stay, see loop_joints.py.
         """
         joints = self.model.joints
         known: list[int] = []

@@ -10,11 +10,11 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.numbers import number
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.machine import Machine
+from jousto.natural.equations.initial_state import angles, declared, given
 from jousto.natural.equations.sensors import Reader
-from jousto.natural.equations.start import angles, declared, given
-from jousto.natural.equations.step import PENALTY, TOLERANCE, Motion, Stepper
-from jousto.natural.run import NaturalRun
+from jousto.natural.equations.system import Machine
+from jousto.natural.equations.trapezoidal_step import PENALTY, TOLERANCE, Motion, Stepper
+from jousto.natural.result import NaturalRun
 from jousto.simulation.results.diagnostics import Energy
 from jousto.simulation.state import State
 

@@ -9,7 +9,7 @@ import numpy as np
 from jousto.base.arrays import some
 from jousto.base.errors import count
 from jousto.base.object_repr import described
-from jousto.natural.compared import Compared, Way
+from jousto.natural.comparison import Compared, Way
 from jousto.simulation.results.diagnostics import FAIR
 
 IDLE = "give it loads, drives or velocities, or what they do is not compared"

@@ -20,16 +20,16 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
-from jousto.model.packing.measure import NOT_UNIQUE
-from jousto.natural.compared import Compared, Way, sizes
-from jousto.natural.equations.known import check_known, is_read
-from jousto.natural.exchange import held
-from jousto.natural.instants import at_states
-from jousto.natural.measured import largest_of, measured, typical_sizes
+from jousto.model.packing.sensors import NOT_UNIQUE
+from jousto.natural.added_sensors import largest_of, measured, typical_sizes
+from jousto.natural.comparison import Compared, Way, sizes
+from jousto.natural.engine_variants import FOLLOWING, SHAKY, Course, by_other_method, others
+from jousto.natural.equations.supported import check_known, is_read
 from jousto.natural.moving_frame import moving_frame
-from jousto.natural.run import NaturalRun
+from jousto.natural.rebuilt_mechanism import held
+from jousto.natural.result import NaturalRun
+from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verification import Verification
-from jousto.natural.ways import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.beginning import beginning

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from jousto.recovery.fields.criteria import Criterion
     from jousto.recovery.fields.field import StressField
     from jousto.recovery.friction import FrictionStress
-    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.recovery.hotspots.hot_spots import HotSpots
     from jousto.simulation.modes.campbell import Campbell
     from jousto.simulation.modes.linear import MechanismModes
     from jousto.simulation.results.solution import Solution

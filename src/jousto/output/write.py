@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from jousto.natural.verification import Verification
     from jousto.recovery.fields.criteria import Criterion
     from jousto.recovery.fields.field import StressField
-    from jousto.recovery.hotspots.spots import HotSpots
+    from jousto.recovery.hotspots.hot_spots import HotSpots
     from jousto.reduction.certificate.certificate import Certificate
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.frames import Names

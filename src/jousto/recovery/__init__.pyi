@@ -9,5 +9,5 @@ from .friction import (
     friction_stress as friction_stress,
     without_friction as without_friction,
 )
-from .hotspots.found import HotSpot as HotSpot
-from .hotspots.spots import HotSpots as HotSpots
+from .hotspots.hot_spots import HotSpots as HotSpots
+from .hotspots.search_result import HotSpot as HotSpot

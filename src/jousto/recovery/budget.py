@@ -17,9 +17,9 @@ from jousto.parts.mesh_error import place_errors
 from jousto.parts.solids.stress import SolidStress
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.found import HotSpot
+from jousto.recovery.hotspots.hot_spots import HotSpots
 from jousto.recovery.hotspots.measures import RANKS
-from jousto.recovery.hotspots.spots import HotSpots
+from jousto.recovery.hotspots.search_result import HotSpot
 from jousto.simulation.results.solution import Solution
 
 if TYPE_CHECKING:

@@ -20,8 +20,9 @@ from jousto.base.errors import InputError, NotAnalytic, Problem, Problems, warn
 from jousto.base.progress import has_viewer
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.part import Part
-from jousto.parts.solids.scatter import place_scatter
 from jousto.parts.solids.stress import SolidStress
+from jousto.parts.solids.stress_jumps import place_scatter
+from jousto.reduction.complex_step import stepped_modes
 from jousto.reduction.fields.invariants import (
     Invariants,
     invariants_from_matrix,
@@ -30,7 +31,7 @@ from jousto.reduction.fields.invariants import (
 from jousto.reduction.fields.residual_stress import read_loads, residual_stress as rest
 from jousto.reduction.fields.stiffening import stiffening as second_order_field
 from jousto.reduction.fields.stress import StressModes
-from jousto.reduction.files import recalled
+from jousto.reduction.files import memory_cache
 from jousto.reduction.files.cache import (
     AUTOMATIC,
     Entry,
@@ -39,7 +40,6 @@ from jousto.reduction.files.cache import (
     choose as choose_cache,
     key as content_key,
 )
-from jousto.reduction.files.run import Report, Run, reporter
 from jousto.reduction.frames.clamp import in_frame, seen_from
 from jousto.reduction.frames.frame import AsGiven
 from jousto.reduction.methods import CraigBampton, FreeFree, Method, ShapeFunctions
@@ -57,7 +57,7 @@ from jousto.reduction.modes.ties import interface_names
 from jousto.reduction.reduced import ReducedPart, package_versions
 from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import check_memory, memory_estimate
-from jousto.reduction.stepped import stepped_modes
+from jousto.reduction.stages import Report, Run, reporter
 
 ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
@@ -155,7 +155,7 @@ def reduce(
     def make() -> ReducedPart:
         return _kept(part, method, options, loads, choose_cache(cache, part.K.shape[0]), progress)
 
-    memory = recalled.current()
+    memory = memory_cache.current()
     return make() if memory is None else memory.get((part, method, *options), make)
 
 

@@ -19,7 +19,7 @@ from jousto.mechanism.joints.hinges import Cylindrical, Revolute, Screw, Univers
 from jousto.mechanism.joints.points import Spherical
 from jousto.mechanism.joints.slides import Fixed, Planar, Prismatic
 from jousto.mechanism.mechanism import Mechanism
-from jousto.model.loop import spanning
+from jousto.model.loop_joints import spanning
 from jousto.robots.closure import Closure, Measured, Place, Sum
 from jousto.robots.description import Frame, Robot, RobotJoint
 

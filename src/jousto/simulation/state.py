@@ -12,7 +12,7 @@ from jousto.base.arrays import Array
 from jousto.base.complexstep import floats
 from jousto.base.errors import Problems
 from jousto.model.model import Model
-from jousto.model.native.meter import meter_size
+from jousto.model.native.damage_meter import meter_size
 from jousto.model.native.native import Engine
 
 

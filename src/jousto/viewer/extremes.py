@@ -16,8 +16,8 @@ from jousto.base.ranking import ranking
 from jousto.recovery.fields.build import field_from, stress_field
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.found import HotSpot
-from jousto.recovery.hotspots.spots import worst_places
+from jousto.recovery.hotspots.hot_spots import worst_places
+from jousto.recovery.hotspots.search_result import HotSpot
 from jousto.viewer.measures import CRITERIA
 from jousto.viewer.points import Point, rows_of
 

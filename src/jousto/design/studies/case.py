@@ -14,7 +14,7 @@ from jousto.base.object_repr import described
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model
-from jousto.model.stepped import has_steps
+from jousto.model.start_complex_step import has_steps
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.again import Repeated
 from jousto.simulation.running.beginning import beginning

@@ -11,7 +11,7 @@ from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
-from jousto.model.native.meter import count_cycles
+from jousto.model.native.damage_meter import count_cycles
 
 RESIDUES = ("half", "repeat", "ignore")
 """What happens to the cycles that the end of a history leaves open."""

@@ -34,7 +34,7 @@ from jousto.materials.strength.sn import SN
 from jousto.recovery.fields.criteria import Criterion, Plane, check_criterion
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.bounds import prepare
-from jousto.recovery.hotspots.every import largest
+from jousto.recovery.hotspots.exhaustive_beams import largest
 from jousto.recovery.hotspots.measures import measure
 
 CRITICAL_PLANE = "critical-plane"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.object_repr import described
-from jousto.model.native.meter import DamageMeter
+from jousto.model.native.damage_meter import DamageMeter
 
 PAUSE = 10.0  # usual steps of time from which on a gap is no watched time
 

@@ -186,7 +186,7 @@ def prior_of(run: Solution, body: str) -> Array:
 def found_spots(run: Solution, settings: MonitorSettings, count: int) -> tuple[str, ...]:
     """Return the hot spots of a run, the worst first."""
     from jousto.recovery.fields.build import stress_field
-    from jousto.recovery.hotspots.spots import hot_spots
+    from jousto.recovery.hotspots.hot_spots import hot_spots
 
     body = settings.gauges[0].body
     reduced = body.reduced if isinstance(body, FlexibleBody) else body

@@ -481,7 +481,7 @@ class FlexibleBody(Posed, tag="flexible"):
         >>> rod.at((0.3, 0, 0))
         <Marker 'rod.at(0.3, 0, 0)'>
         """
-        from jousto.reduction.points import followed
+        from jousto.reduction.interpolated_points import followed
 
         made = marker_at(self, position, axes, name)
         try:

@@ -15,7 +15,7 @@ from jousto.base.fields import Field
 from jousto.base.rotations import exp_rotation, parse_orientation, rotation_matrix
 
 if TYPE_CHECKING:
-    from jousto.reduction.points import Followed as Followed
+    from jousto.reduction.interpolated_points import Followed as Followed
     from jousto.reduction.reduced import ReducedPart
 
 

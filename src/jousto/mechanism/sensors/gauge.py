@@ -20,7 +20,7 @@ from jousto.mechanism.sensors.temperature import Temperature
 from jousto.mechanism.signals.base import Signal
 
 if TYPE_CHECKING:
-    from jousto.reduction.fields.fibre import Element, Fibre
+    from jousto.reduction.fields.beam_surface_strain import Element, Fibre
     from jousto.reduction.fields.stress import StressModes
     from jousto.reduction.reduced import ReducedPart
 
@@ -283,12 +283,12 @@ def outward(g: Gauge, given: Array | None = None) -> Array:
         The normal on a beam, if it is not away from the middle of its section.
     """
     if g.reduced.faces:
-        from jousto.reduction.fields.skin import Skin
+        from jousto.reduction.fields.solid_surface_strain import Skin
 
         feet = Skin(g.reduced.nodes, g.reduced.faces).feet(g.position)
         n = np.mean([foot.normal for foot in feet], axis=0)
         return np.asarray(n / np.linalg.norm(n))
-    from jousto.reduction.fields.fibre import elements, nearest_fibre
+    from jousto.reduction.fields.beam_surface_strain import elements, nearest_fibre
 
     where = f"gauge {g.name!r}"
     stress = known_stress(where, g.reduced)
@@ -336,7 +336,13 @@ def _across(e: Array, across: Array | float, K: float) -> Array:
 
 
 def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-    from jousto.reduction.fields.skin import LeavesSurface, Skin, grid_strain, point_strain, tangent
+    from jousto.reduction.fields.solid_surface_strain import (
+        LeavesSurface,
+        Skin,
+        grid_strain,
+        point_strain,
+        tangent,
+    )
 
     x = g.at
     if isinstance(x, str):
@@ -400,7 +406,7 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
 
 
 def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-    from jousto.reduction.fields.fibre import elements, nearest_fibre
+    from jousto.reduction.fields.beam_surface_strain import elements, nearest_fibre
 
     stress = known_stress(where, reduced)
     beams = elements(stress)
@@ -486,7 +492,7 @@ def _along(
 
     The shares add up to less than one if a piece of the length is on no beam.
     """
-    from jousto.reduction.fields.fibre import nearest_fibre
+    from jousto.reduction.fields.beam_surface_strain import nearest_fibre
 
     if length == 0.0:
         return [(1.0, fibre.sites())]

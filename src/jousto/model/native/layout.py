@@ -11,12 +11,12 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.model.loop import loops_of
+from jousto.model.loop_joints import loops_of
 from jousto.model.model import Model
 from jousto.model.native.callback import callback
+from jousto.model.native.damage_meter import meter_size, native_rule
 from jousto.model.native.header import columns, kinds, packed
-from jousto.model.native.meter import meter_size, native_rule
-from jousto.model.newton import NewtonPattern, newton_pattern
+from jousto.model.newton_pattern import NewtonPattern, newton_pattern
 
 Records: TypeAlias = NDArray[Any]  # structs as NumPy sees their memory
 

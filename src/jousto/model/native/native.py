@@ -16,11 +16,11 @@ from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.base.object_repr import described
 from jousto.model.model import Model
 from jousto.model.native import library
+from jousto.model.native.damage_meter import meter_size
 from jousto.model.native.failures import AT_BODY, failure
 from jousto.model.native.header import kind, kinds, named, places
 from jousto.model.native.layout import Layout
-from jousto.model.native.meter import meter_size
-from jousto.model.newton import newton_entries, newton_pattern
+from jousto.model.newton_pattern import newton_entries, newton_pattern
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
 

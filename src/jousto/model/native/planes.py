@@ -12,8 +12,8 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.mechanism.sensors.damage_rule import meter_rule
 from jousto.model.native import library
+from jousto.model.native.damage_meter import native_rule
 from jousto.model.native.header import kinds
-from jousto.model.native.meter import native_rule
 
 FINEST, COARSEST, POINTS = 1e-7, 1.0, 65_536
 """Strains that the table of a strain-life curve covers, and its points: 2.5e-4 apart in logarithm,

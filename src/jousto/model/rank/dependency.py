@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.rotations import rotation_matrix
+from jousto.model.elimination_order import eliminate
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine
-from jousto.model.ordering import eliminate
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.base.rotations import rotation_matrix
 from jousto.model.hubs import order_joints
-from jousto.model.loop import cut_joints, is_moving
+from jousto.model.loop_joints import cut_joints, is_moving
 from jousto.model.model import JointModel, Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows

@@ -10,9 +10,9 @@ from jousto.base.arrays import Array, crossed
 from jousto.mechanism.forces.friction import Friction, Regularised
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle
-from jousto.natural.equations.laws import Action, Instant, Law
-from jousto.natural.equations.rows import Rows
-from jousto.natural.equations.scalars import Scalars
+from jousto.natural.equations.constraints import Rows
+from jousto.natural.equations.coordinates import Scalars
+from jousto.natural.equations.force_laws import Action, Instant, Law
 
 NEARBY = 1e-6  # share of the square of a speed over which a slope is taken
 

@@ -14,8 +14,8 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.sensors.base import Reading, Sensor
 from jousto.natural.equations.friction import reaction
-from jousto.natural.equations.machine import Machine
-from jousto.natural.equations.step import Motion
+from jousto.natural.equations.system import Machine
+from jousto.natural.equations.trapezoidal_step import Motion
 
 
 class Reader:

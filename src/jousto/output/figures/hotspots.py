@@ -20,7 +20,7 @@ from jousto.output.scenes.stage import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target
-from jousto.recovery.hotspots.spots import HotSpots
+from jousto.recovery.hotspots.hot_spots import HotSpots
 from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution

@@ -20,7 +20,7 @@ from jousto.mesh.inspection import require
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.reference import KINDS, jacobians, table
 from jousto.mesh.sets import read_sets
-from jousto.parts.attached import attached_points
+from jousto.parts.added_masses import attached_points
 from jousto.parts.mass import MassPoints, PointMass, joined
 from jousto.parts.solids.model import SolidGroup, SolidModel, expanded
 from jousto.parts.solids.second_order import SolidSecondOrder

@@ -20,8 +20,8 @@ from jousto.recovery.fields.places import Sites, site_indices
 from jousto.recovery.instants import between, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.stress import StressModes
-from jousto.reduction.located import located
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.stress_sites import located
 from jousto.simulation.results.solution import Solution
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import write_table, written
-from jousto.recovery.hotspots.found import Found
-from jousto.recovery.hotspots.words import certificate_lines
+from jousto.recovery.hotspots.report import certificate_lines
+from jousto.recovery.hotspots.search_result import Found
 
 STRESS = ("s11", "s22", "s33", "s12", "s23", "s13")
 STRAIN = ("e11", "e22", "e33", "g12", "g23", "g13")

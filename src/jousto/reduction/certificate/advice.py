@@ -16,7 +16,6 @@ from jousto.base.object_repr import described
 from jousto.reduction.certificate.certificate import Table, number
 from jousto.reduction.certificate.certify import full_model
 from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.files.run import Report, Run, reporter
 from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.modes.families import (
     Family,
@@ -27,6 +26,7 @@ from jousto.reduction.modes.families import (
     spectrum,
 )
 from jousto.reduction.sparse import factor
+from jousto.reduction.stages import Report, Run, reporter
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

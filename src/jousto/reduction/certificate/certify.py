@@ -26,7 +26,6 @@ from jousto.reduction.certificate.certificate import (
 )
 from jousto.reduction.certificate.mesh_checks import mesh_checks, mesh_facts
 from jousto.reduction.certificate.part_checks import FullModel, fault_of
-from jousto.reduction.files.run import Report, Run, reporter
 from jousto.reduction.frames.clamp import by_mean_axes
 from jousto.reduction.modes import eigen, interface_modes
 from jousto.reduction.modes.partition import whole_part_basis
@@ -36,6 +35,7 @@ from jousto.reduction.modes.rigid import (
     mass_orthonormal_rigid_modes,
     mass_properties,
 )
+from jousto.reduction.stages import Report, Run, reporter
 
 if TYPE_CHECKING:
     from jousto.parts.interface import Tie

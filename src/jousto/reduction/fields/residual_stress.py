@@ -19,7 +19,7 @@ from jousto.reduction.modes.relief import response, unit_loads
 from jousto.reduction.modes.rigid import RigidBasis
 
 if TYPE_CHECKING:
-    from jousto.reduction.files.run import Run
+    from jousto.reduction.stages import Run
 
 
 AXES = "xyz"

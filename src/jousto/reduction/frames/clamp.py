@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.frames.frame import ChordFrame, Frame, MeanFrame, NodeFrame
-from jousto.reduction.frames.turned import Turn, turned_stiffening
+from jousto.reduction.frames.stiffening_transform import Turn, turned_stiffening
 from jousto.reduction.reduced import ReducedPart
 
 SHORT = 1e-9

@@ -10,8 +10,8 @@ import numpy as np
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.fields.stiffening import stiffening
 from jousto.reduction.frames.clamp import by_mean_axes
+from jousto.reduction.frames.stiffening_transform import Turn, turned_stiffening
 from jousto.reduction.frames.transfer import relative_motion
-from jousto.reduction.frames.turned import Turn, turned_stiffening
 from jousto.reduction.reduced import ReducedPart
 
 _MADE: WeakKeyDictionary[ReducedPart, ReducedPart] = WeakKeyDictionary()

@@ -12,10 +12,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.reduction.certificate.interface_loads import elastic_response
 from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.files.run import Run
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.modes import eigen
 from jousto.reduction.modes.interface_modes import Modes, modes_of
+from jousto.reduction.stages import Run
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

@@ -9,10 +9,14 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.reduction.files.run import Report, Run
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.modes import eigen
-from jousto.reduction.modes.held import Inside, cannot_hold, determinate, rigid_left
+from jousto.reduction.modes.fixed_interface_response import (
+    Inside,
+    cannot_hold,
+    determinate,
+    rigid_left,
+)
 from jousto.reduction.modes.residuals import residual_loads, residual_vectors
 from jousto.reduction.modes.rigid import length_scale
 from jousto.reduction.modes.ties import (
@@ -21,6 +25,7 @@ from jousto.reduction.modes.ties import (
     embedded,
     interface_names,
 )
+from jousto.reduction.stages import Report, Run
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

@@ -20,7 +20,7 @@ from jousto.base.files import unwritable
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
 from jousto.model.scales import scales_of
-from jousto.model.stepped import plain_model
+from jousto.model.start_complex_step import plain_model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results.columns import Column, columns

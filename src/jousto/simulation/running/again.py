@@ -16,7 +16,7 @@ from jousto.model.model import Model
 from jousto.model.native.ensemble import structure
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
-from jousto.model.stepped import has_steps, plain_model
+from jousto.model.start_complex_step import has_steps, plain_model
 from jousto.simulation.results.columns import columns
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jousto.base.errors import InputError, NotAnalytic, Problem
 from jousto.model.model import Model
-from jousto.model.stepped import has_steps
+from jousto.model.start_complex_step import has_steps
 from jousto.simulation.state import State
 
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, SimulationError
+from jousto.model.initial_conditions import MOST, modal_velocities
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import velocity_metres
-from jousto.model.start import MOST, modal_velocities
 from jousto.simulation.controllers import follow_filters, hold_controllers
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.state import State, put, take

@@ -22,7 +22,7 @@ from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.materials.strength.sn import SN
 from jousto.mechanism.sensors.loads import ReactionSensor
 from jousto.model.model import Model
-from jousto.model.stepped import has_steps
+from jousto.model.start_complex_step import has_steps
 from jousto.simulation.results.frames import component_units
 from jousto.simulation.results.memory import moved
 from jousto.simulation.results.solution import Solution
@@ -171,7 +171,7 @@ class Stress(Outcome):
     def value(self, case: Case) -> float:
         """Return it for one point."""
         from jousto.recovery.fields.build import stress_field
-        from jousto.recovery.hotspots.spots import hot_spots
+        from jousto.recovery.hotspots.hot_spots import hot_spots
 
         def spots(run: Solution) -> Any:
             return hot_spots(run, bodies=[self.body], count=1, criterion=self.criterion).spots

@@ -21,7 +21,7 @@ from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.finite_differences import WIDTH, between
 from jousto.design.studies.running.sources import Memory, Source
 from jousto.model.native.ensemble import machines
-from jousto.reduction.files.recalled import recalling
+from jousto.reduction.files.memory_cache import recalling
 
 MACHINES = 16
 """Machines that are kept, the one used last goes last."""

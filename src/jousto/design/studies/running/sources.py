@@ -14,7 +14,7 @@ from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.content_hash import key_of
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.model import Model
-from jousto.reduction.files.recalled import Recalled
+from jousto.reduction.files.memory_cache import Recalled
 from jousto.simulation.results.solution import Solution
 
 MADE = "a Mechanism, a Model or a Solution"

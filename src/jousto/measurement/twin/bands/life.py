@@ -16,7 +16,7 @@ from jousto.base.object_repr import described
 from jousto.measurement.twin.bands.bands import _check, _pick
 from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.smoother import sample_posterior, smooth
-from jousto.model.native.meter import DamageMeter
+from jousto.model.native.damage_meter import DamageMeter
 from jousto.recovery.fields.criteria import Criterion, evaluate
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart

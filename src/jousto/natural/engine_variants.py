@@ -17,9 +17,9 @@ from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
 from jousto.model.compile import compile
 from jousto.model.model import Model
-from jousto.model.packing.measure import NOT_UNIQUE
-from jousto.natural.compared import FRAME, Compared, Way, sizes
-from jousto.natural.exchange import exchanged, moved
+from jousto.model.packing.sensors import NOT_UNIQUE
+from jousto.natural.comparison import FRAME, Compared, Way, sizes
+from jousto.natural.rebuilt_mechanism import exchanged, moved
 from jousto.reduction.frames.clamp import by_mean_axes, in_frame
 from jousto.reduction.frames.frame import MeanFrame, NodeFrame
 from jousto.reduction.methods import FreeFree, ShapeFunctions

@@ -11,8 +11,8 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.mechanism import Mechanism
+from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.frames import Frames
-from jousto.natural.equations.scalars import Scalars
 
 PAIRS = ((1, 1), (2, 2), (3, 3), (1, 2), (1, 3), (2, 3))
 

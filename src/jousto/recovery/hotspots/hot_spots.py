@@ -16,12 +16,12 @@ from jousto.base.ranking import TIE, ranking
 from jousto.recovery.fields.build import stress_field
 from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.between import Between, between, largest_between
-from jousto.recovery.hotspots.every import every, highest
-from jousto.recovery.hotspots.found import Found, HotSpot
+from jousto.recovery.hotspots.exhaustive_beams import every, highest
+from jousto.recovery.hotspots.interval_bounds import Between, between, largest_between
 from jousto.recovery.hotspots.measures import Measure, measure
+from jousto.recovery.hotspots.report import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.search import Found as Places, Proof, search
-from jousto.recovery.hotspots.words import certificate_lines, head, row, shown_value
+from jousto.recovery.hotspots.search_result import Found, HotSpot
 from jousto.recovery.hotspots.write import write_histories, write_spots
 from jousto.simulation.results.solution import Solution
 

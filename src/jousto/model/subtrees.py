@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from jousto.model.elimination_order import Elimination, eliminate
 from jousto.model.hubs import joints_on
 from jousto.model.model import JointModel, LinkModel, Model
-from jousto.model.ordering import Elimination, eliminate
 
 
 def is_link(joint: JointModel) -> bool:

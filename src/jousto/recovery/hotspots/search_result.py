@@ -12,7 +12,7 @@ from jousto.base.object_repr import described
 from jousto.base.ranking import TIE
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.between import Between
+from jousto.recovery.hotspots.interval_bounds import Between
 from jousto.recovery.hotspots.search import Proof
 
 EARLY = 0.05  # share of the time in which a largest value may belong to the start

@@ -14,9 +14,9 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
-from jousto.natural.equations.laws import Action
-from jousto.natural.equations.linear import Solve, Term
-from jousto.natural.equations.machine import Machine, Place
+from jousto.natural.equations.block_matrix import Solve, Term
+from jousto.natural.equations.force_laws import Action
+from jousto.natural.equations.system import Machine, Place
 
 PENALTY = 1e6  # alpha h^2 / 4 over the mass that a constraint meets
 TOLERANCE = 1e-9

@@ -14,7 +14,7 @@ from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
-from jousto.natural.equations.laws import LAWS
+from jousto.natural.equations.force_laws import LAWS
 
 READINGS = (
     *("position", "velocity", "acceleration", "acceleration parts"),

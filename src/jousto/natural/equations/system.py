@@ -11,14 +11,14 @@ from jousto.base.arrays import Array
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.forces.moving import MovingLoad
 from jousto.mechanism.mechanism import Mechanism
+from jousto.natural.equations.block_matrix import Layout, Slopes
 from jousto.natural.equations.bodies import Bodies, Shape
+from jousto.natural.equations.constraints import Rows
+from jousto.natural.equations.coordinates import Scalars
+from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law, moving
 from jousto.natural.equations.frames import Frames, Pose
 from jousto.natural.equations.friction import rubbing
-from jousto.natural.equations.known import check_known
-from jousto.natural.equations.laws import LAWS, Action, Instant, Law, moving
-from jousto.natural.equations.linear import Layout, Slopes
-from jousto.natural.equations.rows import Rows
-from jousto.natural.equations.scalars import Scalars
+from jousto.natural.equations.supported import check_known
 
 LEAST = 1e-12
 """What is added to the matrix of a joint whose constraints are of size 1."""

@@ -20,14 +20,14 @@ from jousto.base.arrays import Array
 from jousto.base.complexstep import parts
 from jousto.base.errors import NotAnalytic
 from jousto.parts.part import Part
-from jousto.reduction.files.run import Run
 from jousto.reduction.methods import CraigBampton, Method, ShapeFunctions
 from jousto.reduction.modes.eigen import clusters
-from jousto.reduction.modes.held import Inside
+from jousto.reduction.modes.fixed_interface_response import Inside
 from jousto.reduction.modes.partition import fixed_modes
 from jousto.reduction.modes.rigid import rigid_modes
 from jousto.reduction.modes.ties import boundary, coordinates, interface_names
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.stages import Run
 
 SPANNED = 1e-6
 """Share of a mode that the basis may miss."""

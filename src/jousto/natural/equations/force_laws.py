@@ -14,8 +14,8 @@ from jousto.base.arrays import Array, crossed, skew
 from jousto.mechanism.forces.base import Push
 from jousto.mechanism.forces.moving import MovingLoad
 from jousto.natural.equations.bodies import FRAME
+from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.frames import Frames, Pose, tangent
-from jousto.natural.equations.scalars import Scalars
 
 
 @dataclass(eq=False)

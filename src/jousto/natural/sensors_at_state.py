@@ -10,10 +10,10 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.machine import Machine
+from jousto.natural.equations.initial_state import angles, given
 from jousto.natural.equations.sensors import Reader
-from jousto.natural.equations.start import angles, given
-from jousto.natural.equations.step import PENALTY, Stepper
+from jousto.natural.equations.system import Machine
+from jousto.natural.equations.trapezoidal_step import PENALTY, Stepper
 from jousto.simulation.state import State
 
 

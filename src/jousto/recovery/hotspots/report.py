@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jousto.recovery.hotspots.found import Found, HotSpot
+from jousto.recovery.hotspots.search_result import Found, HotSpot
 
 
 def shown_value(value: float, unit: str) -> str:

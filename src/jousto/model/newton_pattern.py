@@ -10,8 +10,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from jousto.model.elimination_order import eliminate
 from jousto.model.model import JointModel, Model
-from jousto.model.ordering import eliminate
 
 PAD = 4  # rows of a block are padded to a multiple of this
 CARRIED = 6  # constraint rows that a body can carry

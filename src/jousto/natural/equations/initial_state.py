@@ -8,7 +8,7 @@ from jousto.base.arrays import Array, skew
 from jousto.base.errors import InputError, Problem
 from jousto.base.rotations import rotation_matrix
 from jousto.natural.equations.bodies import FRAME
-from jousto.natural.equations.machine import Machine
+from jousto.natural.equations.system import Machine
 from jousto.simulation.state import State
 
 

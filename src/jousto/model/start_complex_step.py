@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from jousto.base.complexstep import is_stepping, parts, plainly, real_parts
 from jousto.base.errors import NotAnalytic
 from jousto.base.rotations import rotation_matrix
+from jousto.model.initial_conditions import modal_velocities
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import RANK, constraint_matrix
 from jousto.model.scales import largest_speed, position_metres
-from jousto.model.start import modal_velocities
 
 SMALL = 1e-9  # of what is compared
 
