@@ -19,8 +19,8 @@ import numpy as np
 import jousto as jo
 from jousto.scene.scene import Body, Motion, Scene
 from jousto.simulation.results.writer import ResultsWriter
-from jousto.viewer.answers import Answers
 from jousto.viewer.container import pack
+from jousto.viewer.queries import Answers
 from jousto.viewer.server import Server
 
 # instead of this folder, whose name for itself is that of a folder of the tests

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jousto.robots.formats import FORMATS
-from jousto.robots.words import TREATMENTS, Format, Tag
+from jousto.robots.readers.formats import FORMATS
+from jousto.robots.readers.words import TREATMENTS, Format, Tag
 
 PAGE = Path(__file__).parent.parent / "docs" / "robot-words.md"
 HEAD = """# Words of robot files

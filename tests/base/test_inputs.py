@@ -19,10 +19,10 @@ from jousto.mechanism.bodies.shapes import read_surface
 from jousto.mesh.cells import Cells
 from jousto.mesh.formats import CAD, MESHES
 from jousto.parts.matrices.read import read_matrices
-from jousto.robots.markup import parse_file
+from jousto.robots.readers.xml import parse_file
 from jousto.schema.file.files import read_points
 from jousto.schema.read import read_model
-from jousto.viewer.things import read
+from jousto.viewer.viewable import read
 
 POINTER = """version https://git-lfs.github.com/spec/v1
 oid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32b1258daaa5e2ca24d17e2393

@@ -11,7 +11,7 @@ import jousto as jo
 from cli.test_meshes import call
 from jousto.base.rounding import DIGITS, Scales, difference, without_rounding
 from jousto.scene.machine import run_scene
-from jousto.viewer.live.seen import scene_at
+from jousto.viewer.live.initial_scene import scene_at
 
 # at rest in a frame that is turned by odd angles: nothing there cancels exactly
 REST = """\

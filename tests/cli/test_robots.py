@@ -13,7 +13,7 @@ import jousto as jo
 from jousto.cli.group import app
 from jousto.scene.make import make_scene
 from jousto.schema.summary import given
-from jousto.viewer.things import read
+from jousto.viewer.viewable import read
 from robots.machines import SCARA, SCARA_SDF
 
 runner = CliRunner()

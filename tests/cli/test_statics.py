@@ -62,7 +62,7 @@ def test_a_path_names_its_limits_and_writes_table_and_picture(model, tmp_path):
 def test_a_path_is_not_followed_for_nothing(model, tmp_path, monkeypatch, options, told):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        "jousto.simulation.statics.paths.load_path", lambda *_, **__: pytest.fail("it ran")
+        "jousto.simulation.statics.load_path.load_path", lambda *_, **__: pytest.fail("it ran")
     )
     code, out = jousto("path", model, "--to", 5, *options)
     assert code == 2, out

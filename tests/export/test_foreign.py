@@ -16,7 +16,7 @@ import jousto as jo
 from cli.test_meshes import call as command
 from exported import CC
 from jousto.export.fmu import write_fmu
-from jousto.simulation.foreign.process import FmuProcess
+from jousto.simulation.cosimulation.fmu_process import FmuProcess
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [

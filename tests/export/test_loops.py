@@ -13,7 +13,7 @@ import pytest
 import jousto as jo
 from export.test_foreign import DESCRIPTION, pack
 from exported import CC
-from jousto.simulation.foreign.loops import GROWTH, STEEP, Growth, Loop, LoopFailed
+from jousto.simulation.cosimulation.algebraic_loops import GROWTH, STEEP, Growth, Loop, LoopFailed
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [

@@ -16,7 +16,7 @@ from exported import CC, STEP
 from jousto.export import toolchain
 from jousto.export.fmu import write_fmu
 from jousto.model.native.native import Engine
-from jousto.simulation.results.columns import columns
+from jousto.simulation.results.row_layout import columns
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [

@@ -12,7 +12,7 @@ from jousto.base.errors import InputError
 from jousto.cli.group import app
 from jousto.mesh.formats import CAD, FORMATS, MESHES, is_cad, is_mesh
 from jousto.schema.file.document import read_document
-from jousto.viewer.things import read
+from jousto.viewer.viewable import read
 
 DECK = """BEGIN BULK
 GRID,1

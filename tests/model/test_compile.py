@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.model.elimination_order import eliminate
 from jousto.model.native import library
-from jousto.simulation.results.columns import columns
+from jousto.simulation.results.row_layout import columns
 
 
 def rigid(name, **kwargs):

@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.model.native.native import Engine
 from jousto.model.tree import core_of
-from jousto.simulation.live.hand import with_hand
+from jousto.simulation.live.drag_spring import with_hand
 from jousto.simulation.live.machine import LiveMachine
 from model.test_tree_ports import Z, kinds
 from verification.mechanisms import rod

@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.ensemble import structure
-from jousto.simulation.live.hand import Grip, gripped, with_hand
+from jousto.simulation.live.drag_spring import Grip, gripped, with_hand
 from jousto.simulation.live.machine import LiveMachine
 
 CORES = ("joint", "maximal")

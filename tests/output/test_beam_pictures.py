@@ -13,8 +13,8 @@ from jousto.output.scenes.stage import make_stage
 from jousto.recovery.beams.strains import exponential
 from jousto.recovery.fields.criteria import evaluate
 from jousto.scene.make import make_scene
-from jousto.scene.posed import rows_at, section_axes, stresses, vertices
 from jousto.scene.sections import outline_rows, tube
+from jousto.scene.values_at_rows import rows_at, section_axes, stresses, vertices
 from recovery.beams.cases import cantilever
 
 

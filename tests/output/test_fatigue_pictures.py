@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.figures.painted import hidden, paint
+from jousto.output.figures.coloured_body import hidden, paint
 from jousto.output.scenes.surface import Skin
 from jousto.output.scenes.view import View
 from jousto.output.style import Picture

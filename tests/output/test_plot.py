@@ -14,7 +14,7 @@ from PIL import Image
 import jousto as jo
 from jousto.output.figures.histories import STEPS, envelope, spread, thin
 from jousto.output.style import COLORS, DASHES
-from jousto.simulation.results.frames import pick
+from jousto.simulation.results.dataframes import pick
 from output.runs import swing
 
 

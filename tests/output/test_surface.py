@@ -14,7 +14,7 @@ from jousto.output.scenes.surface import is_surface, lit, make_surface
 from jousto.output.scenes.view import View
 from jousto.recovery.fields.criteria import evaluate
 from jousto.scene.make import make_scene
-from jousto.scene.posed import rows_at, stresses
+from jousto.scene.values_at_rows import rows_at, stresses
 from output.blocks import bar, grid, swinging_bar
 from output.runs import spatial, swing
 

@@ -15,7 +15,7 @@ from jousto.output.scenes.symbols import SymbolPen, coil, ground_lines, make_sym
 from jousto.output.scenes.view import View
 from jousto.output.style import Picture, styled
 from jousto.scene.make import make_scene
-from jousto.scene.posed import rows_at
+from jousto.scene.values_at_rows import rows_at
 
 G = jo.ground
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)

@@ -12,8 +12,8 @@ import pytest
 
 import jousto as jo
 from jousto.robots import Tree, mechanism
-from jousto.robots.mjcf_words import MJCF
-from jousto.robots.words import TREATMENTS
+from jousto.robots.readers.mjcf_words import MJCF
+from jousto.robots.readers.words import TREATMENTS
 from robots.peers import peer, read, refusal, same_motion, same_tree, told, write
 
 WORDS = Path(__file__).parent / "words" / "mjcf.txt"

@@ -12,8 +12,8 @@ import pytest
 
 import jousto as jo
 from jousto.robots import Tree, mechanism, read_robot, read_sdf, read_urdf
-from jousto.robots.formats import FORMATS
-from jousto.robots.words import Format
+from jousto.robots.readers.formats import FORMATS
+from jousto.robots.readers.words import Format
 from robots.machines import SCARA, SCARA_SDF
 
 

@@ -12,8 +12,8 @@ import jousto as jo
 from jousto.recovery.beams.strains import exponential, logarithm
 from jousto.recovery.shape import positions, rotation_matrices
 from jousto.scene.make import make_scene
-from jousto.scene.posed import stresses as recovered, vertices as posed
 from jousto.scene.scene import Body
+from jousto.scene.values_at_rows import stresses as recovered, vertices as posed
 from jousto.sections.points import stress_points
 from recovery.beams.cases import cantilever
 from scene.machines import SECTION, STEEL, corner, reduced

@@ -14,7 +14,7 @@ import jousto as jo
 from jousto.base.errors import InputError
 from jousto.scene import machine
 from jousto.scene.make import make_scene
-from jousto.scene.posed import points
+from jousto.scene.values_at_rows import points
 from scene.machines import STEEL, ball, corner, everything, reduced
 
 pytestmark = pytest.mark.filterwarnings("ignore::jousto.base.errors.JoustoWarning")

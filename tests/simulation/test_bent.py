@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.simulation.bent import turn_within
+from jousto.simulation.check_bending import turn_within
 
 LENGTH = 1.0
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)

@@ -9,9 +9,9 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.running.simulate import describe
-from jousto.simulation.solvers.blows import shortest_blow
-from jousto.simulation.solvers.choice import choose, fast
-from jousto.simulation.solvers.growth import excess
+from jousto.simulation.solvers.default_solver import choose, fast
+from jousto.simulation.solvers.explicit_growth import excess
+from jousto.simulation.solvers.impact_time import shortest_blow
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 G = (0, -9.81, 0)

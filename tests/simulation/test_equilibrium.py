@@ -9,7 +9,7 @@ import pytest
 
 import jousto as jo
 from jousto.simulation.statics import equilibrium as statics
-from jousto.simulation.statics.balance import Balance
+from jousto.simulation.statics.residual import Balance
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 G, PAYLOAD, ROPE = 9.81, 2000.0, 2.0

@@ -15,7 +15,7 @@ import pytest
 
 import jousto as jo
 from jousto.simulation import second_order
-from jousto.simulation.bent import FAR
+from jousto.simulation.check_bending import FAR
 from jousto.simulation.state import State
 from parts.grids import grid
 from verification.test_rotating_beam import FLAP, SECTION, STEEL as BLADE, UNIT

@@ -7,8 +7,8 @@ import functools
 import numpy as np
 
 import jousto as jo
-from jousto.viewer.answers import Answers
-from jousto.viewer.things import scenes_of
+from jousto.viewer.queries import Answers
+from jousto.viewer.viewable import scenes_of
 from verification.boxes import block
 from verification.solids import mesh
 

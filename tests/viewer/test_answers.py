@@ -11,10 +11,10 @@ import jousto as jo
 from jousto.base.errors import InputError
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.shape import positions
-from jousto.viewer.answers import Answers
 from jousto.viewer.container import pack, unpack
 from jousto.viewer.frames import LARGEST, Frames, nearest, thinned
-from jousto.viewer.things import scenes_of
+from jousto.viewer.queries import Answers
+from jousto.viewer.viewable import scenes_of
 from session import objects
 from viewer.machines import HIGH, LENGTH, answers, number_of, swing
 
@@ -169,7 +169,7 @@ def test_sensors_have_a_curve_for_each_component() -> None:
 
 def test_a_swept_beam_is_where_its_picture_is() -> None:
     from jousto.recovery.fields.criteria import evaluate
-    from jousto.scene.posed import rows_at, stresses, vertices
+    from jousto.scene.values_at_rows import rows_at, stresses, vertices
 
     run = objects()["beam run"]
     own = Answers(scenes_of([run]))

@@ -16,7 +16,7 @@ from jousto.recovery.hotspots import hot_spots
 from jousto.viewer.extremes import stress_fields
 from jousto.viewer.frames import Frames
 from jousto.viewer.standalone import contents, page
-from jousto.viewer.things import scenes_of
+from jousto.viewer.viewable import scenes_of
 from viewer.machines import number_of, swing
 
 

@@ -27,9 +27,9 @@ from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.recorder import Recorder
 from jousto.viewer import bundle
 from jousto.viewer.container import unpack
+from jousto.viewer.file_watch import Renewed
 from jousto.viewer.standalone import FRAMES
 from jousto.viewer.view import answers_of
-from jousto.viewer.watched import Renewed
 from session import EXAMPLES
 from viewer.browser import UNBUILT
 from viewer.machines import bar, mechanism, swing

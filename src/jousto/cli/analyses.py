@@ -48,7 +48,7 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
     from jousto.base.rounding import without_rounding
     from jousto.model.native.native import Engine
     from jousto.model.scales import scales_of
-    from jousto.simulation.results.frames import component_units
+    from jousto.simulation.results.dataframes import component_units
     from jousto.simulation.state import put
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
@@ -143,7 +143,7 @@ def linearise(
     """Linearise a model: A, B, C, D of its inputs and sensors, into MODEL.npz or -o FILE.mat."""
     import numpy as np
 
-    from jousto.schema.targets import output_path
+    from jousto.schema.output_paths import output_path
     from jousto.simulation.modes.linear import linearise as small_motions
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
@@ -192,8 +192,8 @@ def kinematics(
     """Move a fully driven model without integration, with the forces of its drives."""
     import numpy as np
 
+    from jousto.schema.output_paths import RESULTS, output_path
     from jousto.schema.read import read_model
-    from jousto.schema.targets import RESULTS, output_path
     from jousto.simulation.kinematics import kinematics as motion
 
     target = output_path(output, model, ".h5", kind=RESULTS)
@@ -236,7 +236,7 @@ def path(
     from jousto.output.figures.load_path import sensor_place
     from jousto.output.style import PICTURES, target
     from jousto.output.write import write
-    from jousto.simulation.statics.paths import load_path
+    from jousto.simulation.statics.load_path import load_path
 
     compiled = compiled_model(model, trust)
     name = _parameter(compiled, parameter, model)

@@ -48,8 +48,8 @@ def run(
     trust: Trust = False,
 ) -> None:
     """Simulate a model; the results go to MODEL.h5 unless -o names another file."""
+    from jousto.schema.output_paths import RESULTS, output_path
     from jousto.schema.read import read_model
-    from jousto.schema.targets import RESULTS, output_path
 
     target = output_path(output, model, ".h5", kind=RESULTS)
     end, width = amount(t_end, "s", "--t-end"), amount(step, "s", "--step")
@@ -87,7 +87,7 @@ def run(
 def stepping(model: CompiledModel, t_end: float, given: dict[str, Any], step: float) -> Any:
     """Return the solver of a run, that of its file or the one that suits it, with a step."""
     from jousto.simulation.solvers.adaptive import DormandPrince
-    from jousto.simulation.solvers.choice import choose
+    from jousto.simulation.solvers.default_solver import choose
 
     solver: Any = given.get("solver") or choose(model, t_end, given.get("output_step"), 0.0)[0]
     if isinstance(solver, DormandPrince):
@@ -107,8 +107,8 @@ def info(
     from jousto.mesh.formats import begins_as_mesh, is_mesh
     from jousto.reduction.reduced import SID, ReducedPart
     from jousto.schema.file.document import is_hdf5
+    from jousto.schema.output_paths import MONITOR, REDUCED_PART, hdf5_format
     from jousto.schema.read import MODELS
-    from jousto.schema.targets import MONITOR, REDUCED_PART, hdf5_format
 
     check_input(file)
     if is_mesh(file) or (file.suffix.lower() not in MODELS and begins_as_mesh(file)):
@@ -146,7 +146,7 @@ def plot(
     output: Output = None,
 ) -> None:
     """Plot sensors over time; the picture goes to RESULT.png unless -o names another file."""
-    from jousto.schema.targets import MONITOR, hdf5_format, output_path
+    from jousto.schema.output_paths import MONITOR, hdf5_format, output_path
 
     target = output_path(output, result, ".png")
     from jousto.output.plot import plot as draw
@@ -196,7 +196,7 @@ def animate(
     pictures of several instants. Modal beams are lines, exact beams and solids are
     surfaces.
     """
-    from jousto.schema.targets import output_path
+    from jousto.schema.output_paths import output_path
 
     target = output_path(output, result, ".gif")
     limit = amount(stress_limit, "Pa", "--stress-limit")
@@ -274,7 +274,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
         warn(where, sentence)
     settings = file.simulation
     if settings is not None:
-        from jousto.simulation.solvers.choice import choose
+        from jousto.simulation.solvers.default_solver import choose
         from jousto.simulation.solvers.schedule import schedule
         from jousto.simulation.solvers.stability import stability_warning
 
@@ -284,7 +284,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
             facts([("solver", f"{solver}, {reason}")])
         steps = schedule(compiled, settings.t_end, solver, settings.output_step)
         if compiled.fmus:
-            from jousto.simulation.foreign.requirements import check_coupling
+            from jousto.simulation.cosimulation.requirements import check_coupling
 
             check_coupling(compiled, solver, steps, None, None)
         sentence = stability_warning(compiled, solver, steps.step)

@@ -74,7 +74,7 @@ def export(
     file. With --twin, a program that reads the strains of the block monitor and tells stress
     with its band and damage.
     """
-    from jousto.schema.targets import REDUCED_PART, RESULTS, hdf5_format, output_path
+    from jousto.schema.output_paths import REDUCED_PART, RESULTS, hdf5_format, output_path
 
     if not file.is_file():
         raise MissingFileError(Problem(str(file), "no such file"))
@@ -148,7 +148,7 @@ def machine_of(file: Path, step: float | None, trust: bool) -> tuple[CompiledMod
     from dataclasses import replace
 
     from jousto.schema.read import read_model
-    from jousto.simulation.solvers.choice import choose, choose_fixed
+    from jousto.simulation.solvers.default_solver import choose, choose_fixed
 
     found = read_model(file, trust=trust)
     model = compile_model(found.mechanism)

@@ -107,8 +107,8 @@ def both_runs(
     Bodies `asked` for are looked for before anything is simulated.
     """
     from jousto.recovery.friction import without_friction
+    from jousto.schema.output_paths import RESULTS, output_path
     from jousto.schema.read import read_model
-    from jousto.schema.targets import RESULTS, output_path
     from jousto.simulation.running.simulate import simulate
 
     file = read_model(source, trust=trust, progress=sys.stderr.isatty())

@@ -178,7 +178,7 @@ def sensor_peaks(
 
     from jousto.base.rounding import without_rounding
     from jousto.recovery.instants import window
-    from jousto.simulation.results.frames import component_units
+    from jousto.simulation.results.dataframes import component_units
 
     time = run.time
     within = window(time, start, end, run.where)

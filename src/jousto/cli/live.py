@@ -99,7 +99,7 @@ def live(
 
 def timekeeping(glance: Glance) -> list[tuple[str, str]]:
     """Return how well a machine kept time, by name."""
-    from jousto.simulation.live.pace import EDGES
+    from jousto.simulation.live.real_time_clock import EDGES
 
     total = max(1, sum(glance.late))
     ends = [f"below {1e3 * edge:g} ms late" for edge in EDGES]

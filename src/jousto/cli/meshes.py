@@ -109,7 +109,7 @@ def _only_cad(file: Path, given: dict[str, bool]) -> None:
 
 def _no_data(file: Path) -> None:
     """Raise if the file is a reduced part or results of jousto."""
-    from jousto.schema.targets import REDUCED_PART, WORDS, hdf5_format
+    from jousto.schema.output_paths import REDUCED_PART, WORDS, hdf5_format
 
     kind = hdf5_format(file) if file.is_file() else ""
     if kind in WORDS:

@@ -54,8 +54,8 @@ def monitor(
     from dataclasses import replace
 
     from jousto.measurement.monitor.watch import watch
+    from jousto.schema.output_paths import MONITOR, output_path
     from jousto.schema.read import read_model
-    from jousto.schema.targets import MONITOR, output_path
 
     target = output_path(output, model, ".monitor.h5", kind=MONITOR)
     file = read_model(model)

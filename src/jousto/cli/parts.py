@@ -57,8 +57,8 @@ def reduce_part(
     Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
     with the full model.
     """
+    from jousto.schema.output_paths import REDUCED_PART, output_path
     from jousto.schema.read import read_part_file
-    from jousto.schema.targets import REDUCED_PART, output_path
 
     if strict and bare:
         raise InputError(Problem("--strict", "needs the certificate, without --no-certificate"))
@@ -100,7 +100,7 @@ def page_path(given: Path | None, source: Path) -> Path | None:
     """Return where the page goes, checked before anything is computed."""
     if given is None:
         return None
-    from jousto.schema.targets import output_path
+    from jousto.schema.output_paths import output_path
 
     if given.suffix.lower() not in (".html", ".htm"):
         raise InputError(Problem(str(given), "must end with .html; print it to PDF in a browser"))

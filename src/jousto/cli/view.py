@@ -55,10 +55,10 @@ def view(
 
     With -o FILE.html all of it goes into one file, which needs no jousto and no network.
     """
+    from jousto.viewer.file_watch import unended
     from jousto.viewer.server import Server
     from jousto.viewer.standalone import write_page
     from jousto.viewer.view import answers_of
-    from jousto.viewer.watched import unended
 
     fields: list[DamageField] = []
     if damage or sn is not None:
@@ -92,7 +92,7 @@ def thinning(scenes: tuple[object, ...], frames: int) -> str:
 def damage_of(path: Path, sn: str | None, residue: str | None) -> list[DamageField]:
     """Return the damage of the bodies of a run by the checks of its model or by a curve."""
     from jousto.cli.fatigue import check_fields
-    from jousto.viewer.things import read
+    from jousto.viewer.viewable import read
 
     run = read(path)
     if type(run).__name__ != "Solution":

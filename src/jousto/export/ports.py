@@ -12,7 +12,7 @@ from jousto.mechanism.forces.stop import NEVER
 from jousto.model.model import CoordinateModel, ForceModel, Model, SignalModel
 from jousto.model.native.header import named, places
 from jousto.model.packing.foreign import without_fmus
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 
 XYZ = ("x", "y", "z")
 ANGULAR = ("axes", "angle")

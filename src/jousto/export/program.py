@@ -18,8 +18,8 @@ from jousto.export.ports import Named, Port, Ports, identifier, ports, refuse
 from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
-from jousto.simulation.running.beginning import beginning
-from jousto.simulation.solvers.choice import choose_fixed
+from jousto.simulation.running.start_state import beginning
+from jousto.simulation.solvers.default_solver import choose_fixed
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.state import State, put
 

@@ -19,7 +19,7 @@ from jousto.mechanism.sensors.loads import ForceSensor, ReactionSensor
 from jousto.mechanism.sensors.motion import AccelerationSensor, AngularAccelerationSensor
 from jousto.mechanism.sensors.scalar import EnergySensor
 from jousto.natural.equations.supported import is_read
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 
 SOME_NODES = 4

@@ -25,10 +25,10 @@ from jousto.reduction.frames.frame import MeanFrame, NodeFrame
 from jousto.reduction.methods import FreeFree, ShapeFunctions
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.reducer import reduce
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import RunFailed, simulate
-from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import ROS2, Solver
 from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newton
 from jousto.simulation.state import State

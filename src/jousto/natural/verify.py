@@ -30,11 +30,11 @@ from jousto.natural.rebuilt_mechanism import held
 from jousto.natural.result import NaturalRun
 from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verification import Verification
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.simulate import RunFailed, simulate
-from jousto.simulation.solvers.choice import choose
+from jousto.simulation.running.start_state import beginning
+from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import MEMORY, State, put
 

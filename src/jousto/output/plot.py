@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from jousto.simulation.modes.campbell import Campbell
     from jousto.simulation.modes.linear import MechanismModes
     from jousto.simulation.results.solution import Solution
-    from jousto.simulation.statics.load_paths import LoadPath
+    from jousto.simulation.statics.load_path_result import LoadPath
 
 File = str | Path | None
 

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from jousto.recovery.hotspots.hot_spots import HotSpots
     from jousto.reduction.certificate.certificate import Certificate
     from jousto.reduction.reduced import ReducedPart
-    from jousto.simulation.results.frames import Names
+    from jousto.simulation.results.dataframes import Names
     from jousto.simulation.results.solution import Solution
     from jousto.simulation.solvers.explicit import Solver
     from jousto.simulation.state import State
-    from jousto.simulation.statics.load_paths import LoadPath
+    from jousto.simulation.statics.load_path_result import LoadPath
 
 File = str | Path
 
@@ -52,7 +52,7 @@ WRITTEN = {
         "c": PROGRAM,
         "zip": PROGRAM,
         "fmu": "files.programs.write_fmu",
-        "html": "jousto.viewer.running.write_running",
+        "html": "jousto.viewer.wasm_page.write_running",
     },
     "Monitor": {"c": TWIN, "zip": TWIN},
     "Mesh": dict.fromkeys(MESH_FORMATS, "files.meshes.write_mesh"),

@@ -7,12 +7,15 @@ from .description import (
     Robot as Robot,
     RobotJoint as RobotJoint,
 )
-from .dh import DHRow as DHRow, from_dh as from_dh
-from .files import read_robot as read_robot
 from .in_mechanism import RobotInMechanism as RobotInMechanism
-from .inverse import IKResult as IKResult, inverse_kinematics as inverse_kinematics
-from .mjcf import read_mjcf as read_mjcf
-from .sdf import read_sdf as read_sdf
-from .state_at import state_at as state_at
-from .tree import Tree as Tree
-from .urdf import read_urdf as read_urdf
+from .kinematics.inverse_kinematics import (
+    IKResult as IKResult,
+    inverse_kinematics as inverse_kinematics,
+)
+from .kinematics.state_at import state_at as state_at
+from .kinematics.tree import Tree as Tree
+from .readers.denavit_hartenberg import DHRow as DHRow, from_dh as from_dh
+from .readers.files import read_robot as read_robot
+from .readers.mjcf import read_mjcf as read_mjcf
+from .readers.sdf import read_sdf as read_sdf
+from .readers.urdf import read_urdf as read_urdf

@@ -24,10 +24,10 @@ from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot
-from jousto.robots.seat import Seat
-from jousto.robots.stops import RESTITUTION, joint_forces, limits_of, moving
-from jousto.robots.ties import couplings, lifts, make_joint, make_loops, rotor
-from jousto.robots.tree import Tree
+from jousto.robots.joint_limits import RESTITUTION, joint_forces, limits_of, moving
+from jousto.robots.joints import couplings, lifts, make_joint, make_loops, rotor
+from jousto.robots.kinematics.tree import Tree
+from jousto.robots.root_pose import Seat
 
 SINGLE = ("revolute", "prismatic", "screw")
 SHARE = 1e-6  # of what it carries, for a link without mass

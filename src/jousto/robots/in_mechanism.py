@@ -19,9 +19,9 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.robots.actuators import with_actuators
 from jousto.robots.build import built, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
-from jousto.robots.files import read_robot
-from jousto.robots.seat import Seat
-from jousto.robots.stops import RESTITUTION
+from jousto.robots.joint_limits import RESTITUTION
+from jousto.robots.readers.files import read_robot
+from jousto.robots.root_pose import Seat
 
 
 class RobotField(Field["Robot | str | PathLike[str]", Robot]):

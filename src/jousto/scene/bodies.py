@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Index
 from jousto.reduction.fields.stress import StressModes
+from jousto.scene.default_shapes import stand_in
 from jousto.scene.scene import Body
-from jousto.scene.standin import stand_in
 from jousto.scene.surfaces import compact, feature_edges
 from jousto.simulation.results.records import BodyShape
 

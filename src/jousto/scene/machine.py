@@ -13,17 +13,17 @@ from jousto.base.errors import InputError, Problem
 from jousto.model.beam_record import BeamShape
 from jousto.model.model import Model
 from jousto.recovery.beams.strains import elements
+from jousto.scene.beam_tubes import Resultants, beam_body
 from jousto.scene.bodies import is_surface, line_body, rigid_body, solid_body
-from jousto.scene.extent import around, size_of
+from jousto.scene.bounding_box import around, size_of
 from jousto.scene.frames import frame_body
 from jousto.scene.motion import Rows, run_motion
-from jousto.scene.rings import Resultants, beam_body
 from jousto.scene.scene import MEASURES, Body, Happened, Scene, Sensor, Side, Symbol
 from jousto.scene.symbols import drawn_symbols, grounds, held_points
-from jousto.simulation.results.columns import columns
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.memory import MemoryRecords
 from jousto.simulation.results.records import BodyShape
+from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.state import State

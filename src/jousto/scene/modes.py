@@ -12,7 +12,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.compile import part_shape
 from jousto.reduction.reduced import ReducedPart
 from jousto.scene.bodies import is_surface, line_body, solid_body
-from jousto.scene.extent import around
+from jousto.scene.bounding_box import around
 from jousto.scene.frames import frame_body
 from jousto.scene.machine import at_state, measures_of, model_scene, rows_of
 from jousto.scene.motion import Rows

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
-from jousto.scene.rings import Resultants
+from jousto.scene.beam_tubes import Resultants
 from jousto.scene.scene import Motion
 from jousto.simulation.results.solution import Solution
 

@@ -13,7 +13,7 @@ from jousto.model.frame_record import ELEMENTS, FrameShape
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.part import Part
 from jousto.scene.bodies import is_surface, line_body, solid_body
-from jousto.scene.extent import around
+from jousto.scene.bounding_box import around
 from jousto.scene.frames import frame_body
 from jousto.scene.scene import Body, Mark, Scene, Side
 from jousto.simulation.results.records import BodyShape

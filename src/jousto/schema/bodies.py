@@ -8,11 +8,11 @@ from typing import Any
 from jousto.parts.part import Part
 from jousto.schema.entries.parts import ReducedEntry
 from jousto.schema.file.document import Document
-from jousto.schema.file.explain import finish
+from jousto.schema.file.error_messages import finish
 from jousto.schema.file.parameters import expand
 from jousto.schema.make.matrices import is_superelement
 from jousto.schema.make.model import ModelBuilder
-from jousto.schema.valid import validate
+from jousto.schema.partial_validation import validate
 
 
 def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> dict[str, Part]:

@@ -16,7 +16,7 @@ from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.mechanism.mechanism import Mechanism
 from jousto.robots.build import mechanism as robot_mechanism
-from jousto.robots.files import SUFFIXES, read_robot
+from jousto.robots.readers.files import SUFFIXES, read_robot
 from jousto.schema.entries.choices import WholeSchema
 from jousto.schema.entries.model import ModelEntry
 from jousto.schema.entries.parts import ReducedEntry
@@ -28,7 +28,7 @@ from jousto.schema.file.document import (
     parse_document,
     read_document,
 )
-from jousto.schema.file.explain import explain, finish
+from jousto.schema.file.error_messages import explain, finish
 from jousto.schema.file.parameters import SECTION, expand
 from jousto.schema.make.blocks.fatigue import Fatigue, build_fatigue, flexible_bodies
 from jousto.schema.make.blocks.limits import (
@@ -41,8 +41,8 @@ from jousto.schema.make.blocks.monitor import build_monitor
 from jousto.schema.make.declared import build_declared
 from jousto.schema.make.matrices import is_superelement
 from jousto.schema.make.model import ModelBuilder
+from jousto.schema.partial_validation import validate
 from jousto.schema.simulation import Simulation
-from jousto.schema.valid import validate
 from jousto.schema.variants import Variants
 
 if TYPE_CHECKING:

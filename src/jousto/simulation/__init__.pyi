@@ -14,12 +14,12 @@ from .solvers.explicit import Baumgarte as Baumgarte
 from .solvers.implicit import Newmark as Newmark
 from .state import State as State
 from .statics.buckling import Buckling as Buckling, buckling as buckling
-from .statics.load_paths import (
+from .statics.load_path import load_path as load_path
+from .statics.load_path_result import (
     ArcLength as ArcLength,
     CriticalPoint as CriticalPoint,
     LoadPath as LoadPath,
     PathFailed as PathFailed,
 )
-from .statics.paths import load_path as load_path
 from .statics.rotation import steady_rotation as steady_rotation
 from .statics.vibration_free import vibration_free_state as vibration_free_state

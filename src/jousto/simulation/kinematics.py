@@ -21,7 +21,7 @@ from jousto.model.rank.redundancy import RANK, null_space, repeated_rows, unit_r
 from jousto.simulation.controllers import without_controllers
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.statics.bending import Bending
+from jousto.simulation.statics.quasi_static_shape import Bending
 
 TURN = 0.5  # rad, largest turn of a body between two assembled positions
 STRAY = 0.2  # rad, largest turn between the predicted and the assembled position

@@ -17,7 +17,7 @@ from jousto.model.model import BodyModel, MarkerModel, Model, Shape
 from jousto.model.native.native import Engine
 from jousto.reduction.frames.stiffened import stiffened
 from jousto.reduction.reduced import ReducedPart
-from jousto.simulation.spin import spins
+from jousto.simulation.check_spin import spins
 from jousto.simulation.state import State, put
 
 CHEAP = 3000

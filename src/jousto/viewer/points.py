@@ -1,7 +1,7 @@
 """Position, deformation and stress at a point of a body over rows of a run, in double precision.
 
 Bodies: ``x = R + A(e) (x0 + sum_j phi_j p_j)`` and ``sigma = static + sum_j Sigma_j p_j``; swept
-beams between the poses of the ends of their elements (`jousto.scene.posed`).
+beams between the poses of the ends of their elements (`jousto.scene.values_at_rows`).
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from websockets.http11 import Request, Response
 from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.viewer.bundle import CSS, JS, policy, read_bundle, served_page
 from jousto.viewer.container import pack
-from jousto.viewer.watched import Renewed
+from jousto.viewer.file_watch import Renewed
 
 HOST = "127.0.0.1"
 LONGEST = 1 << 20  # bytes of a request

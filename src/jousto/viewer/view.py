@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.progress import in_notebook
-from jousto.viewer.answers import Answers
+from jousto.viewer.file_watch import Watched
+from jousto.viewer.queries import Answers
 from jousto.viewer.server import Server
 from jousto.viewer.standalone import FRAMES, page, write_page
-from jousto.viewer.things import scenes_of
-from jousto.viewer.watched import Watched
+from jousto.viewer.viewable import scenes_of
 
 if TYPE_CHECKING:
     from jousto.fatigue.miner.damage_field import DamageField

@@ -10,7 +10,7 @@ import pytest
 import jousto as jo
 from jousto.design.studies import case
 from jousto.model.native import ensemble
-from jousto.simulation.running import together
+from jousto.simulation.running import batched_runs
 
 pytestmark = [
     pytest.mark.skipif(ensemble.machines() == 1, reason="no build of lanes for this processor"),
@@ -42,13 +42,13 @@ def pendulum(length):
 def groups(monkeypatch):
     """How many engines each ensemble got."""
     seen = []
-    original = together.Ensemble
+    original = batched_runs.Ensemble
 
     def counted(engines):
         seen.append(len({id(engine) for engine in engines}))
         return original(engines)
 
-    monkeypatch.setattr(together, "Ensemble", counted)
+    monkeypatch.setattr(batched_runs, "Ensemble", counted)
     return seen
 
 

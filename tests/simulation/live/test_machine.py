@@ -11,7 +11,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.model import Model
-from jousto.simulation.live.hand import (
+from jousto.simulation.live.drag_spring import (
     Grip,
     gripped,
     mobility,
@@ -20,7 +20,7 @@ from jousto.simulation.live.hand import (
     with_hand,
 )
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.live.pace import Pace
+from jousto.simulation.live.real_time_clock import Pace
 from jousto.simulation.live.recorder import Recorder, repeat
 
 STEP = 1e-3

@@ -14,8 +14,8 @@ import pytest
 import jousto as jo
 from jousto.model.model import Model
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.live.pace import EDGES, SLOWEST, Pace
 from jousto.simulation.live.ranges import input_ranges, parse_ranges
+from jousto.simulation.live.real_time_clock import EDGES, SLOWEST, Pace
 from jousto.simulation.live.recorder import repeat
 from jousto.simulation.live.runner import Runner
 

@@ -16,14 +16,14 @@ import pytest
 from websockets.sync.client import ClientConnection, connect
 
 import jousto as jo
-from jousto.simulation.live.hand import placed
+from jousto.simulation.live.drag_spring import placed
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.runner import Runner
 from jousto.viewer import server as server_module
 from jousto.viewer.container import pack, unpack
-from jousto.viewer.live.desk import LiveDesk
 from jousto.viewer.live.live import Live, live
-from jousto.viewer.live.opened import Opened
+from jousto.viewer.live.session import LiveDesk
+from jousto.viewer.live.sources import Opened
 
 PATIENCE = 60.0  # s, for machines that are busy
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.simulation.live.hand import placed
+from jousto.simulation.live.drag_spring import placed
 from jousto.simulation.live.recorder import repeat
 from viewer.browser import chromium, opened, until
 from viewer.live.test_live import MODEL

@@ -16,9 +16,9 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.start_complex_step import has_steps
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.again import Repeated
-from jousto.simulation.running.beginning import beginning
-from jousto.simulation.running.together import together
+from jousto.simulation.running.batched_runs import together
+from jousto.simulation.running.repeated_runs import Repeated
+from jousto.simulation.running.start_state import beginning
 
 Counts = dict[str, int]
 

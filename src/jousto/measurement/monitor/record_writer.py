@@ -29,7 +29,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, create, unwritable
 from jousto.base.hdf5 import Group, damage, open_format
 from jousto.base.version import __version__
-from jousto.simulation.results.image import SparseImage, reserve
+from jousto.simulation.results.sparse_image import SparseImage, reserve
 from jousto.simulation.results.writer import uninterrupted
 
 FORMAT = "jousto monitor"

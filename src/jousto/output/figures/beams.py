@@ -20,7 +20,7 @@ from jousto.recovery.beams.forces import RESULTANTS, UNITS, SectionForces, compo
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.shape import find_body, positions
 from jousto.scene.make import make_scene
-from jousto.scene.posed import rows_at, section_axes, stresses, vertices
+from jousto.scene.values_at_rows import rows_at, section_axes, stresses, vertices
 from jousto.simulation.results.solution import Solution
 
 WIDTH = 7.2  # inch

@@ -14,8 +14,8 @@ from jousto.output.files.paraview import Cells, save_series
 from jousto.output.style import target
 from jousto.recovery.fields.criteria import evaluate
 from jousto.scene.make import make_scene
-from jousto.scene.posed import rows_at, stresses, vertices
 from jousto.scene.scene import Body
+from jousto.scene.values_at_rows import rows_at, stresses, vertices
 from jousto.simulation.results.solution import Solution
 
 

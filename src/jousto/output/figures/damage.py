@@ -13,7 +13,7 @@ from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.fatigue.miner.damage_field import DamageField
-from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.figures.coloured_body import extent, mark, paint
 from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.stage import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS

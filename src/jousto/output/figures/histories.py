@@ -26,7 +26,7 @@ from jousto.output.style import (
     headline,
     panels_below,
 )
-from jousto.simulation.results.frames import pick
+from jousto.simulation.results.dataframes import pick
 from jousto.simulation.results.solution import Solution
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.output.figures.painted import extent, mark, paint
+from jousto.output.figures.coloured_body import extent, mark, paint
 from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.backdrop import color_bar
 from jousto.output.scenes.stage import UNKNOWN

@@ -13,7 +13,7 @@ from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
 from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target
-from jousto.simulation.statics.load_paths import LoadPath
+from jousto.simulation.statics.load_path_result import LoadPath
 
 SIZE = (7.6, 4.6)  # inch
 AXES = "xyz"

@@ -16,8 +16,8 @@ from jousto.output.scenes.stage import make_stage
 from jousto.output.scenes.view import View
 from jousto.output.style import MUTED, Picture, drawing
 from jousto.simulation.modes.linear import MechanismModes, nodal, rotations, turning
-from jousto.simulation.results.columns import columns
 from jousto.simulation.results.memory import MemoryRecords
+from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import Facts
 

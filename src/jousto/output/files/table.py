@@ -6,7 +6,7 @@ from pathlib import Path
 
 from jousto.base.arguments import explained_as
 from jousto.output.style import target
-from jousto.simulation.results.frames import Names
+from jousto.simulation.results.dataframes import Names
 from jousto.simulation.results.solution import Solution
 
 

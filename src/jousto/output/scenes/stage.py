@@ -24,8 +24,8 @@ from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS
 from jousto.recovery.fields.criteria import evaluate
 from jousto.scene.make import make_scene
-from jousto.scene.posed import moved, picked, rows_at, stresses, thickened, vertices
 from jousto.scene.scene import Body, Scene
+from jousto.scene.values_at_rows import moved, picked, rows_at, stresses, thickened, vertices
 from jousto.simulation.results.solution import Solution
 
 MARGIN = 0.07

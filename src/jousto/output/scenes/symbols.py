@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from jousto.base.arrays import Array
 from jousto.output.scenes.view import View
 from jousto.output.style import INK, MUTED, PAPER, blend
-from jousto.scene.posed import points
 from jousto.scene.scene import Symbol
+from jousto.scene.values_at_rows import points
 
 Lines = list[Array]
 

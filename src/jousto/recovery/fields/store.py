@@ -14,7 +14,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import create, unwritable
 from jousto.base.version import __version__
 from jousto.recovery.fields.criteria import Criterion
-from jousto.simulation.results.image import SparseImage, reserve
+from jousto.simulation.results.sparse_image import SparseImage, reserve
 
 FORMAT = "jousto stress field"
 VERSION = 1

@@ -13,7 +13,7 @@ from jousto.mechanism.signals.base import Use
 from jousto.mechanism.signals.piecewise import Table
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.document import Loc
-from jousto.schema.make.amounts import build_amount, per_second
+from jousto.schema.make.quantities import build_amount, per_second
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:

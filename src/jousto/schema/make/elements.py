@@ -14,8 +14,8 @@ from jousto.base.units import KINDS
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.schema.entries.base import Entry
 from jousto.schema.file.files import read_points
-from jousto.schema.make.amounts import build_amount
 from jousto.schema.make.declared import Place, build_coordinate
+from jousto.schema.make.quantities import build_amount
 from jousto.schema.make.tables import build_table
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from jousto.mechanism.bodies.body import FlexibleBody, ground
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 from jousto.mechanism.sensors.base import Sensor
 from jousto.robots.build import SINGLE, by_joint, ends_of, wrong_joint, wrong_start
-from jousto.robots.files import read_robot
 from jousto.robots.in_mechanism import RobotInMechanism
-from jousto.schema.make.amounts import build_amount
+from jousto.robots.readers.files import read_robot
 from jousto.schema.make.builder import Section
 from jousto.schema.make.declared import Place
+from jousto.schema.make.quantities import build_amount
 
 
 class Joined(Mapping[str, Any]):

@@ -26,7 +26,7 @@ from jousto.schema.make.elements import FORMS as OF_FORCES
 from jousto.schema.make.foreign import FORMS as OF_FMUS
 from jousto.schema.make.machines import FORMS as OF_ROBOTS, Joined
 from jousto.schema.make.matrices import build_matrices, build_superelement, is_superelement
-from jousto.schema.make.sense import FORMS as OF_SENSORS
+from jousto.schema.make.sensors import FORMS as OF_SENSORS
 from jousto.schema.make.solid import FORMS as OF_PARTS, build_solid
 
 LISTS = (

@@ -12,7 +12,7 @@ from jousto.base.errors import count, suggest
 from jousto.schema.entries import solids as ss
 from jousto.schema.entries.parts import PressurePatternEntry
 from jousto.schema.file.document import Loc
-from jousto.schema.file.kept import mesh_of_cad
+from jousto.schema.file.mesh_cache import mesh_of_cad
 from jousto.schema.make.declared import Place, build_declared, build_material
 
 if TYPE_CHECKING:

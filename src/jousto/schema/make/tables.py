@@ -9,7 +9,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.units import UnitError, quantity
 from jousto.mechanism.signals.piecewise import Table, read_columns
 from jousto.schema.file.document import Loc
-from jousto.schema.make.amounts import build_amount
+from jousto.schema.make.quantities import build_amount
 
 if TYPE_CHECKING:
     from jousto.schema.make.builder import Builder

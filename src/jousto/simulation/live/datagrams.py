@@ -11,10 +11,10 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.model.model import Model
+from jousto.simulation.live.drag_spring import NAMES
 from jousto.simulation.live.frame import INPUTS, OUTPUTS, Received, mark_of, pack
-from jousto.simulation.live.hand import NAMES
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.results.columns import columns
+from jousto.simulation.results.row_layout import columns
 
 LARGEST = 65536  # bytes of a datagram
 MOST = 64  # datagrams between two steps; more wait

@@ -20,7 +20,7 @@ from jousto.base.object_repr import described
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
-from jousto.simulation.live.hand import (
+from jousto.simulation.live.drag_spring import (
     BODY,
     NAMES,
     TARGET,
@@ -30,11 +30,11 @@ from jousto.simulation.live.hand import (
     placed,
     with_hand,
 )
-from jousto.simulation.live.pace import Pace
+from jousto.simulation.live.real_time_clock import Pace
 from jousto.simulation.results.events import Chronicle
-from jousto.simulation.running.beginning import beginning
 from jousto.simulation.running.simulate import cause
-from jousto.simulation.solvers.choice import choose
+from jousto.simulation.running.start_state import beginning
+from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State, put, take

@@ -14,7 +14,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import unwritable
 from jousto.model.model import Model
-from jousto.simulation.live.hand import NAMES
+from jousto.simulation.live.drag_spring import NAMES
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution

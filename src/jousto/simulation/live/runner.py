@@ -16,9 +16,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.machine import LiveMachine
-from jousto.simulation.live.pace import Pace, checked_speed
+from jousto.simulation.live.real_time_clock import Pace, checked_speed
 from jousto.simulation.live.recorder import Recorder
-from jousto.simulation.live.urgency import hurry
+from jousto.simulation.live.thread_priority import hurry
 
 log = logging.getLogger(__name__)
 

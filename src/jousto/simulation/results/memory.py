@@ -23,9 +23,9 @@ from jousto.model.scales import scales_of
 from jousto.model.start_complex_step import plain_model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results.columns import Column, columns
 from jousto.simulation.results.events import Happening, happenings, joints_of, sources
 from jousto.simulation.results.records import ALL, BodyShape
+from jousto.simulation.results.row_layout import Column, columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import (
     EVENT_COLUMNS,

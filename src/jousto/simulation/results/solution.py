@@ -20,10 +20,10 @@ from jousto.base.rounding import Scales
 from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results import frames
+from jousto.simulation.results import dataframes
+from jousto.simulation.results.dataframes import Names, named, pick
 from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
-from jousto.simulation.results.frames import Names, named, pick
 from jousto.simulation.results.records import BodyShape, Records
 from jousto.simulation.results.stored import FileRecords
 from jousto.simulation.state import State
@@ -293,7 +293,7 @@ class Solution(Mapping[str, Array]):
         about = self._records.about(sensor)
         if sensor == name:
             return about
-        units = frames.component_units(about)
+        units = dataframes.component_units(about)
         return about | {
             "unit": ", ".join(dict.fromkeys(units[k] for k in columns)),
             "components": tuple(about["components"][k] for k in columns),
@@ -306,13 +306,13 @@ class Solution(Mapping[str, Array]):
         machine come to, and of pure numbers. See `jousto.base.rounding`.
         """
         about, known = self.about(name), self.attributes.get("scales")
-        units = frames.component_units(about)
+        units = dataframes.component_units(about)
         if known is None:
             return np.zeros(len(units))
         scales = Scales(*(float(x) for x in known))
         return np.array([scales.floor(unit) for unit in units])
 
-    def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[frames.Column]:
+    def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[dataframes.Column]:
         return [(name, self.about(name), self[name]) for name in named(self, names, sensors)]
 
     @explained
@@ -341,7 +341,7 @@ class Solution(Mapping[str, Array]):
         InputError
             For an unknown sensor, or a path that cannot be written.
         """
-        frames.to_csv(self.time, self._columns(names, sensors), Path(path))
+        dataframes.to_csv(self.time, self._columns(names, sensors), Path(path))
         return Path(path)
 
     def to_pandas(self, *names: Names, sensors: Names = ()) -> Any:
@@ -366,7 +366,7 @@ class Solution(Mapping[str, Array]):
         InputError
             For an unknown sensor, or if pandas is not installed.
         """
-        return frames.to_pandas(self.time, self._columns(names, sensors))
+        return dataframes.to_pandas(self.time, self._columns(names, sensors))
 
     def to_xarray(self, *names: Names, sensors: Names = ()) -> Any:
         """Return sensors as an ``xarray.Dataset`` over time, s.
@@ -391,7 +391,7 @@ class Solution(Mapping[str, Array]):
             For an unknown sensor, or if xarray is not installed.
         """
         facts = {"name": self.name, "solver": self._solver}
-        return frames.to_xarray(self.time, self._columns(names, sensors), facts)
+        return dataframes.to_xarray(self.time, self._columns(names, sensors), facts)
 
     @property
     def bodies(self) -> tuple[BodyShape, ...]:

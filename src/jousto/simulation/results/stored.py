@@ -17,8 +17,8 @@ from jousto.base.files import written
 from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
-from jousto.simulation.results.connections import GROUP as CONNECTIONS, read_connections
 from jousto.simulation.results.events import Happening, happenings
+from jousto.simulation.results.legacy_symbols import GROUP as CONNECTIONS, read_connections
 from jousto.simulation.results.records import ALL, BodyShape
 from jousto.simulation.results.stress import (
     BEAMS,

@@ -13,7 +13,7 @@ from jousto.base.checksums import Sealed, sealed
 from jousto.base.errors import InputError, MissingFileError, Problem
 from jousto.base.files import check_input
 from jousto.base.hdf5 import Group, check_dataset, damage, open_format
-from jousto.simulation.results.columns import DIAGNOSTICS
+from jousto.simulation.results.row_layout import DIAGNOSTICS
 from jousto.simulation.results.stress import BEAMS, knows_stress, read_beam, read_stress
 from jousto.simulation.results.writer import CONTENTS, EVENT_COLUMNS, FORMAT, FORMAT_VERSION
 from jousto.simulation.state import MEMORY

@@ -26,9 +26,9 @@ from jousto.base.files import beside_of, check_file, create, take_place, unwrita
 from jousto.base.version import __version__
 from jousto.model.model import Model
 from jousto.model.scales import scales_of
-from jousto.simulation.results.columns import Column, columns
 from jousto.simulation.results.events import joints_of, sources
-from jousto.simulation.results.image import SparseImage, reserve
+from jousto.simulation.results.row_layout import Column, columns
+from jousto.simulation.results.sparse_image import SparseImage, reserve
 from jousto.simulation.results.stress import BEAMS, beam_arrays, frame_arrays, stress_arrays
 from jousto.simulation.results.symbols import GROUP as SYMBOLS, symbol_arrays
 

@@ -20,21 +20,21 @@ from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.model.scales import largest_speed
-from jousto.simulation.foreign.coupling import Coupling
-from jousto.simulation.foreign.process import FmuFailed
-from jousto.simulation.foreign.requirements import check_coupling, check_trust
+from jousto.simulation.cosimulation.coupling import Coupling
+from jousto.simulation.cosimulation.fmu_process import FmuFailed
+from jousto.simulation.cosimulation.loop import Coupled
+from jousto.simulation.cosimulation.requirements import check_coupling, check_trust
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
-from jousto.simulation.running.beginning import beginning
-from jousto.simulation.running.coupled import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
-from jousto.simulation.running.watch import Contradiction, RunWatch
+from jousto.simulation.running.run_checks import Contradiction, RunWatch
+from jousto.simulation.running.start_state import beginning
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.solvers.beam_checks import warn_bent
-from jousto.simulation.solvers.choice import choose
+from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
 from jousto.simulation.solvers.stability import stability_warning

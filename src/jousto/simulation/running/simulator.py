@@ -20,7 +20,7 @@ from jousto.simulation.results.events import Chronicle, Happening, happenings, j
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
-from jousto.simulation.running.beginning import beginning
+from jousto.simulation.running.start_state import beginning
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 from jousto.simulation.state import State, put, take
 

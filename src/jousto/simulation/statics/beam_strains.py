@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.model.model import Model
 from jousto.model.native.header import named
-from jousto.simulation.statics.balance import turned
+from jousto.simulation.statics.residual import turned
 
 SMALL = 1e-4  # sine of half the relative rotation below which series are exact
 

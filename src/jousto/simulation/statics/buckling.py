@@ -23,12 +23,12 @@ from jousto.simulation.modes.linear import local, pictures
 from jousto.simulation.modes.spectrum import DENSE
 from jousto.simulation.second_order import with_second_order
 from jousto.simulation.state import State
-from jousto.simulation.statics.balance import Balance
 from jousto.simulation.statics.beam_strains import beam_strains
 from jousto.simulation.statics.continuation import Point, factor
-from jousto.simulation.statics.load_paths import LoadPath, PathFailed
-from jousto.simulation.statics.paths import load_path
-from jousto.simulation.statics.walk import Walk
+from jousto.simulation.statics.load_path import load_path
+from jousto.simulation.statics.load_path_result import LoadPath, PathFailed
+from jousto.simulation.statics.path_following import Walk
+from jousto.simulation.statics.residual import Balance
 
 # imaginary part over size of a load, below which a pair is two equal real loads: follower loads on
 # unequal elements split equal loads by their own errors (rings: up to 3e-3), and by round-off

@@ -16,7 +16,7 @@ from jousto.base.errors import SimulationError
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.simulation.modes.linear import rotations
 from jousto.simulation.modes.spectrum import Spectrum, nearest
-from jousto.simulation.statics.balance import Balance
+from jousto.simulation.statics.residual import Balance
 
 SMALL = 1e-10  # length of the last increment
 STALLED = 1e-6  # length of an increment that no longer shrinks: round-off

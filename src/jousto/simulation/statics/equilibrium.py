@@ -12,14 +12,14 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.scales import largest_speed
-from jousto.simulation.bent import warn_far
+from jousto.simulation.check_bending import warn_far
 from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
 from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
 from jousto.simulation.state import State, put
-from jousto.simulation.statics.adrift import check_adrift
-from jousto.simulation.statics.left_out import check_second_order
-from jousto.simulation.statics.settle import settle
+from jousto.simulation.statics.equilibrium_sparse import settle
+from jousto.simulation.statics.free_bodies import check_adrift
+from jousto.simulation.statics.neglected_stiffening import check_second_order
 
 ITERATIONS = 100
 TURN = 0.5  # largest rotation of an iteration, rad

@@ -13,9 +13,9 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, take
-from jousto.simulation.statics.balance import SPEED, Balance
 from jousto.simulation.statics.continuation import NoConvergenceError, Point, at_load
-from jousto.simulation.statics.walk import Walk
+from jousto.simulation.statics.path_following import Walk
+from jousto.simulation.statics.residual import SPEED, Balance
 
 TORQUE = 1e-9  # of the moments of inertia forces and weight: a torque that is round-off
 NOISE = 64 * float(np.finfo(float).eps)  # of the largest stiffness: forces that are round-off

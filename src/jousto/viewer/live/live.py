@@ -16,8 +16,8 @@ from jousto.base.errors import Problems
 from jousto.base.progress import in_notebook
 from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.runner import Glance, Runner
-from jousto.viewer.live.desk import LiveDesk, Pusher
-from jousto.viewer.live.opened import Opened, opened
+from jousto.viewer.live.session import LiveDesk, Pusher
+from jousto.viewer.live.sources import Opened, opened
 from jousto.viewer.server import Server
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from jousto.materials.strength.sn import SN
 from jousto.mechanism.sensors.loads import ReactionSensor
 from jousto.model.model import Model
 from jousto.model.start_complex_step import has_steps
-from jousto.simulation.results.frames import component_units
+from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.memory import moved
 from jousto.simulation.results.solution import Solution
 
@@ -139,7 +139,7 @@ class Frequency(Outcome):
     def value(self, case: Case) -> float:
         """Return it for one point."""
         if has_steps(case.model):
-            from jousto.simulation.statics.stepped import frequency
+            from jousto.simulation.statics.complex_step import frequency
 
             return frequency(case.model, self.number, self.rest)
         found = case.once(("modes", self.rest), lambda: self._modes(case.model))

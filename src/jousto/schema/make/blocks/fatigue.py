@@ -15,11 +15,11 @@ from jousto.materials.strength.sn import SN
 from jousto.schema.entries.blocks.fatigue import FatigueEntry
 from jousto.schema.entries.curves import CurveForm
 from jousto.schema.file.document import Document, Loc, parse_document, read_document
-from jousto.schema.file.explain import explain, finish
+from jousto.schema.file.error_messages import explain, finish
 from jousto.schema.make.builder import Builder
 from jousto.schema.make.curves import build_curve
 from jousto.schema.make.declared import Place, build_declared
-from jousto.schema.make.sense import FORMS as OF_SENSORS
+from jousto.schema.make.sensors import FORMS as OF_SENSORS
 
 
 @dataclass(frozen=True, eq=False)

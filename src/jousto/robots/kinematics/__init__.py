@@ -1,0 +1,1 @@
+"""Kinematics and dynamics of robots: topology, loops, Jacobians, trees, inverse kinematics."""

@@ -1,0 +1,46 @@
+"""Robots of any file: the format is that of its root element."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from jousto.base.arguments import explained
+from jousto.base.errors import InputError, Problem
+from jousto.robots.description import Robot
+from jousto.robots.readers.mjcf import read_mjcf
+from jousto.robots.readers.sdf import read_sdf
+from jousto.robots.readers.urdf import read_urdf
+from jousto.robots.readers.xml import parse_file
+
+SUFFIXES = (".urdf", ".mjcf", ".sdf", ".xml")
+READERS: dict[str, Callable[..., Robot]] = {
+    "robot": read_urdf,
+    "mujoco": read_mjcf,
+    "sdf": read_sdf,
+}
+
+
+@explained
+def read_robot(path: str | Path, **options: Any) -> Robot:
+    """Read a robot from a URDF, MJCF or SDF file, whatever its name ends with.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    **options
+        Those of `read_urdf`, `read_mjcf` or `read_sdf`.
+
+    Raises
+    ------
+    InputError
+        With everything that cannot run, or if it is none of these.
+    """
+    root = parse_file(Path(path))
+    if root.tag not in READERS:
+        known = ", ".join(f"<{tag}>" for tag in READERS)
+        message = f"begins with <{root.tag}>; URDF, MJCF and SDF begin with {known}"
+        raise InputError(Problem(f"{Path(path).name}:{root.line}", message))
+    return READERS[root.tag](path, **options)

@@ -1,0 +1,194 @@
+"""Masses of robots: which links move without one, what no body has, and what is merged."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import Problems
+from jousto.mechanism.bodies.inertia import check_inertia
+from jousto.robots.description import Frame, Link, Robot
+from jousto.robots.readers.xml import Adder
+
+# a radius of gyration that is so many times the size of the robot has its mass in another unit
+ODD_RADIUS = 20.0
+HEAVY = 1e5  # kg
+LONG = 1e3  # m
+TURNS, DEGREES = 8.0 * math.pi, 720.0  # rad: limits between them were likely meant as degrees
+THIN = 1e-3  # of the size of the robot: the least radius of gyration that a repair leaves
+
+
+def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
+    """Return the robot with links merged, or note inertia that no body has and moving nothing.
+
+    What stands on a fixed joint may have any inertia, as long as what it is merged with has
+    one that a body can have.
+    """
+    made = idle(add, made)
+    wrong = {link.name: said for link in made.links if (said := wrong_mass(link))}
+    whole, homes = merged(made)
+    if not merge:
+        whole, homes = made, {link.name: link.name for link in made.links}
+    # what is fixed to a link with a mass adds its inertia, with or without a mass of its own
+    whole = replace(whole, links=without_idle_inertia(add, made, whole, homes))
+    held = held_links(whole)
+    links, size = [], extent(made)
+    for link in whole.links:
+        said = wrong_mass(link)
+        if said and repair and link.mass > 0.0 and link.name not in held:
+            add.note(link, f"{said}; repaired")
+            link = replace(link, inertia=nearest(link, size))
+        elif said and link.name not in held:
+            names = [name for name in wrong if homes[name] == link.name] or [link.name]
+            known = {one.name: one for one in made.links}
+            for name in names:
+                add(known[name], wrong.get(name, said))
+        links.append(link)
+    bad = {link.name for link in whole.links if wrong_mass(link) and link.name not in held}
+    for link in made.links:
+        if link.mass < 0.0 and homes[link.name] not in bad:
+            add(link, wrong[link.name])
+        elif link.name in wrong and homes[link.name] not in bad:
+            add.note(link, f"{wrong[link.name]}; it does not matter, since it is fixed to others")
+    return replace(whole, links=tuple(links))
+
+
+def held_links(made: Robot) -> set[str]:
+    """Return the names of links that do not move."""
+    held = {made.links[0].name} if made.fixed_base else set()
+    for joint in made.joints:  # parents come first
+        if joint.kind == "fixed" and joint.parent in held:
+            held.add(joint.child)
+    return held
+
+
+def without_idle_inertia(
+    add: Adder, made: Robot, whole: Robot, homes: dict[str, str]
+) -> tuple[Link, ...]:
+    """Return merged links, without inertia where there is no mass; note the links that gave it."""
+    empty = {link.name for link in whole.links if link.mass == 0.0}
+    for link in made.links:
+        if link.mass == 0.0 and homes[link.name] in empty and np.any(link.inertia != 0.0):
+            add.note(link, "has inertia but no mass; it counts as a frame without either")
+    return tuple(
+        replace(link, inertia=np.zeros((3, 3))) if link.name in empty else link
+        for link in whole.links
+    )
+
+
+def idle(add: Adder, made: Robot) -> Robot:
+    """Return the robot with joints held that move nothing, or note what moves without a mass."""
+    mass = {link.name: link.mass for link in made.links}
+    drawn = {link.name: bool(link.shapes) for link in made.links}
+    for joint in reversed(made.joints):
+        mass[joint.parent] += mass[joint.child]
+        drawn[joint.parent] |= drawn[joint.child]
+    links = {link.name: link for link in made.links}
+    root = made.links[0]
+    if not made.fixed_base and mass[root.name] == 0.0:
+        add(root, "moves freely, but neither it nor what it carries has a mass; give it one")
+        return made
+    leads = {joint.mimic.joint for joint in made.joints if joint.mimic is not None}
+    joints = []
+    for joint in made.joints:
+        if joint.kind == "fixed" or mass[joint.child] > 0.0:
+            joints.append(joint)
+        elif drawn[joint.child] or joint.name in leads:
+            add(
+                links[joint.child],
+                f"moves with joint {joint.name!r}, but neither it nor what it carries has a mass; "
+                "give it one, or make the joint fixed",
+            )
+            return replace(made, joints=made.joints)
+        else:
+            add.note(joint, "moves nothing that has a mass or a shape; it is held at zero")
+            joints.append(replace(joint, kind="fixed", mimic=None))
+    return replace(made, joints=tuple(joints))
+
+
+def wrong_mass(link: Link) -> str:
+    """Return why no body has the mass and inertia of a link; empty if one may."""
+    if link.mass < 0.0:
+        return f"mass is {link.mass:g} kg, must not be negative"
+    if link.mass == 0.0:
+        return ""
+    problems = Problems()
+    check_inertia(problems, "", link.inertia)
+    return "; ".join(problem.message for problem in problems.found)
+
+
+def check_mass(add: Adder, link: Link) -> None:
+    """Note why no body has the mass and inertia of a link."""
+    said = wrong_mass(link)
+    if said:
+        add(link, said)
+
+
+def nearest(link: Link, size: float) -> Array:
+    """Return an inertia that a body can have: the second moments of mass become positive.
+
+    With ``S = tr(J) / 2 - J`` a body has ``S = int x x^T dm``.
+    """
+    J = 0.5 * (link.inertia + link.inertia.T)
+    least = link.mass * (THIN * max(size, THIN)) ** 2
+    values, vectors = np.linalg.eigh(0.5 * np.trace(J) * np.eye(3) - J)
+    values = np.maximum(values, max(least, 1e-6 * float(np.abs(values).max())))
+    S = (vectors * values) @ vectors.T
+    return np.asarray(np.trace(S) * np.eye(3) - S)
+
+
+def note_sizes(add: Adder, made: Robot) -> None:
+    """Note masses, lengths and angles that were likely given in other units."""
+    size = extent(made)
+    for link in made.links:
+        if link.mass > HEAVY:
+            add.note(link, f"mass is {link.mass:g} kg; was it given in g?")
+        if link.mass > 0.0:
+            radius = math.sqrt(max(0.0, float(np.trace(link.inertia))) / (2.0 * link.mass))
+            if size > 0.0 and radius > ODD_RADIUS * size:
+                add.note(
+                    link,
+                    f"its radius of gyration is {radius:.3g} m, the robot itself {size:.3g} m "
+                    "long; are mass and inertia in kg and kg m2?",
+                )
+    for joint in made.joints:
+        wide = max(abs(joint.lower), abs(joint.upper)) if joint.kind == "revolute" else 0.0
+        if TURNS < wide <= DEGREES:
+            both = f"limits are {joint.lower:g} and {joint.upper:g} rad"
+            add.note(joint, f"{both}, {wide / math.tau:.0f} turns; were they given in degrees?")
+    if size > LONG:
+        add.note(None, f"the robot is {size:.3g} m long; were lengths given in mm?")
+
+
+def extent(made: Robot) -> float:
+    """Return the longest chain of distances between joints and centres of mass, m."""
+    long = {made.links[0].name: 0.0}
+    for joint in made.joints:
+        long[joint.child] = long[joint.parent] + float(np.linalg.norm(joint.origin.r))
+    return max(
+        long[link.name] + (float(np.linalg.norm(link.center)) if link.mass else 0.0)
+        for link in made.links
+    )
+
+
+def merged(made: Robot) -> tuple[Robot, dict[str, str]]:
+    """Return the robot with links on fixed joints merged, and where each link has gone."""
+    place = {made.links[0].name: (made.links[0].name, Frame())}
+    links = {made.links[0].name: made.links[0]}
+    known = {link.name: link for link in made.links}
+    joints = []
+    for joint in made.joints:
+        home, at = place[joint.parent]
+        at = at @ joint.origin
+        if joint.kind == "fixed":
+            place[joint.child] = (home, at)
+            links[home] = links[home].with_link(known[joint.child], at)
+        else:
+            place[joint.child] = (joint.child, Frame())
+            links[joint.child] = known[joint.child]
+            joints.append(replace(joint, parent=home, origin=at))
+    homes = {name: home for name, (home, _) in place.items()}
+    return replace(made, links=tuple(links.values()), joints=tuple(joints)), homes

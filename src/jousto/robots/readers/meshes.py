@@ -1,0 +1,190 @@
+"""Shapes of links: solids of known form, and meshes from folders that may be read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.files import special
+from jousto.base.names import harmless
+from jousto.mechanism.bodies import shapes
+from jousto.mechanism.bodies.shapes import Solid, read_surface
+from jousto.robots.readers.xml import Element, Reading
+
+READ = (".stl", ".obj", ".ply", ".dae")
+LARGEST = 256 * 2**20  # bytes
+MOST = 1e100  # m, beyond squares overflow
+
+
+class Folders:
+    """The folders in which meshes may be: that of the file, and those of its packages.
+
+    Parameters
+    ----------
+    path : Path
+        The file of the robot.
+    packages : dict of str to path or None
+        Folders of packages by their names.
+
+    Raises
+    ------
+    InputError
+        If the packages are no mapping of names to folders.
+    """
+
+    def __init__(self, path: Path, packages: Any) -> None:
+        self.home = path.parent.resolve()
+        given = {} if packages is None else packages
+        if not isinstance(given, Mapping):
+            message = f"is {given!r}, must be a mapping of names to folders"
+            raise InputError(Problem("packages", message))
+        self.packages: dict[str, Path] = {}
+        for name, folder in given.items():
+            if not isinstance(folder, str | Path):
+                message = f"is {folder!r}, must be a folder"
+                raise InputError(Problem(f"packages[{name!r}]", message))
+            self.packages[str(name)] = Path(folder).resolve()
+        self.base = self.home
+
+    def within(self, name: str) -> Folders:
+        """Return the same folders, names counted from a folder in that of the file."""
+        found = copy(self)
+        found.base = self.base / name
+        return found
+
+    def at(self, folder: Path) -> Folders:
+        """Return the same folders for a file in one of them, names counted from there."""
+        found = copy(self)
+        found.base = folder
+        return found
+
+    def find(self, name: str) -> tuple[Path | None, str]:
+        """Return the file of a name in a robot's file, or why it may not be read."""
+        head, mark, rest = name.partition("://")
+        if not name.strip() or "\x00" in name:
+            return None, "has no name"
+        if mark and head in ("package", "model"):
+            package, _, inner = rest.partition("/")
+            folder = self.packages.get(package)
+            if folder is None and package == self.home.name:
+                folder = self.home
+            if folder is None:
+                known = suggest(package, self.packages) if self.packages else ""
+                say = f"packages={{{package!r}: folder}}"
+                return None, f"is in package {package!r}; say where, {say}{known}"
+            path = folder / inner
+        elif mark and head == "file":
+            path = Path(rest)
+        elif mark or ":" in head.partition("/")[0][2:]:
+            return None, f"is at {head}://, only files are read"
+        else:
+            path = self.base / name
+        return self.allowed(path)
+
+    def allowed(self, path: Path) -> tuple[Path | None, str]:
+        """Return a path that is in one of the folders, links followed; else why not."""
+        try:
+            real = path.resolve()
+            inside = any(
+                real.is_relative_to(folder) for folder in (self.home, *self.packages.values())
+            )
+            if not inside:
+                return None, "lies outside the folder of the robot and of its packages"
+            if not real.is_file():
+                what = special(real)
+                return None, f"is {what}" if what else "is not there"
+            if real.stat().st_size > LARGEST:
+                return None, f"has more than {LARGEST // 2**20} MB"
+        except (OSError, ValueError, RuntimeError) as error:
+            return None, f"cannot be found: {type(error).__name__}"
+        return real, ""
+
+    def surface(self, name: str) -> tuple[Array | None, str]:
+        """Return the triangles (nt, 3, 3) of a mesh file, m, or why there are none."""
+        path, why = self.find(name)
+        shown = harmless(name)
+        if path is None:
+            return None, f"'{shown}' {why}"
+        if path.suffix.lower() not in READ:
+            known = ", ".join(READ)
+            return None, f"'{shown}' is a {path.suffix or 'nameless'} file, {known} are read"
+        try:
+            with np.errstate(all="ignore"):  # readers guess the kind of a file by its numbers
+                triangles = read_surface("mesh", path, "m")
+        except InputError as error:
+            return None, f"'{shown}' cannot be used: {error.problems[0].message}"
+        if not np.isfinite(triangles).all() or np.abs(triangles).max(initial=0.0) > MOST:
+            return None, f"'{shown}' cannot be used: it has corners that are no finite numbers"
+        return triangles, ""
+
+    def mesh(self, reading: Reading, element: Element, name: str, scale: Array) -> Array | None:
+        """Return the triangles (nt, 3, 3) of a mesh file, m, or note why there are none."""
+        found, why = self.surface(name)
+        if found is None:
+            reading.note(element, f"the mesh {why}; the shape is left out")
+            return None
+        found = found * scale
+        # a mirrored mesh is turned inside out
+        return found[:, ::-1] if np.prod(scale) < 0.0 else found
+
+
+def solid_of(reading: Reading, element: Element, kind: str, sizes: Array) -> Solid | None:
+    """Return a solid about its middle, its axis z, or note that it has no size.
+
+    Parameters
+    ----------
+    reading, element
+        Where problems are noted.
+    kind : {"box", "cylinder", "capsule", "sphere", "ellipsoid"}
+        Its form.
+    sizes : (n,) array
+        Lengths of a box; radius and length, without the round ends of a capsule; radius;
+        half axes, m.
+    """
+    if not (sizes > 0.0).all():
+        found = ", ".join(f"{x:g}" for x in sizes)
+        reading.note(element, f"the {kind} has the size ({found}), must be positive; left out")
+        return None
+    z = np.array([0.0, 0.0, 1.0])
+    if kind == "box":
+        return shapes.box(sizes)
+    if kind == "cylinder":
+        return shapes.cylinder(float(sizes[0]), float(sizes[1]), z)
+    if kind == "capsule":
+        return capsule(float(sizes[0]), float(sizes[1]))
+    if kind == "sphere":
+        return shapes.sphere(float(sizes[0]))
+    return ellipsoid(sizes)
+
+
+def capsule(r: float, long: float) -> Solid:
+    """Return a cylinder of a length about z with half spheres at its ends, density 1.
+
+    Of a half sphere of mass m the centre is 3 r / 8 above its disc, and the moment across about
+    that centre is ``(2/5 - 9/64) m r^2``.
+    """
+    m, b = np.pi * r * r * long, 2.0 / 3.0 * np.pi * r**3
+    along = 0.5 * m * r * r + 2.0 * 0.4 * b * r * r
+    away = 0.5 * long + 0.375 * r
+    across = m * (3.0 * r * r + long * long) / 12.0
+    across += 2.0 * b * ((0.4 - 9.0 / 64.0) * r * r + away * away)
+    angle = np.linspace(0.0, 0.5 * np.pi, shapes.FACETS // 4 + 1)
+    top = np.stack([r * np.cos(angle), 0.5 * long + r * np.sin(angle)], axis=1)
+    profile = np.concatenate([top[::-1] * [1.0, -1.0], top])
+    profile[[0, -1], 0] = 0.0
+    inertia = np.diag([across, across, along])
+    return Solid(m + 2.0 * b, np.zeros(3), inertia, shapes.revolved(profile))
+
+
+def ellipsoid(half: Array) -> Solid:
+    """Return an ellipsoid of three half axes, density 1: ``I_xx = m (b^2 + c^2) / 5``."""
+    volume = float(4.0 / 3.0 * np.pi * np.prod(half))
+    squares = half**2
+    inertia = np.diag(volume * (squares.sum() - squares) / 5.0)
+    return Solid(volume, np.zeros(3), inertia, shapes.sphere(1.0).triangles * half)

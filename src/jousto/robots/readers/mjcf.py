@@ -1,0 +1,189 @@
+"""MJCF: the models of MuJoCo, as far as they are rigid bodies."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.robots.description import Actuator, Frame, Link, Robot
+from jousto.robots.kinematics.tree import Tree
+from jousto.robots.readers import checks
+from jousto.robots.readers.meshes import Folders
+from jousto.robots.readers.mjcf_bodies import Bodies
+from jousto.robots.readers.mjcf_collected import Collected
+from jousto.robots.readers.mjcf_ties import Motor, closed, read_actuators, read_ties
+from jousto.robots.readers.mjcf_words import CONTACT
+from jousto.robots.readers.xml import Reading, parse_file
+
+SINGLE = ("revolute", "prismatic")
+
+
+@explained
+def read_mjcf(
+    path: str | Path, *, merge: bool = True, repair: bool = False, meshes: bool = True
+) -> Robot:
+    """Read rigid bodies from an MJCF file.
+
+    Read are bodies with ``pos`` and any of the five orientations, ``hinge``, ``slide``, ``ball``
+    and ``free`` joints (several on one body, too) with anchor, range, reference, damping,
+    stiffness, dry friction and armature, ``inertial`` or the mass of the geoms, classes of
+    defaults, sites as frames, gravity and its compensation, equalities of joints that are linear,
+    ``connect`` and ``weld`` as rigid joints that close loops, and actuators of joints as inputs.
+    Files that it includes and models that it attaches are read from its folder. Angles are in
+    degrees unless ``<compiler angle="radian">`` says otherwise. The root is the world. Joints count
+    as in MuJoCo, and start at their ``ref``.
+
+    Contact is not modelled. What is not done and changes the motion is refused or warned of, with
+    its line and effect; docs/robots.md lists every word. A body with several joints has links
+    without mass between them.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. Other files are looked for in its folder and nowhere else.
+    merge : bool
+        Whether bodies without joints are merged with those that carry them.
+    repair : bool
+        Whether inertia that no body has is replaced by the nearest one that a body can have, with
+        a warning, instead of refused.
+    meshes : bool
+        Whether meshes are read for pictures; those that give a body its mass are always read.
+
+    Raises
+    ------
+    InputError
+        With everything that cannot run.
+
+    Warns
+    -----
+    JoustoWarning
+        What is left out or odd.
+    """
+    path = Path(path)
+    root = parse_file(path)
+    reading = Reading(path)
+    if root.tag != "mujoco":
+        reading.add(root, f"an MJCF file begins with <mujoco>, not <{root.tag}>")
+        reading.finish()
+    found = Collected(links=[Link("world", where=reading.where(root, "world"))])
+    bodies = Bodies(reading, root, Folders(path, None), found, draw=meshes, above=(path.resolve(),))
+    for section in bodies.root.all("worldbody"):
+        bodies.contents(section, found.links[0], Frame(), "main", moving=False)
+    models = [bodies, *bodies.attached]
+    ties = [tie for one in models for tie in read_ties(one)]
+    motors = [motor for one in models for motor in read_actuators(one)]
+    weigh(found, bodies.settings.total)
+    note_contact(reading, models, found)
+    name = root.given.get("model", path.stem)
+
+    def complete(made: Robot) -> Robot:
+        made = replace(sprung(made, found), gravity=bodies.settings.weight)
+        return replace(closed(bodies, made, ties), actuators=tuned(made, motors))
+
+    return checks.robot(
+        reading,
+        name,
+        found.links,
+        found.joints,
+        fixed_base=True,
+        merge=merge,
+        repair=repair,
+        complete=complete,
+    )
+
+
+def weigh(found: Collected, total: float) -> None:
+    """Give all bodies their share of a total mass, kg, and the weights that are compensated."""
+    mass = sum(link.mass for link in found.links)
+    share = total / mass if total > 0.0 and mass > 0.0 else 1.0
+    for i, link in enumerate(found.links):
+        m = share * link.mass
+        lifted = found.lifted.get(link.name, 0.0)
+        lifts = ((lifted * m, link.center),) if lifted * m != 0.0 else ()
+        found.links[i] = replace(link, mass=m, inertia=share * link.inertia, lifts=lifts)
+
+
+def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
+    """Note once that geoms of different bodies that can touch do not."""
+    for model in models:
+        for pair in (pair for section in model.root.all("contact") for pair in section.all("pair")):
+            if not {"contact", "constraint"} & model.settings.off:
+                reading.effect(pair, "<pair>", CONTACT)
+    above = {joint.child: joint for joint in found.joints}
+
+    def home(name: str) -> str:
+        while name in above and above[name].kind == "fixed":
+            name = above[name].parent
+        return name
+
+    masks: dict[tuple[str, int, int], None] = {}
+    first = None
+    for element, link, one, other in found.touching:
+        masks.setdefault((home(link), one, other))
+        first = first or element
+    seen = list(masks)[:200]  # enough to find a pair
+    for i, (a, one, other) in enumerate(seen):
+        for b, two, another in seen[:i]:
+            carried = any(x in above and home(above[x].parent) == y for x, y in ((a, b), (b, a)))
+            near = carried and "world" not in (a, b)
+            if a != b and not near and (one & another or two & other):
+                assert first is not None
+                reading.effect(first, "geoms of different bodies", CONTACT)
+                return
+
+
+def inertias(robot: Robot) -> dict[str, float]:
+    """Return what moves with each joint where the robot starts while the others are free.
+
+    The inverse of the mean of ``(M^-1)_ii`` over its coordinates, kg m2 or kg.
+    """
+    free = replace(
+        robot, loops=(), joints=tuple(replace(joint, mimic=None) for joint in robot.joints)
+    )
+    tree = Tree(free)
+    inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
+    shares: dict[str, list[float]] = {}
+    for name, x in zip(tree.velocities, inverse, strict=True):
+        shares.setdefault(name.rpartition(".")[0], []).append(float(x))
+    return {name: len(x) / max(sum(x), 1e-15) for name, x in shares.items()}
+
+
+def sprung(robot: Robot, found: Collected) -> Robot:
+    """Return a robot whose joints have the springs and dampers of ``springdamper``.
+
+    With the time constant T, the ratio z and the mean m of what moves with the coordinates of the
+    joint, ``k = m / (T z)^2`` and ``c = 2 m / T``.
+    """
+    if not found.springs:
+        return robot
+    inertia = inertias(robot)
+    springs = {checks.joint_name(name): values for name, values in found.springs.items()}
+    joints = []
+    for joint in robot.joints:
+        if joint.name in springs and joint.name in inertia:
+            time, ratio = springs[joint.name]
+            m = inertia[joint.name]
+            joint = replace(joint, stiffness=m / (time * ratio) ** 2, damping=2.0 * m / time)
+        joints.append(joint)
+    return replace(robot, joints=tuple(joints))
+
+
+def tuned(robot: Robot, motors: list[Motor]) -> tuple[Actuator, ...]:
+    """Return the actuators, those of a damping ratio z with ``b2 = -2 z sqrt(kp m / g^2)``."""
+    joints = {joint.name: joint for joint in robot.joints if joint.kind in SINGLE}
+    inertia = inertias(robot) if any(motor.ratio for motor in motors) else {}
+    found = []
+    for motor in motors:
+        made = motor.made
+        if made.joint not in joints:
+            continue
+        if motor.ratio > 0.0:
+            b0, b1, _ = made.bias
+            m = inertia[made.joint] / made.gear**2
+            made = replace(made, bias=(b0, b1, -2.0 * motor.ratio * math.sqrt(-b1 * m)))
+        found.append(made)
+    return tuple(found)

@@ -1,0 +1,227 @@
+"""Settings of MJCF files: compiler, options, flags, classes of defaults; places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.rotations import exp_rotation, rotation_matrix, turn_onto
+from jousto.robots.description import Frame
+from jousto.robots.readers.xml import Element, Reading
+
+DEGREE = np.pi / 180.0
+ORIENTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")
+ACTUATORS = ("general", "motor", "position", "velocity")
+EXCLUSIVE = (ORIENTATIONS, ("mass", "density"), ("kv", "dampratio"))
+Classes = dict[str, dict[str, dict[str, str]]]
+
+
+@dataclass
+class Settings:
+    """What ``<compiler>``, ``<option>`` and ``<flag>`` set; the last of several values counts.
+
+    Attributes
+    ----------
+    angle : float
+        rad for one unit of angle.
+    sequence : str
+        Of Euler angles.
+    limits : bool
+        Whether a range alone makes a limit.
+    from_geoms : {"auto", "true", "false"}
+        Whether inertia is that of the geoms.
+    groups : (2,) array
+        First and last group of geoms that have mass.
+    meshes : str
+        Folder of meshes.
+    strip, fit_box, exact, balance : bool
+        ``strippath``, ``fitaabb``, ``exactmeshinertia`` and ``balanceinertia``.
+    least_mass, least_inertia, total : float
+        ``boundmass`` (kg), ``boundinertia`` (kg m2) and ``settotalmass`` (kg).
+    gravity : (3,) array
+        m/s2.
+    off : set of str
+        Flags that are disabled.
+    idle_groups : set of int
+        Groups of actuators that exert no force.
+    """
+
+    angle: float = DEGREE
+    sequence: str = "xyz"
+    limits: bool = True
+    from_geoms: str = "auto"
+    groups: Array = field(default_factory=lambda: np.array([0.0, 5.0]))
+    meshes: str = ""
+    strip: bool = False
+    fit_box: bool = False
+    exact: bool = False
+    balance: bool = False
+    least_mass: float = 0.0
+    least_inertia: float = 0.0
+    total: float = -1.0
+    gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -9.81]))
+    off: set[str] = field(default_factory=set)
+    idle_groups: set[int] = field(default_factory=set)
+
+    @property
+    def weight(self) -> Array:
+        """Acceleration of free fall, m/s2; zero where gravity is disabled."""
+        return np.zeros(3) if "gravity" in self.off else self.gravity
+
+
+def read_settings(reading: Reading, root: Element) -> Settings:
+    """Return the settings of all sections of a file."""
+    found = Settings()
+    for element in root.all("compiler"):
+        _compiler(reading, element, found)
+    for element in root.all("option"):
+        found.gravity = reading.vector(element, "gravity", tuple(found.gravity))
+        groups = element.given.get("actuatorgroupdisable", "").split()
+        found.idle_groups |= {int(x) for x in groups if x.isdigit()}
+        for flag in element.all("flag"):
+            for name, value in flag.given.items():
+                (found.off.add if value == "disable" else found.off.discard)(name)
+    return found
+
+
+def _compiler(reading: Reading, element: Element, found: Settings) -> None:
+    given = element.given
+    words: dict[str, tuple[str, Any]] = {
+        "angle": ("angle", {"degree": DEGREE, "radian": 1.0}),
+        "autolimits": ("limits", {"true": True, "false": False}),
+        "inertiafromgeom": ("from_geoms", {x: x for x in ("auto", "true", "false")}),
+        "strippath": ("strip", {"true": True, "false": False}),
+        "fitaabb": ("fit_box", {"true": True, "false": False}),
+        "exactmeshinertia": ("exact", {"true": True, "false": False}),
+        "balanceinertia": ("balance", {"true": True, "false": False}),
+    }
+    for key, (name, values) in words.items():
+        if key in given and given[key] not in values:
+            known = " or ".join(values)
+            reading.add(element, f"{key} is {given[key]!r}, must be {known}")
+        elif key in given:
+            setattr(found, name, values[given[key]])
+    for key, name in (
+        ("boundmass", "least_mass"),
+        ("boundinertia", "least_inertia"),
+        ("settotalmass", "total"),
+    ):
+        setattr(found, name, reading.number(element, key, getattr(found, name)))
+    text = given.get("inertiagrouprange")
+    found.groups = reading.numbers(element, text, "inertiagrouprange", 2, found.groups)
+    sequence = given.get("eulerseq", found.sequence)
+    if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
+        reading.add(element, f"eulerseq is {sequence!r}, must be such as xyz")
+    else:
+        found.sequence = sequence
+    found.meshes = given.get("meshdir", given.get("assetdir", found.meshes))
+
+
+def read_classes(root: Element) -> Classes:
+    """Return the attributes that the classes of defaults give: by class, element and attribute."""
+    found: Classes = {"main": {}}
+    for element in root.all("default"):
+        # sections at the top add to each other
+        _class(element, {}, "main", found)
+    return found
+
+
+def _class(element: Element, above: dict[str, dict[str, str]], spare: str, found: Classes) -> None:
+    name = element.given.get("class", spare)
+    own = {tag: dict(values) for tag, values in (found.get(name) or above).items()}
+    for child in element.children:
+        if child.tag != "default":
+            tags = (child.tag, "actuator") if child.tag in ACTUATORS else (child.tag,)
+            for tag in tags:
+                own[tag] = override(own.get(tag, {}), child.given)
+    found[name] = own
+    for child in element.all("default"):
+        _class(child, own, f"class of line {child.line}", found)
+
+
+def override(given: dict[str, str], by: dict[str, str]) -> dict[str, str]:
+    """Return attributes, replaced by others; of words that exclude each other the later counts."""
+    gone = {x for words in EXCLUSIVE if any(word in by for word in words) for x in words}
+    return {key: value for key, value in given.items() if key not in gone} | by
+
+
+class Places:
+    """Reads places and orientations, and the classes of elements.
+
+    Parameters
+    ----------
+    reading : Reading
+        Where problems are noted.
+    root : Element
+        The model.
+    """
+
+    def __init__(self, reading: Reading, root: Element) -> None:
+        self.reading = reading
+        self.settings = read_settings(reading, root)
+        self.classes = read_classes(root)
+
+    def given(self, element: Element, inherited: str, tag: str = "") -> Element:
+        """Return an element with the attributes of its class, those of another tag if told."""
+        name = element.given.get("class", inherited)
+        if name not in self.classes:
+            self.reading.add(element, f"no class {name!r} of defaults")
+            name = "main"
+        own = self.classes[name].get(tag or element.tag, {})
+        return replace(element, given=override(own, element.given))
+
+    def frame(self, element: Element) -> Frame:
+        """Return the place and orientation that an element gives."""
+        return Frame(self.reading.vector(element, "pos", (0.0, 0.0, 0.0)), self.axes(element))
+
+    def axes(self, element: Element) -> Array:
+        """Return the orientation of an element (3, 3)."""
+        given, reading = element.given, self.reading
+        if "quat" in given:
+            return self.quaternion(element, "quat")
+        if "axisangle" in given:
+            text = given["axisangle"]
+            values = reading.numbers(element, text, "axisangle", 4, np.array([0.0, 0, 1, 0]))
+            turn = values[3] * self.settings.angle
+            return exp_rotation(self.unit(element, values[:3], "axisangle") * turn)
+        if "euler" in given:
+            return self.euler(reading.vector(element, "euler", (0.0, 0.0, 0.0)))
+        if "xyaxes" in given:
+            values = reading.numbers(element, given["xyaxes"], "xyaxes", 6, np.eye(3)[:2].ravel())
+            x = self.unit(element, values[:3], "xyaxes")
+            y = self.unit(element, values[3:] - x * (x @ values[3:]), "xyaxes")
+            return np.stack([x, y, np.cross(x, y)], axis=1)
+        if "zaxis" in given:
+            z = self.unit(element, reading.vector(element, "zaxis", None), "zaxis")
+            return turn_onto(np.eye(3), z)
+        return np.eye(3)
+
+    def quaternion(self, element: Element, key: str) -> Array:
+        """Return the orientation (3, 3) of an attribute that is a quaternion."""
+        spare = np.array([1.0, 0.0, 0.0, 0.0])
+        e = self.reading.numbers(element, element.given.get(key), key, 4, spare)
+        size = float(np.linalg.norm(e))
+        if size == 0.0:
+            self.reading.add(element, f"{key} is zero; 1 0 0 0 is no turn")
+            return np.eye(3)
+        return rotation_matrix(e / size)
+
+    def euler(self, angles: Array) -> Array:
+        """Return the orientation (3, 3) of three angles in the unit and sequence of the file."""
+        A = np.eye(3)
+        for letter, angle in zip(self.settings.sequence, angles, strict=True):
+            turn = np.eye(3)["xyz".index(letter.lower())] * angle * self.settings.angle
+            R = exp_rotation(turn)
+            A = A @ R if letter.islower() else R @ A
+        return A
+
+    def unit(self, element: Element, vector: Array, name: str) -> Array:
+        """Return a vector of length 1, or note that it has no direction."""
+        size = float(np.linalg.norm(vector))
+        if size == 0.0:
+            self.reading.add(element, f"{name} has no direction")
+            return np.array([0.0, 0.0, 1.0])
+        return vector / size

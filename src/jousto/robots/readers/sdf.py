@@ -1,0 +1,398 @@
+"""SDF: the models of Gazebo, as far as they are trees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.rotations import rotation_matrix
+from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
+from jousto.robots.readers import checks
+from jousto.robots.readers.meshes import Folders, solid_of
+from jousto.robots.readers.sdf_nested import flattened
+from jousto.robots.readers.sdf_words import CONTACT, SDF
+from jousto.robots.readers.urdf import roll_pitch_yaw
+from jousto.robots.readers.words import check_words
+from jousto.robots.readers.xml import Element, Reading, parse_file
+
+TYPES = {
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+    "ball": "ball",
+    "fixed": "fixed",
+    "universal": "universal",
+    "revolute2": "universal",
+    "screw": "screw",
+    "gearbox": "gearbox",
+}
+CLOSING = ("revolute", "prismatic", "ball", "fixed")
+FAR = 1e15  # limits beyond are none
+
+
+@explained
+def read_sdf(
+    path: str | Path,
+    *,
+    packages: Mapping[str, str | Path] | None = None,
+    fixed_base: bool = False,
+    merge: bool = True,
+    repair: bool = False,
+    meshes: bool = True,
+) -> Robot:
+    """Read a robot from an SDF file: its first model, with the models within it.
+
+    Poses may be relative to any link, joint or frame of the model. Without ``relative_to`` that of
+    a joint is relative to its child, the others to the model. Joints are revolute, continuous,
+    prismatic, screw, universal, revolute2, ball and fixed; those that close loops, too. A gearbox
+    couples the joints between its reference body and its two links. The root is the world; what
+    no joint holds moves freely, unless the model is static or `fixed_base`. Links of a model within
+    are called ``model::link``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. Meshes are looked for in its folder and nowhere else.
+    packages : dict of str to path, optional
+        Folders of further packages, for ``model://name/file.stl`` and ``package://name/...``.
+    fixed_base : bool
+        Whether links that no joint holds are fixed to the world.
+    merge : bool
+        Whether links on fixed joints are merged with those that carry them.
+    repair : bool
+        Whether inertia that no body has is replaced by the nearest one that a body can have, with
+        a warning, instead of refused.
+    meshes : bool
+        Whether meshes are read; without them they are not drawn.
+
+    Raises
+    ------
+    InputError
+        With everything that cannot run.
+
+    Warns
+    -----
+    JoustoWarning
+        What is left out or odd.
+    """
+    path = Path(path)
+    root = parse_file(path)
+    reading = Reading(path)
+    if root.tag != "sdf":
+        reading.add(root, f"an SDF file begins with <sdf>, not <{root.tag}>")
+        reading.finish()
+    world = root.first("world") or root
+    models = list(world.all("model"))
+    check_words(reading, root, SDF)
+    if not models:
+        reading.add(root, "has no <model>")
+    if reading.problems:
+        reading.finish()
+    for other in models[1:]:
+        reading.note(other, "is left out, only the first model is read")
+    version = root.given.get("version", "1.7")
+    reader = _Reader(reading, models[0], version, Folders(path, packages), draw=meshes)
+    links, joints = reader.parts(fixed_base)
+    name = models[0].given.get("name", path.stem)
+    gravity = world.first("gravity")
+    weight = np.array([0.0, 0.0, -9.81])
+    if gravity is not None:
+        weight = _numbers(reading, gravity, 3, weight)
+
+    def complete(made: Robot) -> Robot:
+        return replace(checks.with_loops(made, reader.loops), gravity=weight)
+
+    return checks.robot(
+        reading,
+        name,
+        links,
+        joints,
+        fixed_base=True,
+        merge=merge,
+        repair=repair,
+        complete=complete,
+    )
+
+
+class _Reader:
+    """Reads one model."""
+
+    def __init__(
+        self, reading: Reading, model: Element, version: str, folders: Folders, *, draw: bool
+    ) -> None:
+        self.old = version in ("1.0", "1.2", "1.3", "1.4")  # axes are those of the model
+        model = flattened(model, self.old)
+        self.reading, self.model, self.folders, self.draw = reading, model, folders, draw
+        self.loops: list[RobotJoint] = []
+        self.named: dict[str, Element] = {}
+        self.placed: dict[str, Frame] = {"__model__": Frame()}
+        touching = [one for one in model.all("link") if one.first("collision") is not None]
+        if len(touching) > 1:
+            reading.effect(touching[0], "<collision>", CONTACT)
+        for element in model.children:
+            if element.tag in ("link", "joint", "frame"):
+                self.named.setdefault(element.given.get("name", ""), element)
+
+    def parts(self, fixed_base: bool) -> tuple[list[Link], list[RobotJoint]]:
+        """Return links and joints, the world first."""
+        static = _text(self.model, "static") in ("true", "1")
+        links = [Link("world", where=self.reading.where(self.model, "world"))]
+        links += [self.link(element) for element in self.model.all("link")]
+        joints: list[RobotJoint] = []
+        gearboxes = []
+        for element in self.model.all("joint"):
+            if element.given.get("type") == "gearbox":
+                gearboxes.append(element)
+            else:
+                joints += self.joint(element, links)
+        joints, self.loops = checks.split_loops(joints, CLOSING)
+        for element in gearboxes:
+            self.gearbox(element, joints)
+        at = self.pose(self.model, Frame())
+        held = {joint.child for joint in joints}
+        bases = [link for link in links[1:] if link.name not in held]
+        kind = "fixed" if static or fixed_base else "floating"
+        taken = {joint.name for joint in joints}
+        for link in bases:
+            name = "base" if len(bases) == 1 else f"base of {link.name}"
+            name = f"{name} joint" if name in taken else name
+            origin = at @ self.place(link.name, None)
+            joints.append(RobotJoint(name, kind, "world", link.name, origin, where=link.where))
+        return links, joints
+
+    def gearbox(self, element: Element, joints: list[RobotJoint]) -> None:
+        """Let the joint of the parent follow that of the child: ``q1 = -ratio q2``.
+
+        q1 and q2 are the angles of parent and child against the reference body about ``axis`` and
+        ``axis2``.
+        """
+        body = _text(element, "gearbox_reference_body")
+        found = []
+        for tag, axis in (("parent", "axis"), ("child", "axis2")):
+            link = _text(element, tag)
+            ends = {body, link}
+            places = [i for i, x in enumerate(joints) if {x.parent, x.child} == ends]
+            if len(places) != 1 or joints[places[0]].kind != "revolute" or link not in self.named:
+                self.reading.add(
+                    element,
+                    f"a gearbox needs a revolute joint between its reference body {body!r} and its "
+                    f"{tag} {link!r}",
+                )
+                return
+            joint = joints[places[0]]
+            below = self.place(joint.child, element)
+            own = self.axis(element, element.first(axis), below)["axis"]
+            forward = 1.0 if joint.child == link else -1.0
+            found.append((places[0], forward * float(np.sign(own @ joint.axis) or 1.0)))
+        (i, one), (j, other) = found
+        ratio = self.value(element, "gearbox_ratio", 1.0)
+        joints[i] = replace(joints[i], mimic=Mimic(joints[j].name, -ratio * one * other, 0.0))
+
+    # -- places -----------------------------------------------------------------------------
+
+    def pose(self, element: Element, spare: Frame) -> Frame:
+        """Return the numbers of the ``<pose>`` of an element."""
+        pose = element.first("pose")
+        if pose is None or not pose.text.strip():
+            return spare
+        if pose.given.get("rotation_format") == "quat_xyzw":
+            x = _numbers(self.reading, pose, 7, np.array([0.0, 0, 0, 0, 0, 0, 1]))
+            e = x[[6, 3, 4, 5]]
+            size = float(np.linalg.norm(e))
+            if size < 1e-9:
+                self.reading.add(pose, "the quaternion is zero")
+                return spare
+            return Frame(x[:3], rotation_matrix(e / size))
+        x = _numbers(self.reading, pose, 6, np.zeros(6))
+        turn = np.pi / 180.0 if pose.given.get("degrees") in ("true", "1") else 1.0
+        return Frame(x[:3], roll_pitch_yaw(x[3:] * turn))
+
+    def place(self, name: str, asking: Element | None, depth: int = 0) -> Frame:
+        """Return where a link, joint or frame is in the model."""
+        if name in self.placed:
+            return self.placed[name]
+        element = self.named.get(name)
+        if element is None or depth > len(self.named):
+            said = f"no link, joint or frame {name!r}" if element is None else "goes in a circle"
+            self.reading.add(asking, said)
+            return Frame()
+        pose = element.first("pose")
+        above = "" if pose is None else pose.given.get("relative_to", "")
+        if not above and element.tag == "joint":
+            above = _text(element, "child")
+        elif not above and element.tag == "frame":
+            above = element.given.get("attached_to", "")
+        at = self.place(above or "__model__", element, depth + 1) @ self.pose(element, Frame())
+        self.placed[name] = at
+        return at
+
+    # -- links ------------------------------------------------------------------------------
+
+    def link(self, element: Element) -> Link:
+        """Return a link."""
+        name, reading = element.given.get("name", ""), self.reading
+        shapes = [
+            shape for visual in element.all("visual") if (shape := self.visual(visual)) is not None
+        ]
+        frames = {}
+        for frame in self.model.all("frame"):
+            if frame.given.get("attached_to") == name and "name" in frame.given:
+                here = self.place(name, element).inverted()
+                frames[frame.given["name"]] = here @ self.place(frame.given["name"], frame)
+        inertial = element.first("inertial")
+        mass, at, tensor = 1.0, Frame(), np.eye(3)  # as the format says
+        if inertial is None:
+            reading.note(element, "has no <inertial>; the format gives it 1 kg and 1 kg m2")
+        else:
+            at = self.pose(inertial, Frame())
+            mass = self.value(inertial, "mass", 1.0)
+            found = inertial.first("inertia")
+            if found is not None:
+                xx, yy, zz = (self.value(found, key, 1.0) for key in ("ixx", "iyy", "izz"))
+                xy, xz, yz = (self.value(found, key, 0.0) for key in ("ixy", "ixz", "iyz"))
+                tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        where, inertia = reading.where(element), at.A @ tensor @ at.A.T
+        # a link without gravity moves as one whose weight is compensated
+        weightless = _text(element, "gravity") in ("false", "0") and mass != 0.0
+        lifts = ((mass, at.r),) if weightless else ()
+        return Link(name, mass, at.r, inertia, tuple(shapes), frames, where, lifts)
+
+    def visual(self, visual: Element) -> Array | None:
+        """Return the triangles of a ``<visual>`` in the frame of its link, or None."""
+        geometry = visual.first("geometry")
+        if geometry is None or not geometry.children:
+            return None
+        shape, at = geometry.children[0], self.pose(visual, Frame())
+        if shape.tag == "mesh" and not self.draw:
+            return None
+        if shape.tag == "mesh":
+            scale = shape.first("scale")
+            factors = np.ones(3) if scale is None else _numbers(self.reading, scale, 3, np.ones(3))
+            found = self.folders.mesh(self.reading, shape, _text(shape, "uri"), factors)
+            return None if found is None else at.r + found @ at.A.T
+        keys = {"sphere": ("radius",), "cylinder": ("radius", "length")}
+        keys["capsule"] = keys["cylinder"]
+        if shape.tag in keys:
+            sizes = np.array([self.value(shape, key, 0.0) for key in keys[shape.tag]])
+        elif shape.tag in ("box", "ellipsoid"):
+            inner = shape.first("size" if shape.tag == "box" else "radii")
+            sizes = np.zeros(3) if inner is None else _numbers(self.reading, inner, 3, np.zeros(3))
+        else:
+            return None
+        solid = solid_of(self.reading, shape, shape.tag, sizes)
+        return None if solid is None else at.r + solid.triangles @ at.A.T
+
+    def value(self, element: Element, tag: str, spare: float) -> float:
+        """Return the number in a child."""
+        child = element.first(tag)
+        if child is None:
+            return spare
+        return float(_numbers(self.reading, child, 1, np.array([spare]))[0])
+
+    # -- joints -----------------------------------------------------------------------------
+
+    def joint(self, element: Element, links: list[Link]) -> list[RobotJoint]:
+        """Return the joint of an element, two for a universal one."""
+        name, reading = element.given.get("name", ""), self.reading
+        where, kind = reading.where(element), element.given.get("type", "")
+        if kind not in TYPES:
+            reading.add(element, f"type is {kind!r}, must be one of {', '.join(TYPES)}")
+            return []
+        parent, child = _text(element, "parent"), _text(element, "child")
+        if child not in self.named or self.named[child].tag != "link":
+            reading.add(element, f"child: no link {child!r}")
+            return []
+        above = Frame() if parent == "world" else self.place(parent, element)
+        if parent == "world":
+            above = self.pose(self.model, Frame()).inverted()
+        elif self.named.get(parent, element).tag != "link":
+            reading.add(element, f"parent: no link {parent!r}")
+            return []
+        below, at = self.place(child, element), self.place(name, element)
+        origin, inside = above.inverted() @ below, below.inverted() @ at
+        common: dict[str, Any] = {"anchor": inside.r, "where": where}
+        axes = [
+            self.axis(element, axis, below)
+            for axis in (element.first("axis"), element.first("axis2"))
+        ]
+        if kind in ("ball", "fixed"):
+            return [RobotJoint(name, kind, parent, child, origin, **common)]
+        if kind == "screw":
+            common["pitch"] = self.pitch(element)
+        if TYPES[kind] != "universal":
+            return [RobotJoint(name, TYPES[kind], parent, child, origin, **axes[0], **common)]
+        cross = f"{name} cross"
+        links.append(Link(cross, where=where))
+        first = RobotJoint(f"{name} 1", "revolute", parent, cross, origin, **axes[0], **common)
+        return [
+            first,
+            RobotJoint(f"{name} 2", "revolute", cross, child, Frame(), **axes[1], **common),
+        ]
+
+    def pitch(self, element: Element) -> float:
+        """Return the displacement of a screw in one turn, m.
+
+        ``thread_pitch`` is that of Gazebo Classic: rad/m of a left-hand thread.
+        """
+        if element.first("screw_thread_pitch") is None and element.first("thread_pitch"):
+            found = -self.value(element, "thread_pitch", 1.0)
+            pitch = 2.0 * math.pi / found if found != 0.0 else 0.0
+        else:
+            pitch = self.value(element, "screw_thread_pitch", 1.0)
+        if pitch == 0.0 or not math.isfinite(pitch):
+            self.reading.add(element, "the pitch of the screw is 0; a revolute joint has none")
+            return 1.0
+        return pitch
+
+    def axis(self, element: Element, axis: Element | None, below: Frame) -> dict[str, Any]:
+        """Return direction, limits and losses of an ``<axis>``, the direction in the child."""
+        name = element.given.get("name", "")
+        if axis is None:
+            z = below.A.T @ self.place(name, element).A[:, 2]
+            return {"axis": z}
+        inner, reading = axis.first("xyz"), self.reading
+        xyz = np.array([0.0, 0.0, 1.0])
+        frame = name
+        if inner is not None:
+            xyz = _numbers(reading, inner, 3, xyz)
+            frame = inner.given.get("expressed_in", "") or name
+        if self.old or _text(axis, "use_parent_model_frame") in ("true", "1"):
+            frame = "__model__"
+        found: dict[str, Any] = {"axis": below.A.T @ self.place(frame, axis).A @ xyz}
+        limit, dynamics = axis.first("limit"), axis.first("dynamics")
+        if limit is not None and element.given.get("type") != "continuous":
+            low, high = self.value(limit, "lower", -FAR), self.value(limit, "upper", FAR)
+            found["lower"] = -math.inf if low <= -FAR else low
+            found["upper"] = math.inf if high >= FAR else high
+        for key in ("effort", "velocity"):
+            if limit is not None and self.value(limit, key, -1.0) >= 0.0:
+                found[key] = self.value(limit, key, -1.0)
+        if dynamics is not None:
+            found["damping"] = self.value(dynamics, "damping", 0.0)
+            found["friction"] = self.value(dynamics, "friction", 0.0)
+            found["stiffness"] = self.value(dynamics, "spring_stiffness", 0.0)
+            found["rest"] = self.value(dynamics, "spring_reference", 0.0)
+        mimic = axis.first("mimic")
+        if mimic is not None:
+            k = self.value(mimic, "multiplier", 1.0)
+            offset = self.value(mimic, "offset", 0.0) - k * self.value(mimic, "reference", 0.0)
+            found["mimic"] = Mimic(mimic.given.get("joint", ""), k, offset)
+        return found
+
+
+def _text(element: Element, tag: str) -> str:
+    """Return the text of a child, empty if there is none."""
+    child = element.first(tag)
+    return "" if child is None else child.text.strip()
+
+
+def _numbers(reading: Reading, element: Element, count: int, spare: Array | None) -> Array:
+    """Return the numbers that an element holds."""
+    return reading.numbers(element, element.text, element.tag, count, spare)

@@ -1,0 +1,90 @@
+"""Models within models of SDF files, written out with the names that SDF gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from jousto.robots.readers.xml import Element
+
+NAMED = ("link", "joint", "frame")
+
+
+def flattened(model: Element, old: bool) -> Element:
+    """Return a model with all that is in the models within it, named ``model::link``.
+
+    A model within becomes a frame of its name; what is placed in it is placed relative to that
+    frame. `old` is whether axes without a frame are those of the model.
+    """
+    children: list[Element] = []
+    for child in model.children:
+        if child.tag != "model":
+            children.append(child)
+            continue
+        name, inner = child.given.get("name", ""), flattened(child, old)
+        pose = [x for x in inner.children if x.tag == "pose"]
+        children.append(replace(child, tag="frame", given={"name": name}, children=pose))
+        for element in inner.children:
+            if element.tag in NAMED:
+                children.append(_scoped(element, name, old))
+    return replace(model, children=children)
+
+
+def _scoped(element: Element, model: str, old: bool) -> Element:
+    """Return a link, joint or frame of a model within as one of the model around it."""
+
+    def scoped(name: str) -> str:
+        if name in ("", "world"):
+            return name
+        return model if name == "__model__" else f"{model}::{name}"
+
+    attached = scoped(element.given.get("attached_to", ""))
+    given = element.given | {"name": scoped(element.given.get("name", ""))}
+    given |= {"attached_to": attached} if attached else {}
+    children = [_inside(child, scoped) for child in element.children]
+    placed = [child for child in children if child.tag == "pose"]
+    if (
+        element.tag != "joint"
+        and not attached
+        and not any("relative_to" in pose.given for pose in placed)
+    ):
+        first = placed[0] if placed else Element("pose", {}, element.line, file=element.file)
+        children = [child for child in children if child is not first]
+        children.insert(0, replace(first, given=first.given | {"relative_to": model}))
+    if element.tag == "joint":
+        children = [_axis(child, model, old) for child in children]
+    return replace(element, given=given, children=children)
+
+
+def _inside(element: Element, scoped: Callable[[str], str]) -> Element:
+    """Return what stands in a link or joint with the names of the model around."""
+    given = dict(element.given)
+    for key in ("relative_to", "expressed_in"):
+        if given.get(key):
+            given[key] = scoped(given[key])
+    if element.tag == "mimic":
+        given["joint"] = scoped(given.get("joint", ""))
+    text = element.text
+    if element.tag in ("parent", "child", "gearbox_reference_body"):
+        text = scoped(text.strip())
+    inner = [_inside(child, scoped) for child in element.children]
+    return replace(element, given=given, text=text, children=inner)
+
+
+def _axis(element: Element, model: str, old: bool) -> Element:
+    """Return an axis whose frame is that of its model, where the file says so."""
+    if element.tag not in ("axis", "axis2"):
+        return element
+    flag = element.first("use_parent_model_frame")
+    if not old and (flag is None or flag.text.strip() not in ("true", "1")):
+        return element
+    children = [
+        replace(
+            child, given=child.given | {"expressed_in": child.given.get("expressed_in") or model}
+        )
+        if child.tag == "xyz"
+        else child
+        for child in element.children
+        if child is not flag
+    ]
+    return replace(element, children=children)

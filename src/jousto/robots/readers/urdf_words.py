@@ -1,0 +1,59 @@
+"""Words of URDF, and of Gazebo in it, and what `read_urdf` does with each."""
+
+from __future__ import annotations
+
+from jousto.robots.readers.words import QUIET_TAG, Format, Tag, warned
+
+MOTORS = "motors and their gears are not read; put forces on joints with efforts={joint: signal}"
+WEIGHT = "the weight acts on this link, and no spring on this joint, whatever is said for Gazebo"
+_pose = Tag(done="xyz rpy quat_xyzw")
+
+TAGS = {
+    "/robot": Tag(done="name", quiet="version"),
+    "robot/link": Tag(done="name", quiet="type"),
+    "robot/joint": Tag(done="name type"),
+    "robot/material": QUIET_TAG,
+    "robot/sensor": QUIET_TAG,
+    "robot/group": QUIET_TAG,
+    "robot/transmission": Tag(whole=warned(MOTORS)),
+    "robot/ros2_control": QUIET_TAG,
+    "robot/gazebo": Tag(
+        quiet="reference",
+        words={
+            "gravity": warned(WEIGHT, "true", "1"),
+            "turnGravityOff": warned(WEIGHT, "false", "0"),
+            "springStiffness springReference": warned(WEIGHT, "0"),
+        },
+        free=True,
+    ),
+    "link/inertial": Tag(),
+    "link/visual": Tag(quiet="name group"),
+    "link/collision": QUIET_TAG,
+    "link/sensor": QUIET_TAG,
+    "link/material": QUIET_TAG,
+    "link/gazebo": QUIET_TAG,
+    "inertial/origin": _pose,
+    "inertial/mass": Tag(done="value"),
+    "inertial/inertia": Tag(done="ixx ixy ixz iyy iyz izz"),
+    "visual/origin": _pose,
+    "visual/geometry": Tag(),
+    "visual/material": QUIET_TAG,
+    "geometry/box": Tag(done="size"),
+    "geometry/cylinder": Tag(done="radius length"),
+    "geometry/capsule": Tag(done="radius length"),
+    "geometry/sphere": Tag(done="radius"),
+    "geometry/mesh": Tag(done="filename scale"),
+    "joint/origin": _pose,
+    "joint/parent": Tag(done="link"),
+    "joint/child": Tag(done="link"),
+    "joint/axis": Tag(done="xyz"),
+    "joint/limit": Tag(done="lower upper effort velocity", quiet="acceleration deceleration jerk"),
+    "joint/dynamics": Tag(done="damping friction armature"),
+    "joint/mimic": Tag(done="joint multiplier offset"),
+    "joint/calibration": QUIET_TAG,
+    "joint/safety_controller": QUIET_TAG,
+    "joint/gazebo": QUIET_TAG,
+    "joint/sensor": QUIET_TAG,
+    "joint/material": QUIET_TAG,
+}
+URDF = Format("URDF", TAGS)

@@ -1,0 +1,183 @@
+"""Words of a format: what a reader does with each, declared once for readers, tests and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from jousto.base.errors import suggest
+from jousto.robots.readers.xml import Element, Reading
+
+DONE, QUIET, WARNED, REFUSED = "done", "no effect", "warned of", "refused"
+TREATMENTS = (DONE, QUIET, WARNED, REFUSED)
+
+
+@dataclass(frozen=True)
+class Word:
+    """What a reader does with an attribute or an element.
+
+    Parameters
+    ----------
+    treatment : {"done", "no effect", "warned of", "refused"}
+        "no effect" is that on the motion.
+    text : str
+        The effect that is warned of, or the remedy of what is refused.
+    unless : tuple of str
+        Values of an attribute that change nothing, so that nothing is reported; each a word or
+        a number that all numbers of the value must be.
+    silent : bool
+        Whether the reader itself reports it, once for all words of this kind.
+    """
+
+    treatment: str
+    text: str = ""
+    unless: tuple[str, ...] = ()
+    silent: bool = False
+
+    def counts(self, value: str) -> bool:
+        """Return whether a value of the attribute changes anything."""
+        for idle in self.unless:
+            if value.strip() == idle:
+                return False
+            try:
+                if value.split() and all(float(x) == float(idle) for x in value.split()):
+                    return False
+            except ValueError:
+                continue
+        return True
+
+
+def warned(text: str, *unless: str, silent: bool = False) -> Word:
+    """Return a word that is warned of with its effect."""
+    return Word(WARNED, text, unless, silent)
+
+
+def refused(text: str, *unless: str) -> Word:
+    """Return a word that is refused with a remedy."""
+    return Word(REFUSED, text, unless)
+
+
+@dataclass(frozen=True)
+class Tag:
+    """What a reader does with an element and the words in it.
+
+    Parameters
+    ----------
+    done, quiet : str
+        Attributes, and children without attributes that matter, separated by spaces.
+    words : dict of str to Word
+        Those that are warned of or refused; several with the same treatment under one key,
+        separated by spaces.
+    whole : Word or None
+        Treatment of the element with everything in it; None if it is that of its words.
+    free : bool
+        Whether other programs may put words of theirs there, which are not reported.
+    """
+
+    done: str = ""
+    quiet: str = ""
+    words: Mapping[str, Word] = field(default_factory=dict)
+    whole: Word | None = None
+    free: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_known", dict(self.all()))
+
+    def word(self, name: str) -> Word | None:
+        """Return the treatment of a word, or None if it is not declared."""
+        known: dict[str, Word] = vars(self)["_known"]
+        return known.get(name)
+
+    def all(self) -> Iterator[tuple[str, Word]]:
+        """Yield the words and their treatments."""
+        for name in self.done.split():
+            yield name, Word(DONE)
+        for name in self.quiet.split():
+            yield name, Word(QUIET)
+        for names, word in self.words.items():
+            for name in names.split():
+                yield name, word
+
+
+QUIET_TAG = Tag(whole=Word(QUIET))
+
+
+@dataclass(frozen=True)
+class Format:
+    """All words of a format.
+
+    Parameters
+    ----------
+    name : str
+        Of the format.
+    tags : dict of str to Tag
+        By ``parent/element``; ``*/element`` holds below any other parent.
+    same : dict of str to str
+        Parents whose children are those of another one.
+    """
+
+    name: str
+    tags: Mapping[str, Tag]
+    same: Mapping[str, str] = field(default_factory=dict)
+
+    def tag(self, parent: str, name: str) -> Tag | None:
+        """Return the treatment of an element below a parent, None if it is not declared."""
+        parent = self.same.get(parent, parent)
+        return self.tags.get(f"{parent}/{name}") or self.tags.get(f"*/{name}")
+
+    def treatment(self, path: Sequence[str], word: str) -> Word | None:
+        """Return the treatment of a word of an element, None if it is not declared.
+
+        Parameters
+        ----------
+        path : sequence of str
+            Names of the elements from the root to the element.
+        word : str
+            An attribute, or a child without words of its own.
+        """
+        parent, tag = "", Tag()
+        for name in path:
+            below = self.tag(parent, name)
+            if below is None:
+                return tag.word(name)  # a child that is a word of its parent, with all in it
+            if below.whole is not None:
+                return below.whole
+            parent, tag = name, below
+        below = self.tag(parent, word)
+        return tag.word(word) if below is None else below.whole or Word(DONE)
+
+
+def check_words(reading: Reading, root: Element, words: Format, parent: str = "") -> None:
+    """Report every word of an element and below it that is refused, warned of, or not known."""
+    waiting = [(root, words.tag(parent, root.tag) or Tag())]
+    while waiting:
+        element, tag = waiting.pop()
+        if tag.whole is not None:
+            _report(reading, element, f"<{element.tag}>", tag.whole)
+            continue
+        for name, value in element.given.items():
+            word = tag.word(name)
+            if word is not None:
+                if word.counts(value):
+                    _report(reading, element, name, word)
+            elif ":" not in name and not tag.free:  # words of other programs have a name space
+                known = [known for known, _ in tag.all()]
+                reading.note(element, f"{name!r} is not read{suggest(name, known)}")
+        for child in reversed(element.children):
+            below, word = words.tag(element.tag, child.tag), tag.word(child.tag)
+            if below is not None:
+                waiting.append((child, below))
+            elif word is None:
+                if ":" not in child.tag and not tag.free:
+                    reading.leave_out(child)
+            elif word.counts(child.text):
+                _report(reading, child, f"<{child.tag}>", word)
+
+
+def _report(reading: Reading, element: Element, name: str, word: Word) -> None:
+    if word.silent or word.treatment in (DONE, QUIET):
+        return
+    if word.treatment == REFUSED:
+        reading.add(element, f"{name} {word.text}")
+    else:
+        reading.effect(element, name, word.text)

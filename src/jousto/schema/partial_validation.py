@@ -1,0 +1,86 @@
+"""Which entries of a model file are valid, and what is wrong with the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from jousto.base.errors import Problem
+from jousto.schema.entries.model import ModelEntry
+from jousto.schema.file.document import Document, Loc
+from jousto.schema.file.error_messages import explain
+from jousto.schema.make.model import LISTS
+
+
+@dataclass(frozen=True, eq=False)
+class Valid:
+    """What is valid of a document.
+
+    Parameters
+    ----------
+    entry : ModelEntry or None
+        The file without its invalid entries; None if that cannot be read either.
+    index : dict
+        For each list the places in the file of the entries that are left.
+    problems : list of (path, Problem)
+        What is wrong with the others.
+    broken : list of (section, name)
+        Names of the entries that were left out; None if any name may be missing.
+    rest : list of (path, class)
+        The entries of lists that were left out, and what each declares.
+    """
+
+    entry: ModelEntry | None
+    index: dict[str, list[int]]
+    problems: list[tuple[Loc, Problem]] = field(default_factory=list)
+    broken: list[Any] = field(default_factory=list)
+    rest: list[tuple[Loc, Any]] = field(default_factory=list)
+
+
+def validate(document: Document) -> Valid:
+    """Return what is valid of a document."""
+    data = document.data
+    if "robots" in data:  # they bring bodies
+        data = {"bodies": [], **data}
+    lists = {key: data[key] for key in LISTS if isinstance(data.get(key), list)}
+    index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
+    classes: dict[int, Any] = {}
+    try:
+        return Valid(ModelEntry.model_validate(data, context=classes), index)
+    except ValidationError as error:
+        problems = explain(error, document, classes)
+    # leave out what is wrong, so that references and the rest can be checked all the same
+    rest: dict[str, Any] = dict(data)
+    broken: list[Any] = []
+    left: list[tuple[Loc, Any]] = []
+    for path in {loc[:2] for loc, _ in problems if loc}:
+        key: Any = path[0]
+        place: Any = path[1] if len(path) > 1 else None
+        if key == "parts" and place is not None:
+            broken.append((key, place))
+            rest[key] = {k: v for k, v in rest[key].items() if k != place}
+        elif key in lists and place is not None:
+            item = data[key][place]
+            name = item.get("name") if isinstance(item, dict) else None
+            broken.append((key, name if isinstance(name, str) else None))
+            index[key] = [i for i in index[key] if i != place]
+            if (of := classes.get(id(item))) is not None:
+                left.append(((key, place), of))
+        else:
+            # whatever the section should have defined
+            broken.append((key, None))
+            index[key] = []
+            rest.pop(key, None)
+    for key, items in lists.items():
+        if key in rest:
+            rest[key] = [items[i] for i in index[key]]
+    if "bodies" not in rest:
+        rest["bodies"] = []
+        broken.append(("bodies", None))
+    try:
+        entry = ModelEntry.model_validate(rest, context=classes)
+    except ValidationError:
+        entry = None
+    return Valid(entry, index, problems, broken, left)

@@ -1,0 +1,229 @@
+"""A functional mock-up unit in a process of its own, so that its crash is a sentence here."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time as clock
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import JoustoError
+from jousto.base.names import harmless
+from jousto.base.pipes import broken_pipes_raise
+from jousto.model.model import FmuModel
+
+log = logging.getLogger(__name__)
+
+MOST_LOG = 20
+"""Lines of a unit's log that are kept for a message."""
+PATIENCE = 5.0  # s that a process gets to end
+OPENING = 60.0  # s that loading may take at least
+LOOKS = 4  # how often the watch is looked at within the time that an answer may take
+
+
+class FmuFailed(JoustoError):
+    """A unit refused, failed or crashed."""
+
+
+class FmuProcess:
+    """Talks to the process of a unit; all values are in SI.
+
+    Parameters
+    ----------
+    model : FmuModel
+        The unit.
+    values : (k,) array
+        Its inputs at time 0.
+    stop : float
+        End of the run, s.
+
+    Raises
+    ------
+    FmuFailed
+        As all its methods, if the unit does not do what it is asked for.
+    """
+
+    def __init__(self, model: FmuModel, values: Array, stop: float) -> None:
+        self.fmu = model.fmu
+        about = self.fmu.description
+        self._last: list[str] = []
+        self._folder = tempfile.TemporaryDirectory(prefix="jousto-", ignore_cleanup_errors=True)
+        folder = Path(self._folder.name)
+        with zipfile.ZipFile(self.fmu.file) as archive:  # its names were checked
+            archive.extractall(folder / "unit")
+        (folder / "unit" / "resources").mkdir(exist_ok=True)
+        self._printed = open(folder / "printed", "w+b")
+        paths = os.pathsep.join(entry for entry in sys.path if entry)
+        # -P: modules that lie in the working folder are not imported; Ctrl-C is ours alone
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "jousto.simulation.cosimulation.fmu_worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._printed,
+            env={**os.environ, "PYTHONPATH": paths},
+            text=True,
+            encoding="utf-8",
+            start_new_session=True,
+        )
+        self._until: float | None = None  # on the watch: when an answer must be here
+        self._late = False
+        self._closed = threading.Event()
+        self._guard = threading.Thread(target=self._watch, name="jousto-fmu", daemon=True)
+        self._guard.start()
+        self._into = [about.variables[name] for name in (*model.measured, *model.given)]
+        self._out = [about.variables[name] for name in self.fmu.outputs]
+        chosen = [about.variables[name] for name in self.fmu.parameters]
+        given = [(x - v.offset) / v.factor for v, x in zip(chosen, self.fmu.parameters.values(),
+                                                           strict=True)]  # fmt: skip
+        try:
+            self.values = self._ask(
+                "open",
+                0.0,
+                version=about.version,
+                folder=str(folder / "unit"),
+                identifier=about.identifier,
+                token=about.token,
+                name=self.fmu.name,
+                inputs=[v.reference for v in self._into],
+                outputs=[v.reference for v in self._out],
+                parameters=[[v.reference for v in chosen], given],
+                values=self._theirs(values),
+                stop=stop,
+            )
+        except BaseException:
+            self.close()
+            raise
+
+    def step(self, time: float, step: float, values: Array) -> Array:
+        """Return the outputs at the end of a step with these inputs."""
+        return self._ask("step", time, at=time, step=step, values=self._theirs(values))
+
+    def exchange(self, time: float, values: Array) -> Array:
+        """Return the outputs with these inputs now."""
+        return self._ask("exchange", time, values=self._theirs(values))
+
+    def save(self, time: float) -> None:
+        """Let the unit keep its state."""
+        self._ask("save", time)
+
+    def restore(self, time: float) -> None:
+        """Let the unit go back to the state that it kept."""
+        self._ask("restore", time)
+
+    def close(self) -> None:
+        """End the unit and its process."""
+        with broken_pipes_raise():  # what is left to write is written as the pipe is closed
+            self._close()
+
+    def _close(self) -> None:
+        process = self._process
+        if process.poll() is None:
+            try:
+                if sys.exc_info()[0] is None:
+                    self._ask("close", 0.0)
+            except FmuFailed:
+                pass  # its results are complete
+            try:
+                process.stdin.close()  # type: ignore[union-attr]
+                process.wait(0.1 if sys.exc_info()[0] else PATIENCE)
+            except (OSError, subprocess.TimeoutExpired):
+                process.kill()
+                process.wait()
+        self._closed.set()
+        self._guard.join()
+        for stream in (process.stdin, process.stdout, self._printed):
+            try:
+                stream.close()  # type: ignore[union-attr]
+            except OSError:
+                pass
+        self._folder.cleanup()
+
+    def _watch(self) -> None:
+        """End the process if an answer takes too long; whoever waits for it reads its end."""
+        while not self._closed.wait(min(1.0, self.fmu.patience / LOOKS)):
+            until = self._until
+            if until is not None and clock.monotonic() > until:
+                self._late = True
+                self._process.kill()
+                return
+
+    def _theirs(self, values: Array) -> list[float]:
+        pairs = zip(self._into, values.tolist(), strict=True)
+        return [(x - v.offset) / v.factor for v, x in pairs]
+
+    def _ask(self, do: str, time: float, **task: Any) -> Array:
+        process = self._process
+        patience = max(self.fmu.patience, OPENING if do == "open" else 0.0)
+        self._until = clock.monotonic() + patience
+        try:
+            with broken_pipes_raise():
+                process.stdin.write(json.dumps({"do": do, **task}) + "\n")  # type: ignore[union-attr]
+                process.stdin.flush()  # type: ignore[union-attr]
+            line = process.stdout.readline()  # type: ignore[union-attr]
+        except (BrokenPipeError, OSError):
+            line = ""
+        finally:
+            self._until = None
+        if self._late:
+            process.wait()
+            raise FmuFailed(
+                self._sentence(
+                    time,
+                    f"it gave no answer ({do}) within its patience of {patience:g} s and "
+                    f"was ended{self._said()}",
+                )
+            )
+        if not line:
+            raise FmuFailed(self._sentence(time, _ending(process.wait()) + self._said()))
+        answer = json.loads(line)
+        for text in answer["log"]:
+            log.info("fmu '%s' at %g s: %s", self.fmu.name, time, harmless(text))
+        self._last = [*self._last, *answer["log"]][-MOST_LOG:]
+        if "error" in answer:
+            raise FmuFailed(self._sentence(time, answer["error"]))
+        found = np.array(answer["values"], dtype=np.float64)
+        if do in ("open", "step", "exchange"):
+            bad = np.flatnonzero(~np.isfinite(found))
+            if len(bad):
+                name, value = self._out[int(bad[0])].name, found[bad[0]]
+                raise FmuFailed(self._sentence(time, f"its output {name!r} is {value}"))
+            found = found * [v.factor for v in self._out] + [v.offset for v in self._out]
+        return found
+
+    def _sentence(self, time: float, what: str) -> str:
+        lines: Sequence[str] = [line.strip() for line in self._last if line.strip()]
+        tail = "; its log ends: " + " | ".join(lines[-3:]) if lines else ""
+        return harmless(f"fmu '{self.fmu.name}' at {time:.6g} s: {what}{tail}")
+
+    def _said(self) -> str:
+        self._printed.seek(0, os.SEEK_END)
+        self._printed.seek(max(0, self._printed.tell() - 400))
+        lines = self._printed.read().decode(errors="replace").split("\n")
+        said = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return f", it printed {said[:160]!r}" if said else ""
+
+
+def _ending(code: int) -> str:
+    """Return how the process of a unit ended.
+
+    >>> _ending(-11)
+    'its binary crashed (SIGSEGV)'
+    """
+    if code >= 0:
+        return f"its binary ended the process (exit code {code})"
+    name = signal.Signals(-code).name if -code in set(signal.Signals) else str(code)
+    if name == "SIGKILL":
+        return "its process was killed; is there enough memory?"
+    return f"its binary crashed ({name})"

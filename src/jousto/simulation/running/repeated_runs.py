@@ -1,0 +1,198 @@
+"""The same model run many times: what `simulate` prepares and says once is not done again."""
+
+from __future__ import annotations
+
+import time as clock
+import uuid
+from collections.abc import Callable, Hashable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from jousto.base.complexstep import plainly
+from jousto.base.errors import NotAnalytic
+from jousto.model.model import Model
+from jousto.model.native.ensemble import structure
+from jousto.model.native.native import Engine
+from jousto.model.packing.foreign import without_fmus
+from jousto.model.start_complex_step import has_steps, plain_model
+from jousto.simulation.results.events import Chronicle
+from jousto.simulation.results.memory import IN_MEMORY, MemoryRecords
+from jousto.simulation.results.row_layout import columns
+from jousto.simulation.results.solution import Solution
+from jousto.simulation.running.run_checks import Contradiction, RunWatch
+from jousto.simulation.running.simulate import simulate
+from jousto.simulation.running.start_state import beginning
+from jousto.simulation.solvers.default_solver import choose
+from jousto.simulation.solvers.explicit import prepared
+from jousto.simulation.solvers.schedule import schedule
+from jousto.simulation.state import State, put
+
+Started = tuple[Engine, Any, Callable[[], None]]
+
+FIXED_WORK = ("rk4", "ros2")
+"""Methods whose steps take the same operations whatever the state is."""
+
+
+class Repeated:
+    """Runs of one model with other values of its external inputs.
+
+    Results are those of `simulate` to the last bit. Runs of a fixed step go through the engine in
+    one call; all others, and those that an event ends or that fail, are left to `simulate`.
+
+    Parameters
+    ----------
+    model : Model
+        From `compile`.
+    t_end : float
+        End of the runs, s.
+    **how
+        Arguments of `simulate`: solver, output_step, state.
+    """
+
+    def __init__(self, model: Model, t_end: float, **how: Any) -> None:
+        without_fmus(model, "study", "cannot be repeated with other values")
+        # once for all runs, and with the derivatives of the model
+        how = how | {"state": beginning(model, how.get("state"))}
+        self.model = model
+        self._stepped = has_steps(model)
+        with plainly():
+            model = plain_model(model) if self._stepped else model
+            self._prepare(model, t_end, how)
+
+    def _prepare(self, model: Model, t_end: float, how: dict[str, Any]) -> None:
+        self._plain_model = model
+        self.t_end = float(t_end)
+        self.how = {key: value for key, value in how.items() if value is not None}
+        self._state: State | None = self.how.get("state")
+        start = 0.0 if self._state is None else self._state.time
+        solver, output = self.how.get("solver"), self.how.get("output_step")
+        reason = ""
+        if solver is None:
+            solver, reason = choose(model, t_end, output, start)
+        self._solver = solver
+        self.plan = plan = schedule(model, t_end, solver, output, start)
+        self._rows = plan.steps // plan.every + 1
+        last = columns(model)[-1]
+        self._width = last.first + last.count
+        self._idle: list[Started] = []  # engines at the start, each for one thread at a time
+        self._plain = not solver.adaptive and 8 * self._rows * self._width <= IN_MEMORY
+        self._about = {
+            "solver": repr(solver),
+            "chosen": reason,
+            "step": plan.step,
+            "t_end": self.t_end,
+            "gravity": model.gravity,
+            "evaluations_per_step": solver.evaluations,
+        }
+
+    def run(self, inputs: dict[str, float] | None = None) -> Solution:
+        """Return the results of a run, as `simulate` does.
+
+        Raises
+        ------
+        RunFailed
+            If it cannot go on.
+        """
+        stepped = self._stepped or any(np.iscomplexobj(x) for x in (inputs or {}).values())
+        if stepped:
+            return self._stepped_run(inputs or {})
+        if self._plain:
+            found = self._in_one_call(inputs or {})
+            if found is not None:
+                return found
+        return simulate(self.model, self.t_end, inputs=inputs or None, **self.how)
+
+    def _stepped_run(self, inputs: dict[str, float]) -> Solution:
+        """Return results with derivatives.
+
+        Raises
+        ------
+        NotAnalytic
+            If the run takes decisions on its way, or cannot go on.
+        """
+        model = self._plain_model
+        if self._solver.adaptive:
+            raise NotAnalytic(f"{type(self._solver).__name__} chooses its steps")
+        if any(friction.sticks for friction in model.frictions):
+            raise NotAnalytic("friction sticks and slips")
+        if any(force.function is not None for force in model.forces):
+            raise NotAnalytic("a force is a function of Python")
+        if not self._plain:
+            raise NotAnalytic("the results do not fit into memory")
+        found = self._in_one_call(inputs, stepped=True)
+        if found is None:
+            raise NotAnalytic("the run does not reach its end")
+        if len(found.events):
+            raise NotAnalytic("events")
+        return found
+
+    def _in_one_call(self, inputs: dict[str, float], stepped: bool = False) -> Solution | None:
+        """Return the results; None if something happened that `simulate` knows more of."""
+        plan, started = self.plan, self.begin(inputs, stepped)
+        engine, native, _ = started
+        rows: Any = np.empty((self._rows, self._width), engine.dtype)
+        rows[0] = engine.row()
+        chronicle = Chronicle(engine)
+        first, begin = engine.steps_done, clock.perf_counter()
+        status, written = engine.run(native, plan.steps, plan.every, rows[1:])
+        wall = clock.perf_counter() - begin
+        if status != "ok" or engine.steps_done - first < plan.steps or written < self._rows - 1:
+            return None
+        return self.finish(started, rows, wall, chronicle)
+
+    @cached_property
+    def alike(self) -> Hashable:
+        """What runs that go together have in common; None: these go alone."""
+        kind = ""
+        if self._plain and not self._stepped and self._solver.method in FIXED_WORK:
+            kind = structure(self.model)
+        return (kind, repr(self._solver), self.plan) if kind else None
+
+    def begin(self, inputs: dict[str, float], stepped: bool = False) -> Started:
+        """Return an engine at the start with these inputs, for `finish`."""
+        started = self._idle.pop() if self._idle and not stepped else self._started(stepped)
+        for name, value in inputs.items():
+            started[0].input[self.model.inputs.index(name)] = value
+        return started
+
+    def finish(
+        self, started: Started, rows: Any, wall: float, chronicle: Chronicle
+    ) -> Solution | None:
+        """Return the results of a run to the end; None if they contradict themselves.
+
+        Parameters
+        ----------
+        started : tuple
+            From `begin`.
+        rows : (k, row_size) array
+            Of the engine.
+        wall : float
+            How long it took, s.
+        chronicle : Chronicle
+            Its events.
+        """
+        plan, (engine, _, rewind) = self.plan, started
+        watch = RunWatch(self._plain_model, projected=self._solver.projection)
+        try:
+            watch.see(rows.real)
+        except Contradiction:
+            return None
+        watch.judge()
+        factor = (float(rows[-1, 0].real) - plan.start) / wall if wall > 0 else 0.0
+        facts = {"ended": "completed", "wall_time": wall, "real_time_factor": factor, "complete": 1}
+        about = {**self._about, "run": uuid.uuid4().hex}
+        found = MemoryRecords(self.model, rows, chronicle.read(), facts, about, "")
+        rewind()
+        if engine.dtype == np.float64:
+            self._idle.append(started)
+        return Solution(found)
+
+    def _started(self, stepped: bool = False) -> Started:
+        """Return an engine at the start, what steps it, and a function that takes it back there."""
+        engine = Engine(self.model, complex_scalars=stepped)
+        if self._state is not None:
+            put(engine, self._state, "simulate")
+            engine.steps_done = self.plan.before
+        return engine, prepared(engine, self._solver, self.plan.step), engine.mark()

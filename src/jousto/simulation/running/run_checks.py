@@ -1,0 +1,125 @@
+"""RunWatch: what a run misses in its energy balance and joints, and how bodies spin and bend."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.errors import warn
+from jousto.mechanism.sensors.scalar import ENERGIES
+from jousto.model.model import Model
+from jousto.model.native.header import places
+from jousto.model.rank.redundancy import disagreement
+from jousto.simulation.check_bending import bends
+from jousto.simulation.check_spin import spins
+from jousto.simulation.results.diagnostics import FAIR, STEADY
+
+SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
+GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
+STILL = 1e-9  # of the size of the mechanism: moved in a whole run by what stands still
+OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
+
+
+class Contradiction(Exception):
+    """Joints, couplings or drives that repeat one another disagree."""
+
+
+class RunWatch:
+    """What the energy balance missed and how far the joints opened so far, in fixed memory."""
+
+    def __init__(self, model: Model, *, projected: bool) -> None:
+        self._model = model
+        self._projected = projected
+        first, at = 1 + model.nq + model.nv + model.nrow, places("jo_diagnostics")
+        self._terms = [first + at[name].start for name in ENERGIES]
+        self._gaps = first + at["position_residual"].start
+        self._low = np.full(len(ENERGIES), np.inf)
+        self._high = np.full(len(ENERGIES), -np.inf)
+        self._start: float | None = None
+        self._since = self._until = 0.0
+        self._missed = 0.0
+        self._gap = 0.0
+        self._open: NDArray[np.float64] | None = None  # the row with the largest gap
+        self._spins = spins(model)
+        self._turning = [0.0] * len(self._spins)
+        self._bends = bends(model)
+        self._bent = [0.0] * len(self._bends)
+
+    def see(self, rows: NDArray[np.float64]) -> None:
+        """Look at rows of the engine."""
+        if not len(rows):
+            return
+        terms = rows[:, self._terms]
+        balance = terms @ SIGNS
+        self._low = np.fmin(self._low, terms.min(axis=0))
+        self._high = np.fmax(self._high, terms.max(axis=0))
+        if self._start is None:
+            self._start, self._since = float(balance[0]), float(rows[0, 0])
+        self._until = float(rows[-1, 0])
+        self._missed = max(self._missed, float(np.abs(balance - self._start).max()))
+        for k, spin in enumerate(self._spins):
+            self._turning[k] = max(self._turning[k], spin.squared(rows))
+        for k, bend in enumerate(self._bends):
+            self._bent[k] = max(self._bent[k], bend.furthest(rows))
+        gaps = rows[:, self._gaps]
+        if gaps.max() > self._gap:
+            self._gap, self._open = float(gaps.max()), rows[int(np.argmax(gaps))].copy()
+        if self._projected and self._model.redundant:
+            limit = OPEN_LIMIT * self._model.size
+            if self._gap > limit:
+                raise Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
+
+    def _small(self, level: float, potential: float) -> float:
+        """Return what is nothing beside energies of such a size, J."""
+        size = self._model.size
+        mass = sum(float(b.mass[0]) for b in self._model.bodies)
+        weight = mass * float(np.abs(self._model.gravity).max())
+        lasted = self._until - self._since
+        still = mass * (STILL * size / lasted) ** 2 if lasted > 0.0 else 0.0
+        return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * size, still)
+
+    def _gaping(self, row: NDArray[np.float64]) -> str:
+        """Return which joint is open at an instant, and why."""
+        return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
+
+    @property
+    def rubbed(self) -> bool:
+        """Whether friction took energy, or nothing moved."""
+        low, high = self._extremes()
+        return high["friction"] > low["friction"] or not high["kinetic"] > 0.0
+
+    def _extremes(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the least and the largest value of each energy, J."""
+        low = dict(zip(ENERGIES, self._low.tolist(), strict=True))
+        return low, dict(zip(ENERGIES, self._high.tolist(), strict=True))
+
+    def judge(self) -> None:
+        """Warn if the balance misses a noticeable share of the energy exchanged or kinetic."""
+        where = f"simulate {self._model.name!r}"
+        for spin, squared in zip(self._spins, self._turning, strict=True):
+            if sentence := spin.sentence(squared):
+                warn(where, sentence)
+        for bend, turn in zip(self._bends, self._bent, strict=True):
+            if sentence := bend.sentence(turn):
+                warn(where, sentence)
+        low, high = self._extremes()
+        exchanged = sum(high[name] - low[name] for name in places("jo_energies"))
+        # shares of what moves only by round-off mean nothing
+        level = {name: max(abs(high[name]), abs(low[name])) for name in ENERGIES}
+        potential, kinetic = level.pop("potential"), level["kinetic"]
+        scale = max(exchanged, STEADY * kinetic)
+        if self._missed > FAIR * scale and self._missed > self._small(
+            max(level.values()), potential
+        ):
+            warn(
+                where,
+                f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "
+                f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
+                "accurate",
+            )
+        if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
+            warn(
+                where,
+                f"joints opened by up to {self._gap:.3g} m in spite of the projection, "
+                f"at {self._open[0]:.4g} s {self._gaping(self._open)}; take a smaller step",
+            )

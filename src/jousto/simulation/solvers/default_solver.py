@@ -1,0 +1,116 @@
+"""Which method a run takes if nobody names one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from jousto.model.model import Model
+from jousto.simulation.controllers import fastest_tracking
+from jousto.simulation.solvers.explicit import ROS2, Solver
+from jousto.simulation.solvers.explicit_growth import excess
+from jousto.simulation.solvers.impact_time import shortest_blow
+from jousto.simulation.solvers.implicit import GeneralizedAlpha
+from jousto.simulation.solvers.schedule import schedule
+from jousto.simulation.solvers.stability import damper_warning, friction_warning
+
+SHORTEST = 1e-5  # s, of a step chosen for friction
+SHORT = 1e-4  # s, of a step chosen for springs; below it the implicit method costs less
+BLOW = 20  # steps in a blow on a stop: its restitution is then off by 0.01
+STEPS = (5e-4, 2e-4, SHORT)  # s, of a step chosen for blows
+SHORTER = (5e-5, 2e-5, SHORTEST)  # s, of a step chosen for controllers at their limits
+UNBOUNDED = 10.0  # s, taken for runs whose end nobody knows, as of exported machines
+ALLOWED = 0.1  # growth of small motions in a run that is the method's
+
+
+def choose(
+    model: Model, t_end: float, output_step: float | None, start: float = 0.0
+) -> tuple[Solver, str]:
+    """Return a method for a model and the reason for it.
+
+    `ROS2` with a step of 1 ms, whose steps cost least; with a shorter one, not below 10 us, for
+    regularised friction or damper tables that are steep, and not below 0.1 ms for blows on stops
+    and for springs and bushings whose motions would grow by more than a tenth in the run.
+    `GeneralizedAlpha` with a
+    step of 1 ms and kept factors for exact beams and for springs and bushings that are faster. No
+    step is longer than the back-calculation of a controller, not below 10 us.
+
+    Parameters
+    ----------
+    model : Model
+    t_end, output_step, start : float
+        End, time between outputs (None: every step) and begin of the run, s.
+    """
+    chosen, reason = _without_tracking(model, t_end, output_step, start)
+    time, name = fastest_tracking(model)
+    if chosen.step <= time:
+        return chosen, reason
+    step = next((step for step in (*STEPS, *SHORTER) if step <= time), SHORTEST)
+    shorter: Solver = replace(chosen, step=step)  # type: ignore[type-var]
+    return shorter, f"since PID '{name}' comes back from its limit in {time:.2g} s"
+
+
+def _without_tracking(
+    model: Model, t_end: float, output_step: float | None, start: float
+) -> tuple[Solver, str]:
+    def step(solver: Solver) -> float:
+        return schedule(model, t_end, solver, output_step, start).step
+
+    plain, implicit = ROS2(), GeneralizedAlpha()
+    if model.beams:
+        return implicit, "since it has exact beams"
+    chosen = plain
+    while excess(model, chosen, step(chosen)) * (t_end - start) > ALLOWED:
+        if chosen.step < 2.0 * SHORT:
+            return implicit, f"since it has {fast(model)} that are too fast for ROS2"
+        chosen = ROS2(step=0.5 * chosen.step)
+    if chosen is not plain:
+        reason = f"since it has {fast(model)} that are fast for a step of 1 ms"
+        return _for_friction(model, _for_stops(model, chosen), step), reason
+    chosen = _for_stops(model, plain)
+    if chosen is not plain:
+        return _for_friction(
+            model, chosen, step
+        ), "since blows on its stops are short for a step of 1 ms"
+    chosen = _for_friction(model, plain, step)
+    if chosen is not plain:
+        return chosen, "since its friction or dampers are steep for a step of 1 ms"
+    return plain, "the default"
+
+
+def fast(model: Model) -> str:
+    """Return what the model has that may be fast: springs, dampers, bushings or stops."""
+    words = {"springs": False, "dampers": False, "bushings": False, "stops": False}
+    words["controllers"] = any(force.kind == "pid" for force in model.forces)
+    for force in model.forces:
+        if force.kind == "along":
+            words["springs"] |= bool(force.data[0] != 0.0 or force.spring >= 0)
+            words["dampers"] |= bool(force.data[1] != 0.0 or force.damper >= 0)
+        elif force.kind in ("bushing", "stop"):
+            words["bushings" if force.kind == "bushing" else "stops"] = True
+    *first, last = [word for word, there in words.items() if there] or ["springs or bushings"]
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def choose_fixed(model: Model) -> Solver:
+    """Return the method of fixed step of a program: that of a run of `UNBOUNDED` seconds."""
+    return choose(model, UNBOUNDED, None)[0]
+
+
+def _for_stops(model: Model, chosen: ROS2) -> ROS2:
+    """Return the method with a step that sees blows on stops."""
+    longest = shortest_blow(model) / BLOW * (1.0 + 1e-6)
+    if chosen.step <= max(longest, SHORT):
+        return chosen
+    return ROS2(step=next((step for step in STEPS if step <= longest), SHORT))
+
+
+def _for_friction(model: Model, chosen: ROS2, step: Callable[[Solver], float]) -> ROS2:
+    """Return the method with a step that follows friction and damper tables."""
+    while _steep(model, chosen, step(chosen)) and chosen.step > SHORTEST:
+        chosen = ROS2(step=max(SHORTEST, 0.5 * chosen.step))
+    return chosen
+
+
+def _steep(model: Model, solver: Solver, step: float) -> bool:
+    return bool(friction_warning(model, solver, step) or damper_warning(model, solver, step))

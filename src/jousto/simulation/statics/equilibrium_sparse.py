@@ -1,0 +1,148 @@
+"""settle: where a large mechanism rests, by sparse matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spl
+
+from jousto.base.arrays import Array
+from jousto.base.errors import SimulationError
+from jousto.model.model import Model
+from jousto.model.scales import largest_speed
+from jousto.simulation.state import State
+from jousto.simulation.statics.continuation import (
+    PUSHED,
+    SMALL,
+    NoConvergenceError,
+    Point,
+    at_least,
+    bounded,
+    least_step,
+    least_stiffness,
+    mover,
+)
+from jousto.simulation.statics.free_bodies import UNHELD
+from jousto.simulation.statics.residual import TIME, Balance
+
+TRIES = 300
+INNER = 12  # Newton iterations of a step
+CLOSE = 1e-3  # of the length of a step: its iteration is done
+STRIDE = 0.5  # rad or sizes of the mechanism, largest increment of a body in a step
+NEAR = 1e-3  # length of a step from which Newton's method goes on alone
+FIRST = 0.05  # of the size of the mechanism, the first step under the largest acceleration
+QUICK = 4  # Newton iterations of a step at most: the next one is larger
+SOFTER, SOFT, HARDER = 0.1, 0.4, 6.0  # of the resistance, after quick, slow and failed steps
+
+
+def settle(model: Model, state: State | None) -> State:
+    """Return a static equilibrium near a state, of mechanisms with thousands of coordinates.
+
+    Implicit steps of motion through a viscous medium, ``r(q + x) + s D x = 0`` under the
+    constraints, lead downhill: each is the minimum of the energy and ``s x D x / 2`` (proximal
+    point method, Rockafellar 1976). The resistance s falls while steps converge quickly. Stiff
+    parts, such as the stretch of a rope, are in balance after every step. D is the mass with
+    rotary inertia as of the whole, so that spin about a thin axis is no fast motion.
+
+    Raises
+    ------
+    SimulationError
+        If there is none.
+    """
+    flow = _Flow(Balance(model, TIME, state, where="equilibrium", frictionless=True))
+    at, s = flow.start, max(flow.fall / (FIRST * model.size), flow.least)
+    why: NoConvergenceError | None = None
+    for _ in range(TRIES):
+        try:
+            at, length = flow.step(at, s)
+        except NoConvergenceError as error:
+            why = error
+            s *= HARDER
+            continue
+        s = max(s * (SOFTER if at.iterations <= QUICK else SOFT), flow.least)
+        if length < NEAR:
+            try:
+                found = at_least(flow.balance, at, flow.time)
+            except NoConvergenceError as error:
+                why = error
+                continue
+            return flow.balance.accept(found.q, found.lam, flow.time)[0]
+    raise flow.failed(at, why)
+
+
+class _Flow:
+    """Steps of a mechanism through a viscous medium."""
+
+    def __init__(self, balance: Balance) -> None:
+        self.balance, self.time = balance, balance.value
+        q, lam = balance.engine.q, balance.engine.lam
+        self.start = Point(np.array(q), np.array(lam), self.time)
+        at = (self.start.q, self.start.lam, self.time)
+        self.metric = balance.metric(*at)
+        self.least = least_stiffness(balance.matrix(*at), self.metric)
+        r = balance.residual(*at)[: len(self.metric)]
+        self.fall = largest_speed(balance.model, r / self.metric)  # m/s2
+
+    def step(self, start: Point, s: float) -> tuple[Point, float]:
+        """Return ``r(q + x, lam) + s D x = 0`` under the constraints, and the length of x.
+
+        Raises
+        ------
+        NoConvergenceError
+            If Newton's iteration fails, goes far, or leads uphill: the resistance is too small.
+        """
+        balance, nv = self.balance, self.balance.model.nv
+        q, lam, x = start.q, start.lam, np.zeros(nv)
+        held = np.zeros(balance.size)
+        held[:nv] = s * self.metric
+        for count in range(1, INNER + 1):
+            r = self._residual(q, lam)
+            r[:nv] += held[:nv] * x
+            A = balance.matrix(q, lam, self.time) + sp.diags(held)
+            change = -spl.splu(A.tocsc()).solve(r)
+            if not bounded(balance, change) >= 1.0:
+                raise NoConvergenceError("an iteration went too far", mover(balance, change))
+            q, lam = balance.moved(q, change), lam + change[nv:]
+            x = balance.between(start.q, q)
+            length = balance.length(x)
+            if balance.length(change) <= max(CLOSE * length, SMALL):
+                self._check(start, lam, x, alone=count == 1)
+                return Point(q, lam, self.time, count), length
+        raise NoConvergenceError("an iteration did not converge", mover(balance, change))
+
+    def _check(self, start: Point, lam: Array, x: Array, *, alone: bool) -> None:
+        """Refuse steps that go far or uphill, past an unstable rest."""
+        if not bounded(self.balance, x / STRIDE) >= 1.0:
+            raise NoConvergenceError("it travels on and on", mover(self.balance, x))
+        r = self._residual(start.q, lam)[: len(x)]
+        if not alone and float(r @ x) > SMALL * float(np.abs(r) @ np.abs(x)):
+            raise NoConvergenceError("it leads uphill", mover(self.balance, x))
+
+    def failed(self, at: Point, why: NoConvergenceError | None) -> SimulationError:
+        """Return what to say when there is no rest."""
+        balance = self.balance
+        try:
+            step, free = least_step(balance, at)
+        except NoConvergenceError:
+            step = free = np.zeros(balance.size)
+        if balance.length(free) > max(PUSHED, balance.length(step)):
+            body = mover(balance, free)
+            text = UNHELD.format(body)
+        else:
+            body = why.body if why and why.body else mover(balance, step)
+            text = (
+                f"{why or 'it goes on'}, body '{body}' moves most; start nearer to the rest "
+                "(state=...), or bring the loads on in steps with load_path"
+            )
+        return SimulationError(
+            f"no static equilibrium found in {TRIES} steps: {text}", time=self.time, body=body
+        )
+
+    def _residual(self, q: Array, lam: Array) -> Array:
+        try:
+            r = np.asarray(self.balance.residual(q, lam, self.time))
+        except SimulationError as error:
+            raise NoConvergenceError(str(error), error.body) from error
+        if not np.isfinite(r).all():
+            raise NoConvergenceError("forces are not finite")
+        return r

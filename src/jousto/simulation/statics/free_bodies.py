@@ -1,0 +1,100 @@
+"""Bodies that nothing links to the ground: they have no rest under a load with a resultant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import SimulationError
+from jousto.model.model import ForceModel, JointModel, Model
+from jousto.simulation.state import State
+from jousto.simulation.statics.residual import TIME, Balance
+
+GROUND = -1
+NOTHING = 1e-9
+"""Of the sum of the absolute forces on a group: the resultant that is left of forces in balance."""
+BETWEEN = ("along", "pid", "stop", "bushing")
+"""Kinds of forces that act on two bodies, equal and opposite."""
+UNHELD = (
+    "body '{}' is pushed in a direction in which nothing holds it; add a joint, "
+    "or take the load away that pushes it"
+)
+
+
+def check_adrift(model: Model, state: State | None) -> None:
+    """Refuse bodies, linked to one another alone, which loads push away all together.
+
+    What acts between bodies has no resultant, and gravity and loads of a fixed direction have the
+    same one at all positions: if it is not zero there is no rest. Groups on which anything
+    else acts, such as a force that follows its body, are left to the iteration.
+
+    Raises
+    ------
+    SimulationError
+        If there are such bodies; it names one of them.
+    """
+    groups = _adrift(model)
+    if not groups:
+        return
+    balance = Balance(model, TIME, state, where="equilibrium", frictionless=True)
+    q, lam = balance.engine.q, np.zeros(model.nrow)
+    forces = balance.residual(np.array(q), lam, balance.value)
+    for group in groups:
+        pushes: Array = np.array([forces[model.bodies[k].iv :][:3] for k in group])
+        if np.abs(pushes.sum(axis=0)).max() > NOTHING * np.abs(pushes).sum():
+            body = model.bodies[group[0]].name
+            raise SimulationError(
+                f"no static equilibrium found: {UNHELD.format(body)}",
+                time=balance.value,
+                body=body,
+            )
+
+
+def _adrift(model: Model) -> list[list[int]]:
+    """Return the groups of linked bodies on which nothing acts but loads of a fixed direction."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    pairs = [(element.a, element.b) for element in model.beams]
+    for links in (
+        *(_of_joint(model, joint) for joint in model.joints),
+        *(_of_force(model, force) for force in model.forces),
+    ):
+        first, *others = links
+        pairs += [(first, other) for other in others]
+    n = len(model.bodies)  # and the ground behind them
+    a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T % (n + 1)
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(n + 1, n + 1))
+    label = connected_components(graph, directed=False)[1]
+    groups: dict[int, list[int]] = {}
+    for k in range(n):
+        groups.setdefault(int(label[k]), []).append(k)
+    groups.pop(int(label[n]), None)
+    return list(groups.values())
+
+
+def _of_joint(model: Model, joint: JointModel) -> Iterator[int]:
+    """Yield the bodies of a joint."""
+    yield from (model.markers[side].body for side in joint.sides)
+    for line in joint.lines:
+        for place in line.coordinates:
+            yield from _of_coordinate(model, place)
+
+
+def _of_coordinate(model: Model, place: int) -> Iterator[int]:
+    c = model.coordinates[place]
+    yield from (model.markers[c.a].body, model.markers[c.b].body)
+
+
+def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
+    """Yield the bodies between which a force acts; the ground where its resultant may change."""
+    if force.body >= 0:
+        yield force.body
+    yield from (model.markers[side].body for side in (force.a, force.b) if side >= 0)
+    if force.coordinate >= 0:
+        yield from _of_coordinate(model, force.coordinate)
+    dead = force.kind == "load" and not force.follow
+    if not (dead or force.kind in BETWEEN):
+        yield GROUND

@@ -1,0 +1,97 @@
+"""What an equilibrium of linear bodies leaves out: how loads stiffen, soften or buckle them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jousto.base.arrays import Array
+from jousto.base.errors import SimulationError, warn
+from jousto.model.model import BodyModel, Model
+from jousto.simulation.modes.spectrum import DENSE
+from jousto.simulation.second_order import linear_bodies, where_noticed
+from jousto.simulation.state import State
+from jousto.simulation.statics.continuation import (
+    NoConvergenceError,
+    Point,
+    least_step,
+    spectrum,
+)
+from jousto.simulation.statics.residual import TIME, Balance
+
+MISSED = 0.05
+"""Share of the root mean square of its deflection that a body may leave out."""
+LEAST = 1e-3
+"""Of the largest deflection of all bodies, m: below it a body is not bent."""
+STRAIGHT = 1e-5
+"""Of the size of the machine: mean deflection below which a body is not bent."""
+WATCHED = 6
+"""Modes next to zero that are asked whether they fall away."""
+REMEDY = "reduce its part with stiffening=True"
+
+
+def check_second_order(model: Model, at: State, where: str, told: set[str]) -> None:
+    """Compare an equilibrium of linear bodies with that of bodies that loads stiffen or soften.
+
+    The difference is that of one Newton step from the equilibrium. Bodies whose names are `told`
+    are known to bend too far for any modes.
+
+    Raises
+    ------
+    SimulationError
+        If the machine falls away from the equilibrium once loads soften a linear body.
+
+    Warns
+    -----
+    JoustoWarning
+        A body bends otherwise by more than `MISSED`.
+    """
+    parts = linear_bodies(model)
+    if not parts:
+        return
+    loaded = where_noticed(model, at, where)
+    if loaded is model:
+        return
+    point = Point(at.q, at.lam, at.time)
+    linear, exact = (
+        Balance(one, TIME, at, where="equilibrium", frictionless=True) for one in (model, loaded)
+    )
+    try:
+        step = least_step(exact, point)[0]
+        small = model.nv + model.nrow <= DENSE
+        falls = small and _unstable(exact, point) > _unstable(linear, point)
+    except NoConvergenceError:
+        return
+    names = [model.bodies[k].name for k in parts]
+    if falls:
+        raise SimulationError(
+            f"{where}: linear bodies leave out that loads soften them, and with it the machine "
+            f"buckles before it rests here, in {_listed(names)}; {REMEDY}, and look for the "
+            "critical load with buckling or load_path",
+            time=at.time,
+            body=names[0],
+        )
+    # of mass-normalised modes |p| / sqrt(m) is the mean displacement within a body, m
+    moved = {b.name: _moved(b, at.q[b.iq + 7 : b.iq + 7 + b.n]) for b in model.bodies if b.n}
+    least = max(LEAST * max(moved.values()), STRAIGHT * model.size)
+    for k in parts:
+        b = model.bodies[k]
+        change = _moved(b, step[b.iv + 6 : b.iv + 6 + b.n])
+        share = change / max(moved[b.name], least)
+        if share > MISSED and b.name not in told:
+            warn(
+                where,
+                f"body '{b.name}' is linear: how its loads stiffen or soften it would change its "
+                f"deflection by about {100.0 * share:.2g} %; {REMEDY}",
+            )
+
+
+def _moved(body: BodyModel, p: Array) -> float:
+    return float(np.linalg.norm(p) / np.sqrt(body.mass[0]))
+
+
+def _unstable(balance: Balance, at: Point) -> int:
+    return spectrum(balance, at, WATCHED, held=True).unstable
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names[:3]) + (" and others" if len(names) > 3 else "")
