@@ -104,7 +104,7 @@ def main(out: Path) -> int:
     """Mesh to stress, with closed forms beside it; return 0 if they agree."""
     out.mkdir(parents=True, exist_ok=True)
     part, arm = reduced_arm()
-    print(str(jo.reduction.certify(part, arm)).partition("\nsix rigid")[0])
+    print(str(jo.certificate.certify(part, arm)).partition("\nsix rigid")[0])
     jo.draw(part, out / "link_arm_mesh.png")
     jo.draw(arm, out / "link_arm_mode.png", mode=1)
     run = lift(arm, arm.stress.nearest((0.5 * LENGTH, 0.5 * DEPTH, 0.0)))  # upper flange, half-way

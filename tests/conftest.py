@@ -37,7 +37,7 @@ settings.load_profile(
 
 
 CHOOSING = (  # examples that say which core compile chose
-    "jousto.model.doctor.doctor",
+    "jousto.certificate.doctor.doctor",
     "test_code_of_the_page_runs[docs/robots.md]",
     "test_code_of_the_page_runs[docs/solvers.md]",
 )

@@ -121,7 +121,7 @@ def _machines(made: Made, folder: Path) -> list[Call]:
     ]
     moved = [
         *(jo.PositionSensor, jo.VelocitySensor, jo.AccelerationSensor, jo.OrientationSensor),
-        *(jo.AngularVelocitySensor, jo.AngularAccelerationSensor),
+        *(jo.AngularVelocitySensor, jo.mechanism.AngularAccelerationSensor),
         jo.mechanism.AccelerationPartsSensor,
     ]
     sites = (jo.StressSensor, jo.VonMisesSensor, jo.mechanism.PrincipalStressSensor)
@@ -307,9 +307,9 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (jo.mesh_cad, {"path": "x.step", "size": 1.0}),
         (jo.parts.read_matrices, {"K": "x.mtx"}),
         (jo.reduce, {"part": beam, "method": jo.CraigBampton(("start",), modes=2)}),
-        (jo.reduction.certify, {"part": beam, "reduced": made["reduced"]}),
+        (jo.certificate.certify, {"part": beam, "reduced": made["reduced"]}),
         (jo.reduction.from_modes, {"part": beam, "modes": shape, "frequencies": [1.0]}),
-        (jo.reduction.advise, {"part": beam, "interfaces": ("start",), "frequency_limit": 300.0}),
+        (jo.certificate.advise, {"part": beam, "interfaces": ("start",), "frequency_limit": 300.0}),
         (jo.reduction.clamp, {"reduced": made["reduced"], "node": "start"}),
         (
             jo.reduction.in_frame,

@@ -1,5 +1,6 @@
 # the public names; they are loaded from here when they are first used
 from . import (
+    certificate as certificate,
     design as design,
     export as export,
     fatigue as fatigue,
@@ -24,6 +25,7 @@ from .base.errors import (
 )
 from .base.rotations import Rotate as Rotate
 from .base.version import __version__ as __version__
+from .certificate.doctor import doctor as doctor
 from .design.studies.parameters.parameter import Parameter as Parameter
 from .design.studies.study import study as study
 from .fatigue.miner.damage_field import damage_field as damage_field
@@ -83,7 +85,6 @@ from .mechanism.sensors.body import StressSensor as StressSensor, VonMisesSensor
 from .mechanism.sensors.loads import ForceSensor as ForceSensor, ReactionSensor as ReactionSensor
 from .mechanism.sensors.motion import (
     AccelerationSensor as AccelerationSensor,
-    AngularAccelerationSensor as AngularAccelerationSensor,
     AngularVelocitySensor as AngularVelocitySensor,
     OrientationSensor as OrientationSensor,
     PositionSensor as PositionSensor,
@@ -110,7 +111,6 @@ from .mesh.mesh import Mesh as Mesh
 from .mesh.readers.files import read_mesh as read_mesh
 from .mesh.readers.step import mesh_cad as mesh_cad
 from .model.compile import compile as compile
-from .model.doctor import doctor as doctor
 from .model.model import Model as Model
 from .natural.verify import verify as verify
 from .output.plot import plot as plot

@@ -91,8 +91,7 @@ def test_there_are_no_circles():
     assert [sorted(group) for group in circles(graph)] == []
 
 
-# the reducer, its files, its modes and the certificate call each other: modes of an interface need
-# a part that was reduced, and the certificate reduces parts to judge them
+# the reducer, its methods, its modes and its files call one another
 OPEN = {"jousto.reduction"}
 
 

@@ -61,7 +61,7 @@ def moving(reduced):
     pairs = (
         ("position", jo.PositionSensor), ("velocity", jo.VelocitySensor),
         ("acceleration", jo.AccelerationSensor), ("turn", jo.OrientationSensor),
-        ("spin", jo.AngularVelocitySensor), ("wheel", jo.AngularAccelerationSensor),
+        ("spin", jo.AngularVelocitySensor), ("wheel", jo.mechanism.AngularAccelerationSensor),
     )  # fmt: skip
     sensors = [make(f"{key} world", tip) for key, make in pairs]
     sensors += [make(f"{key} seen", tip, relative_to=seat) for key, make in pairs]
@@ -152,7 +152,10 @@ def test_accelerations_are_the_differences_of_velocities_of_a_run():
     base = chain("fixed", loads=True)
     tip = base.bodies[-1]["end"]
     sensors = [jo.VelocitySensor("v", tip), jo.AccelerationSensor("a", tip)]
-    sensors += [jo.AngularVelocitySensor("w", tip), jo.AngularAccelerationSensor("w'", tip)]
+    sensors += [
+        jo.AngularVelocitySensor("w", tip),
+        jo.mechanism.AngularAccelerationSensor("w'", tip),
+    ]
     model = jo.compile(jo.Mechanism(*base.items, *sensors))
     errors = []
     for h in (2e-4, 1e-4):
@@ -173,7 +176,7 @@ def test_free_fall_is_the_acceleration_of_gravity():
     body = ball()
     found = start(
         body, jo.Gravity((0, 0, -9.81)), jo.AccelerationSensor("a", body["tip"]),
-        jo.AngularAccelerationSensor("w'", body["tip"]),
+        jo.mechanism.AngularAccelerationSensor("w'", body["tip"]),
     )  # fmt: skip
     np.testing.assert_allclose(found["a"], (0, 0, -9.81), rtol=1e-14)
     np.testing.assert_allclose(found["w'"], 0, atol=1e-14)
@@ -241,7 +244,7 @@ def test_forces_on_a_free_body_add_up_to_its_mass_times_acceleration():
     where = {"spring": tip, "bushing": origin, "follow": tip, "torque": origin, "user": origin}
     found = start(
         body, *forces, *[jo.ForceSensor(f.name, f) for f in forces],
-        jo.AccelerationSensor("a", origin), jo.AngularAccelerationSensor("w'", origin),
+        jo.AccelerationSensor("a", origin), jo.mechanism.AngularAccelerationSensor("w'", origin),
     )  # fmt: skip
     along = (tip.r - ground.r) / np.linalg.norm(tip.r - ground.r)
     F = {

@@ -77,7 +77,7 @@ def everything() -> jo.Mechanism:
     )
     motions = (
         *(jo.PositionSensor, jo.VelocitySensor, jo.AccelerationSensor, jo.OrientationSensor),
-        *(jo.AngularVelocitySensor, jo.AngularAccelerationSensor),
+        *(jo.AngularVelocitySensor, jo.mechanism.AngularAccelerationSensor),
         jo.mechanism.AccelerationPartsSensor,
     )
     sensors = [

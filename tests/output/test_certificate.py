@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from jousto.base.errors import InputError
+from jousto.certificate.certificate import Certificate, Silhouette
+from jousto.certificate.certify import certify
 from jousto.materials.material import Material
 from jousto.output.pages.certificate import write_certificate
 from jousto.parts.part import Part
-from jousto.reduction.certificate.certificate import Certificate, Silhouette
-from jousto.reduction.certificate.certify import certify
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.reducer import reduce
 from jousto.sections.section import Rectangle

@@ -250,7 +250,7 @@ def test_wrong_formulations_are_refused() -> None:
 def test_certificate_names_the_formulation(how: str, status: str, sentence: str) -> None:
     mesh = grid("hexahedron", (6, 1, 1), (0.3, 0.02, 0.01))
     part = jo.Part.solid(mesh, STEEL, formulation=how)
-    found = jo.reduction.certify(part, jo.reduce(part, jo.FreeFree(3)))
+    found = jo.certificate.certify(part, jo.reduce(part, jo.FreeFree(3)))
     (check,) = [check for check in found.checks if check.topic == "elements"]
     assert (check.status, sentence in check.sentence) == (status, True)
     assert check.value == ("6 hexahedron" if how == "full" else f"6 hexahedron ({how})")

@@ -184,8 +184,8 @@ def test_of_a_reduction(frame: Frame) -> None:
     at_once = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=6, frame=frame))
     np.testing.assert_allclose(at_once.frequencies, in_frame(body(), frame).frequencies)
     assert repr(frame) in at_once.provenance["method"]
-    found = jo.reduction.certify(part, at_once)
-    mean = jo.reduction.certify(part, body())
+    found = jo.certificate.certify(part, at_once)
+    mean = jo.certificate.certify(part, body())
     assert [c.status for c in found.checks] == [c.status for c in mean.checks]
     free = jo.reduce(part, jo.FreeFree(modes=3, frame=frame))
     assert repr(frame) in repr(jo.FreeFree(modes=3, frame=frame))

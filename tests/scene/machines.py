@@ -109,7 +109,7 @@ def everything() -> jo.Mechanism:
         jo.mechanism.AccelerationPartsSensor("parts", end, relative_to=slider["tip"]),
         jo.OrientationSensor("orientation", end),
         jo.AngularVelocitySensor("spin", end),
-        jo.AngularAccelerationSensor("wheeling", end),
+        jo.mechanism.AngularAccelerationSensor("wheeling", end),
         jo.mechanism.ModalSensor("modal", arm),
         jo.mechanism.DeformationMomentumSensor("momentum", arm),
         jo.ReactionSensor("reaction", hinge),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.model.doctor import doctor
+from jousto.certificate.doctor import doctor
 from jousto.model.native.native import Engine
 from jousto.schema.file.document import parse_document
 from jousto.schema.read import build_model, parse_model

@@ -1,6 +1,12 @@
 """Public names that have changed, for the error that a use of the old one raises."""
 
 RENAMED = {
+    "jousto.model.Diagnosis": "jo.certificate.Diagnosis",
+    "jousto.reduction.Advice": "jo.certificate.Advice",
+    "jousto.reduction.Certificate": "jo.certificate.Certificate",
+    "jousto.reduction.Check": "jo.certificate.Check",
+    "jousto.reduction.advise": "jo.certificate.advise",
+    "jousto.reduction.certify": "jo.certificate.certify",
     "jousto.mesh_step": "jo.mesh_cad",
     "jousto.design.Joint": "jo.design.JointDistribution",
     "jousto.design.by_moments": "jo.design.distribution_from_moments",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
+from jousto.base.errors import InputError, JoustoWarning, Problem, count
 from jousto.base.files import check_input
 from jousto.base.garbage_collection import uncollected
 from jousto.cli.group import command
@@ -260,18 +260,16 @@ def describe_result(path: Path) -> None:
 @uncollected()
 def check(model: Model, core: Core = None, trust: Trust = False) -> None:
     """Read a model file, check everything and say what is in it and how it can move."""
-    from jousto.model.doctor import doctor
-    from jousto.model.rank.reach import unheld_loads
+    from jousto.certificate.doctor import doctor
     from jousto.schema.read import read_model
 
     file = read_model(model, trust=trust)
     describe_model(file)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".*of the static work of", JoustoWarning)  # told below
-        compiled = compile_model(file.mechanism, core)
-    facts(doctor(compiled).lines())
-    for where, sentence in unheld_loads(file.mechanism):
-        warn(where, sentence)
+    compiled = compile_model(file.mechanism, core)
+    diagnosis = doctor(compiled)
+    facts([line for line in diagnosis.lines() if line[0] != "warning"])
+    for sentence in diagnosis.warnings:
+        warnings.warn(JoustoWarning(sentence), stacklevel=1)
     settings = file.simulation
     if settings is not None:
         from jousto.simulation.solvers.default_solver import choose

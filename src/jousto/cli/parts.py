@@ -114,7 +114,7 @@ def tell_certificate(
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
         return True
-    from jousto.reduction.certificate.certify import certify
+    from jousto.certificate.certify import certify
 
     certificate = certify(file.part, file.reduced, solver=solver, progress=progress)
     for line in str(certificate).splitlines():
@@ -152,7 +152,7 @@ def advise(
     The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
     frequency_limit counts.
     """
-    from jousto.reduction.certificate.advice import advise as propose
+    from jousto.certificate.advice import advise as propose
     from jousto.reduction.methods import CraigBampton
     from jousto.schema.read import read_part_file
 

@@ -16,7 +16,10 @@ from .sensors.body import (
     PrincipalStressSensor as PrincipalStressSensor,
 )
 from .sensors.damage import DamageSensor as DamageSensor
-from .sensors.motion import AccelerationPartsSensor as AccelerationPartsSensor
+from .sensors.motion import (
+    AccelerationPartsSensor as AccelerationPartsSensor,
+    AngularAccelerationSensor as AngularAccelerationSensor,
+)
 from .sensors.scalar import EnergySensor as EnergySensor
 from .sensors.section import SectionSensor as SectionSensor
 from .signals.base import Product as Product, Sum as Sum

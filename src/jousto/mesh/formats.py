@@ -28,10 +28,13 @@ class Format:
 FORMATS = (
     Format("a Gmsh mesh", (".msh",), "msh.read_msh", (rb"\A\s*\$MeshFormat",)),
     Format(
-        "a MED file", (".med", ".rmed", ".mmed"), "library.read_med", (rb"\A\x89HDF\r\n\x1a\n",)
+        "a MED file",
+        (".med", ".rmed", ".mmed"),
+        "meshio_formats.read_med",
+        (rb"\A\x89HDF\r\n\x1a\n",),
     ),
-    Format("a VTK file", (".vtk",), "library.read_vtk", (rb"\A# vtk DataFile",)),
-    Format("a VTU file", (".vtu",), "library.read_vtu", (rb"\A(<\?xml[^>]*>\s*)?<VTKFile",)),
+    Format("a VTK file", (".vtk",), "meshio_formats.read_vtk", (rb"\A# vtk DataFile",)),
+    Format("a VTU file", (".vtu",), "meshio_formats.read_vtu", (rb"\A(<\?xml[^>]*>\s*)?<VTKFile",)),
     Format(
         "an Ansys archive",
         (".cdb",),

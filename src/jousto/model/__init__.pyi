@@ -1,4 +1,3 @@
 # names of jo.model; they are loaded from here when they are first used
-from .doctor import Diagnosis as Diagnosis
 from .native.damage_meter import DamageMeter as DamageMeter
 from .native.native import Engine as Engine

@@ -24,6 +24,7 @@ from jousto.model.elimination_order import MOST, Elimination, TooDense
 from jousto.model.frame_record import frame_shape
 from jousto.model.hubs import joints_on, order_joints
 from jousto.model.initial_conditions import quiet_velocities, started
+from jousto.model.mode_loads import ModeLoads, mode_loads
 from jousto.model.model import BodyModel, Model, Shape
 from jousto.model.moved_bodies import warn_moved
 from jousto.model.native.native import Engine, SingularJoints
@@ -32,7 +33,6 @@ from jousto.model.packing.builder import Builder
 from jousto.model.packing.events import event_models, watched_coordinates
 from jousto.model.packing.foreign import fmu_models
 from jousto.model.packing.sensors import NOT_UNIQUE, flag_reactions, meter_models, sensor_models
-from jousto.model.rank.reach import warn_loads
 from jousto.model.rank.redundancy import check_closed, is_drive, repeated_rows
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.model.start_complex_step import with_start
@@ -99,7 +99,6 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     if not is_stepping():
         warn_beams(mechanism)
         warn_bodies(mechanism)
-        warn_loads(mechanism)
     index = {id(body): i for i, body in enumerate(mechanism.bodies)}
     bodies, q0, v0 = _bodies(mechanism)
     builder = Builder(index, mechanism.events)
@@ -145,6 +144,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         meters=meter_models(mechanism, sensors),
         beams=beam_models(mechanism, index),
         beam_shapes=beam_shapes(mechanism, index),
+        mode_loads=ModeLoads() if is_stepping() else mode_loads(mechanism),
         symbols=() if is_stepping() else Symbols(mechanism, index),
         fmus=fmu_models(mechanism, sensors),
         start=mechanism.start,

@@ -18,6 +18,7 @@ from jousto.mechanism.sensors.damage_rule import MeterRule
 from jousto.model.beam_record import BeamShape
 from jousto.model.elimination_order import Elimination
 from jousto.model.frame_record import FrameShape
+from jousto.model.mode_loads import ModeLoad
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 
@@ -410,6 +411,8 @@ class Model:
         What results keep of each beam: its elements, nodes and the stress of its section.
     beams : tuple of BeamModel
         Elements of geometrically exact beams between bodies.
+    mode_loads : tuple of ModeLoad
+        Loads on modal bodies elsewhere than on interfaces, which the certificate judges.
     symbols : sequence of SymbolShape
         Where joints, forces, sensors and named points are, for pictures.
     fmus : tuple of FmuModel
@@ -444,6 +447,7 @@ class Model:
     meters: tuple[MeterModel, ...] = ()
     beam_shapes: tuple[BeamShape, ...] = ()
     beams: tuple[BeamModel, ...] = ()
+    mode_loads: tuple[ModeLoad, ...] = ()
     symbols: Sequence[SymbolShape] = ()
     fmus: tuple[FmuModel, ...] = ()
     tree: tuple[LinkModel, ...] = ()

@@ -14,6 +14,7 @@ from jousto.output.style import target
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from jousto.certificate.certificate import Certificate
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.optimum import Optimum
     from jousto.export.ports import Named
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from jousto.recovery.fields.criteria import Criterion
     from jousto.recovery.fields.field import StressField
     from jousto.recovery.hotspots.hot_spots import HotSpots
-    from jousto.reduction.certificate.certificate import Certificate
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.dataframes import Names
     from jousto.simulation.results.solution import Solution

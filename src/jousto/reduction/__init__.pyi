@@ -1,7 +1,4 @@
 # names of jo.reduction; they are loaded from here when they are first used
-from .certificate.advice import Advice as Advice, advise as advise
-from .certificate.certificate import Certificate as Certificate, Check as Check
-from .certificate.certify import certify as certify
 from .fields.invariants import Invariants as Invariants
 from .fields.stress import StressModes as StressModes
 from .files.cache import ReductionCache as ReductionCache

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from jousto.certificate.certificate import Certificate
     from jousto.fatigue.miner.damage_field import DamageField
     from jousto.measurement.monitor.monitor import Monitor
     from jousto.mechanism.mechanism import Mechanism
     from jousto.mesh.mesh import Mesh
     from jousto.parts.part import Part
-    from jousto.reduction.certificate.certificate import Certificate
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.solution import Solution
 
@@ -101,7 +101,7 @@ def reduced_part(thing: ReducedPart) -> str:
     ]
     body = table(part_facts(thing)) + table(modes, ("mode", "Hz", "static"))
     hint = (
-        "jo.view(part) shows its modes; jo.reduction.certify(full, part) compares them with the "
+        "jo.view(part) shows its modes; jo.certificate.certify(full, part) compares them with the "
         "full model"
     )
     return cell(f"reduced part {thing.name}", beside(body, picture(thing)), hint)

@@ -89,7 +89,7 @@ def test_runs_are_those_of_simulate() -> None:
     for name in ("q", "v", "time"):
         assert (getattr(run, name) == getattr(again, name)).all()
     assert (run["way"] == again["way"]).all()
-    assert run.attributes.keys() == repeated_runs.attributes.keys()
+    assert run.attributes.keys() == again.attributes.keys()
 
 
 def test_runs_of_a_fixed_step_go_through_the_engine_in_one_call(
@@ -222,9 +222,9 @@ def test_failed_points_are_kept_with_their_reason(tmp_path: Path) -> None:
     assert "failed 1 x: mass is 9" in str(table)
     assert not (tmp_path / "table.h5.jsonl").exists()
     again = jo.design.read_study(tmp_path / "table.h5")
-    assert repeated_runs.reasons == table.reasons and repeated_runs.units == table.units
-    np.testing.assert_array_equal(repeated_runs.x, table.x)
-    np.testing.assert_array_equal(repeated_runs.y, table.y)
+    assert again.reasons == table.reasons and again.units == table.units
+    np.testing.assert_array_equal(again.x, table.x)
+    np.testing.assert_array_equal(again.y, table.y)
 
 
 def test_all_mistakes_are_told_at_once() -> None:
@@ -300,8 +300,8 @@ def test_all_ways_give_the_same(workers: int, how: str, tmp_path: Path) -> None:
     assert rows[0] == "mass (kg),force (N),way,failed" and len(rows) == len(X) + 1
     # everything is there: nothing is done again
     again = forces()
-    np.testing.assert_array_equal(repeated_runs.run(X, path=tmp_path / "t.csv").y, table.y)
-    assert repeated_runs.counts["runs"] == 0
+    np.testing.assert_array_equal(again.run(X, path=tmp_path / "t.csv").y, table.y)
+    assert again.counts["runs"] == 0
 
 
 @pytest.mark.parametrize("how", ["processes", "dask"])

@@ -14,8 +14,8 @@ from matplotlib.colors import to_rgb
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.files import written
+from jousto.certificate.certificate import Certificate, Check, Silhouette, Table
 from jousto.output.style import COLORS, FAINT, INK, MUTED, PAPER, Picture, styled, target
-from jousto.reduction.certificate.certificate import Certificate, Check, Silhouette, Table
 
 WORDS = {"ok": "ok", "note": "note", "warn": "warning", "fail": "fault"}
 COLOUR = {"ok": "#2A7D5F", "note": "#1C5FA8", "warn": "#A56A00", "fail": "#B3261E"}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arguments import explained
 from jousto.base.errors import JoustoError, SimulationError, warn
+from jousto.certificate.load_warnings import warn_loads
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
@@ -22,13 +23,13 @@ from jousto.model.rank.redundancy import is_drive, repeated_rows
 from jousto.model.scales import largest_speed
 from jousto.simulation.cosimulation.coupling import Coupling
 from jousto.simulation.cosimulation.fmu_process import FmuFailed
-from jousto.simulation.cosimulation.loop import Coupled
 from jousto.simulation.cosimulation.requirements import check_coupling, check_trust
 from jousto.simulation.progress import Report, reporter
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import EVENTS
+from jousto.simulation.running.cosimulation_loop import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.start_state import beginning
@@ -147,8 +148,9 @@ def simulate(
     Warns
     -----
     JoustoWarning
-        Before the run if the step is too large for the highest mode or the velocities of the state
-        do not fit the joints and drives, after it if the energy balance misses more than 5 %.
+        Before the run if the step is too large for the highest mode, the velocities of the state
+        do not fit the joints and drives, or the modes of a body represent a load badly; after it
+        if the energy balance misses more than 5 %.
     """
     state = beginning(model, state)
     start, reason = 0.0 if state is None else state.time, ""
@@ -159,6 +161,7 @@ def simulate(
     check_trust(model)
     check_coupling(model, solver, plan, state, inputs)
     model, feed = connect(model, inputs, plan.steps, plan.every)
+    warn_loads(model)
     for sentence in cautions(model, solver, plan):
         warn(f"simulate {model.name!r}", sentence)
     log.info("%s: %r in %d steps to %g s", model.name, solver, plan.steps, t_end)

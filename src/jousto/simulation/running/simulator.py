@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, Problems, SimulationError, suggest
 from jousto.base.object_repr import described
+from jousto.certificate.load_warnings import warn_loads
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
@@ -104,6 +105,7 @@ class Simulator:
             problems.add("Simulator", f"every is {every!r}, must be a whole number from 1 on")
         problems.raise_if_any()
         without_fmus(model, "Simulator", "steps in simulate alone")
+        warn_loads(model)
         self.model = model
         self.events: tuple[Happening, ...] = ()
         self.stopped = ""

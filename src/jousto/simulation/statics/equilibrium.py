@@ -8,6 +8,7 @@ import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, SimulationError
+from jousto.certificate.load_warnings import warn_loads
 from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.packing.foreign import without_fmus
@@ -67,6 +68,7 @@ def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 
         A body with modes bends by more than they, which are linear, can follow, or a part without
         ``stiffening=True`` bends otherwise by per cents where loads stiffen or soften it.
     """
+    warn_loads(model)
     held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
     found = settle_controllers(model, state, lambda at: _rest(held, at, tolerance))
     far = warn_far(held, found.q, where)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.certificate.certificate import Check, Status, Table, number, percent, vector
+from jousto.certificate.interface_modes import Modes
+from jousto.certificate.part_checks import FullModel
 from jousto.parts.mesh_error import mesh_error
-from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent, vector
-from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.modes.interface_modes import Modes
 
 GOOD, USELESS = 0.1, 0.4
 """Relative error in the energy norm up to which a mesh is fine, and from which it is of no use."""

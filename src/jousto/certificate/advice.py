@@ -13,11 +13,7 @@ from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.object_repr import described
-from jousto.reduction.certificate.certificate import Table, number
-from jousto.reduction.certificate.certify import full_model
-from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.methods import CraigBampton, FreeFree, Method
-from jousto.reduction.modes.families import (
+from jousto.certificate.basis_families import (
     Family,
     family_of,
     frequency_errors,
@@ -25,6 +21,10 @@ from jousto.reduction.modes.families import (
     modes_below,
     spectrum,
 )
+from jousto.certificate.certificate import Table, number
+from jousto.certificate.certify import full_model
+from jousto.certificate.part_checks import FullModel
+from jousto.reduction.methods import CraigBampton, FreeFree, Method
 from jousto.reduction.sparse import factor
 from jousto.reduction.stages import Report, Run, reporter
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from jousto.base.errors import count
-from jousto.reduction.certificate.certificate import Check, number
-from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.modes.interface_modes import Modes, determinate, scaled_rigid
+from jousto.certificate.certificate import Check, number
+from jousto.certificate.interface_modes import Modes, determinate, scaled_rigid
+from jousto.certificate.part_checks import FullModel
 
 ORTHONORMAL = 1e-5
 """Largest deviation of the modal matrices from their diagonal."""

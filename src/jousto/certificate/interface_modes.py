@@ -10,7 +10,7 @@ import scipy.linalg
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Index
-from jousto.reduction.certificate.part_checks import FullModel
+from jousto.certificate.part_checks import FullModel
 from jousto.reduction.modes.rigid import rigid_modes
 
 if TYPE_CHECKING:

@@ -11,15 +11,15 @@ import scipy.sparse as sp
 
 from gmsh_session import opened
 from jousto.base.errors import InputError, JoustoWarning
+from jousto.certificate.certificate import Check
+from jousto.certificate.certify import certify, full_model
+from jousto.certificate.part_checks import speed_of_sound
 from jousto.materials.material import Material
 from jousto.mesh.cells import Cells
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.readers.step import mesh_cad
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
-from jousto.reduction.certificate.certificate import Check
-from jousto.reduction.certificate.certify import certify, full_model
-from jousto.reduction.certificate.part_checks import speed_of_sound
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.reducer import from_modes, reduce
 from jousto.sections.section import Rectangle

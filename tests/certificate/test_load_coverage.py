@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.reduction.reach import Reach
+from jousto.certificate.load_coverage import Reach
 
 STEEL = jo.Material(E=210e9, nu=0.3, rho=7850.0)
 LENGTH, NODES = 1.0, 21
@@ -30,13 +30,18 @@ def loads() -> np.ndarray:
     return F.ravel()
 
 
+def run(machine: jo.Mechanism) -> jo.Solution:
+    """Run long enough to be warned."""
+    return jo.simulate(jo.compile(machine), 1e-6, solver=jo.RK4(1e-6))
+
+
 def told(method: object, *more: object, item: object = None, part: jo.Part = PART) -> list[str]:
     body = jo.FlexibleBody("beam", jo.reduce(part, method))  # type: ignore[arg-type]
     load = jo.mechanism.ModalLoad("wind", body, pattern()) if item is None else item(body)  # type: ignore[operator]
     weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
-        jo.compile(jo.Mechanism(body, weld, load))
+        run(jo.Mechanism(body, weld, load))
     return [str(w.message) for w in found if "static work" in str(w.message)]
 
 
@@ -134,25 +139,28 @@ def test_modes_of_a_clamped_part_are_asked_too() -> None:
     weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        jo.compile(jo.Mechanism(body, weld, jo.mechanism.ModalLoad("wind", body, pattern())))
+        run(jo.Mechanism(body, weld, jo.mechanism.ModalLoad("wind", body, pattern())))
     flat = reduced.keep(reduced.in_plane("xy"))
     work = Reach(flat).work(loads()[:, None])
     assert work is not None and work[1][0] < 1e-9 * work[0][0]
     assert Reach(reduced).work(loads()[:, None])[1][0] > 0.98 * work[0][0]  # type: ignore[index]
 
 
-def test_compile_solves_no_large_model(monkeypatch: pytest.MonkeyPatch) -> None:
-    from jousto.model.rank import reach
+def test_compile_solves_no_full_model_and_a_run_no_large_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from jousto.certificate import load_warnings
 
     part = jo.Part.beam(LENGTH, jo.Rectangle(0.02, 0.01), NODES - 1, STEEL)  # nobody asked it yet
     body = jo.FlexibleBody("beam", jo.reduce(part, jo.CraigBampton(("start", "end"), modes=0)))
     weld = jo.Fixed("weld", jo.ground["origin"], body["start"])
     machine = jo.Mechanism(body, weld, jo.mechanism.ModalLoad("wind", body, pattern()))
-    monkeypatch.setattr(reach, "LARGE", 6 * NODES - 1)
     monkeypatch.setattr(Reach, "__init__", lambda *_: pytest.fail("solved the full model"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         jo.compile(machine)
+        monkeypatch.setattr(load_warnings, "RUN_SIZE", 6 * NODES - 1)
+        run(machine)
     monkeypatch.undo()
     assert any("leave out 100 %" in text for text in jo.doctor(machine).warnings)
 
@@ -172,7 +180,7 @@ def test_the_full_model_is_factorised_once_for_all_loads(monkeypatch: pytest.Mon
     monkeypatch.setattr(Reach, "__init__", counted)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", jo.JoustoWarning)
-        jo.compile(jo.Mechanism(body, weld, *winds))
+        run(jo.Mechanism(body, weld, *winds))
     assert len(made) == 1
 
 
@@ -193,7 +201,7 @@ def test_doctor_tells_the_error_of_stress_from_two_percent() -> None:
     assert 4e-4 < left < 1e-2
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        jo.compile(machine)
+        run(machine)
     (message,) = [text for text in jo.doctor(machine).warnings if "static work" in text]
     assert f"leave out {100 * left:.2g} % of the static work" in message
     assert f"its stress is wrong by {100 * stress:.2g} % (energy norm)" in message

@@ -9,14 +9,14 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.reduction.accuracy import mesh_accuracy
-from jousto.reduction.certificate import (
+from jousto.certificate import (
     comparison,
     interface_loads,
+    interface_modes,
     part_checks as inspection,
     vibration,
 )
-from jousto.reduction.certificate.certificate import (
+from jousto.certificate.certificate import (
     Certificate,
     Check,
     Silhouette,
@@ -24,10 +24,11 @@ from jousto.reduction.certificate.certificate import (
     number,
     vector,
 )
-from jousto.reduction.certificate.mesh_checks import mesh_checks, mesh_facts
-from jousto.reduction.certificate.part_checks import FullModel, fault_of
+from jousto.certificate.mesh_accuracy import mesh_accuracy
+from jousto.certificate.mesh_checks import mesh_checks, mesh_facts
+from jousto.certificate.part_checks import FullModel, fault_of
 from jousto.reduction.frames.clamp import by_mean_axes
-from jousto.reduction.modes import eigen, interface_modes
+from jousto.reduction.modes import eigen
 from jousto.reduction.modes.partition import whole_part_basis
 from jousto.reduction.modes.rigid import (
     RigidBasis,

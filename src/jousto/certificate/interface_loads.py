@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Index
 from jousto.base.errors import count
-from jousto.reduction.certificate.certificate import Check, Status, Table, number, percent
-from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.modes.interface_modes import Modes, determinate, scaled_rigid
+from jousto.certificate.certificate import Check, Status, Table, number, percent
+from jousto.certificate.interface_modes import Modes, determinate, scaled_rigid
+from jousto.certificate.part_checks import FullModel
 
 EXACT = 1e-8
 """Relative error of a static displacement that counts as exact."""

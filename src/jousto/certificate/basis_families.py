@@ -10,11 +10,11 @@ import scipy.linalg
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.reduction.certificate.interface_loads import elastic_response
-from jousto.reduction.certificate.part_checks import FullModel
+from jousto.certificate.interface_loads import elastic_response
+from jousto.certificate.interface_modes import Modes, modes_of
+from jousto.certificate.part_checks import FullModel
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.modes import eigen
-from jousto.reduction.modes.interface_modes import Modes, modes_of
 from jousto.reduction.stages import Run
 
 if TYPE_CHECKING:

@@ -15,12 +15,12 @@ from jousto.base.errors import InputError, JoustoWarning, Problem, count, warn
 from jousto.base.garbage_collection import uncollected
 from jousto.base.object_repr import described
 from jousto.base.rotations import rotation_matrix
+from jousto.certificate.load_warnings import unheld_loads
 from jousto.mechanism.mechanism import Mechanism
 from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.rank.motions import moving, neighbour, without_drives
-from jousto.model.rank.reach import unheld_loads
 from jousto.model.rank.redundancy import (
     RANK,
     Redundancy,
@@ -138,8 +138,8 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
     Parameters
     ----------
     mechanism : Mechanism or Model
-        What to examine, at its initial pose. Of a mechanism also which loads on its bodies their
-        modes represent badly, for which the full models of the parts are solved.
+        What to examine, at its initial pose; also which loads on its bodies their modes
+        represent badly, for which the full models of the parts are solved.
 
     Returns
     -------
@@ -161,9 +161,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
             model = compile(mechanism) if isinstance(mechanism, Mechanism) else mechanism
         except InputError as error:
             return Diagnosis(mechanism.name, problems=error.problems)
-        # more than compile does of its own accord: it solves the full models of parts
-        unheld = unheld_loads(mechanism) if isinstance(mechanism, Mechanism) else []
-        for where, sentence in unheld:
+        for where, sentence in unheld_loads(model):
             warn(where, sentence)
     found = repeated_rows(model) if model.redundant else None
     said = tuple(

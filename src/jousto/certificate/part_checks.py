@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, count
+from jousto.certificate.certificate import Check, Table, number
 from jousto.mesh.sets import node_graph, rigid_groups, tied
-from jousto.reduction.certificate.certificate import Check, Table, number
 from jousto.reduction.modes import eigen
 from jousto.reduction.modes.partition import dof_label
 from jousto.reduction.modes.rigid import RigidBasis, rigid_modes

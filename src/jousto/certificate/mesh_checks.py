@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jousto.base.errors import count
-from jousto.reduction.certificate.certificate import Check, Status, Table, number
-from jousto.reduction.certificate.part_checks import hangs_together
+from jousto.certificate.certificate import Check, Status, Table, number
+from jousto.certificate.part_checks import hangs_together
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part

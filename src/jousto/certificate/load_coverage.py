@@ -8,12 +8,12 @@ import numpy as np
 import scipy.linalg
 
 from jousto.base.arrays import Array, Ints
-from jousto.reduction.certificate.certify import full_model
-from jousto.reduction.certificate.interface_loads import elastic_response
-from jousto.reduction.certificate.part_checks import FullModel
+from jousto.certificate.basis_families import held_response
+from jousto.certificate.certify import full_model
+from jousto.certificate.interface_loads import elastic_response
+from jousto.certificate.interface_modes import Modes, modes_of
+from jousto.certificate.part_checks import FullModel
 from jousto.reduction.frames.clamp import by_mean_axes
-from jousto.reduction.modes.families import held_response
-from jousto.reduction.modes.interface_modes import Modes, modes_of
 
 if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from jousto.base.errors import InputError
+from jousto.certificate.advice import advise
 from jousto.materials.material import Material
 from jousto.parts.interface import Interface
 from jousto.parts.part import Part
-from jousto.reduction.certificate.advice import advise
 from jousto.reduction.files import cache
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.reducer import reduce

@@ -6,9 +6,9 @@ import numpy as np
 import scipy.linalg
 
 from jousto.base.errors import count
-from jousto.reduction.certificate.certificate import Check, Table, number, percent
-from jousto.reduction.certificate.part_checks import FullModel
-from jousto.reduction.modes.interface_modes import Modes
+from jousto.certificate.certificate import Check, Table, number, percent
+from jousto.certificate.interface_modes import Modes
+from jousto.certificate.part_checks import FullModel
 from jousto.reduction.modes.rigid import rigid_modes
 
 CLOSE = 0.01

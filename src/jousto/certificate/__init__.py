@@ -1,0 +1,5 @@
+"""CERTIFY: what judges a reduced part (`certify`, `advise`) and a mechanism (`doctor`)."""
+
+from jousto.base.lazy_exports import open_room
+
+open_room(__name__)

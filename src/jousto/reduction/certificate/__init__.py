@@ -1,1 +1,0 @@
-"""The certificate of a reduction: what was checked, compared and found."""
