@@ -12,7 +12,6 @@ from jousto.base.arrays import Array
 from jousto.base.errors import warn
 from jousto.model.mode_loads import ModeLoad
 from jousto.model.model import Model
-from jousto.reduction.modes.rigid import length_scale
 
 if TYPE_CHECKING:
     from jousto.certificate.load_coverage import Reach
@@ -60,6 +59,10 @@ def unheld_loads(
     largest : float
         Most degrees of freedom of a part that is solved.
     """
+    if not model.mode_loads:
+        return []
+    from jousto.reduction.modes.rigid import length_scale
+
     found: list[tuple[str, str]] = []
     solved: dict[int, Reach] = {}
     judged: set[tuple[int, str]] = set()

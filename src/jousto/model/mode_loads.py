@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.loads import Torque
 from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.mechanism import Mechanism
-from jousto.reduction.reduced import ReducedPart
+
+if TYPE_CHECKING:
+    from jousto.reduction.reduced import ReducedPart
 
 
 @described
