@@ -25,6 +25,13 @@ test("equivalent stress", () => {
   near(vonMises([5, 5, 5, 0, 0, 0]), 0);
   near(measure("signed-von-mises", [-50, 0, 0, 0, 0, 0]), -50);
   near(measure("signed-von-mises", [0, 50, 0, 0, 0, 0]), 50);
+  // opposite principal stresses along x and y, whatever lies between them, have the same sign in all axes
+  for (let i = 0; i < 100; i++) {
+    const a = Math.cos(i), b = Math.sin(i), c = Math.cos(0.7 * i), d = Math.sin(0.7 * i);
+    const x = [a * c, b * c, d], y = [-b, a, 0], z = [-a * d, -b * d, c];
+    const stress = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]].map(([j, k]) => 100 * (x[j] * x[k] - y[j] * y[k]) - i * z[j] * z[k]);
+    near(measure("signed-von-mises", stress), Math.sqrt(3e4 + i * i));
+  }
   near(measure("principal-max", [0, 0, 0, 100, 0, 0]), 100);
   near(measure("principal-min", [0, 0, 0, 100, 0, 0]), -100);
   near(measure("s13", [1, 2, 3, 4, 5, 6]), 6);

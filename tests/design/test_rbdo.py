@@ -9,6 +9,7 @@ from scipy import stats
 import jousto as jo
 from design.limit_states import lognormal, normal
 from design.speed_reducer import BOUNDS, LIMITS, weight
+from jousto.design.reliability.targets.search import is_optimum
 
 rbdo, LimitState = jo.design.rbdo, jo.design.LimitState
 METHODS = ("sora", "pma", "ria")
@@ -17,6 +18,14 @@ THREE = [
     lambda x: x["x1"] ** 2 * x["x2"] / 20.0 - 1.0,
     lambda x: (x["x1"] + x["x2"] - 5) ** 2 / 30 + (x["x1"] - x["x2"] - 12) ** 2 / 120 - 1,
     lambda x: 80.0 / (x["x1"] ** 2 + 8.0 * x["x2"] + 5.0) - 1.0,
+]
+GRADIENTS = [
+    lambda x: [x["x1"] * x["x2"] / 10.0, x["x1"] ** 2 / 20.0],
+    lambda x: [(x["x1"] + x["x2"] - 5) / 15 + s * (x["x1"] - x["x2"] - 12) / 60 for s in (1, -1)],
+    lambda x: {
+        "x1": -160.0 * x["x1"] / (x["x1"] ** 2 + 8.0 * x["x2"] + 5.0) ** 2,
+        "x2": -640.0 / (x["x1"] ** 2 + 8.0 * x["x2"] + 5.0) ** 2,
+    },
 ]
 
 
@@ -98,25 +107,52 @@ def test_monte_carlo_of_the_design():
 
 
 def test_gradients_that_are_given_save_calls():
-    gradients = [
-        lambda x: [x["x1"] * x["x2"] / 10.0, x["x1"] ** 2 / 20.0],
-        lambda x: [
-            (x["x1"] + x["x2"] - 5) / 15 + s * (x["x1"] - x["x2"] - 12) / 60 for s in (1, -1)
-        ],
-        lambda x: {
-            "x1": -160.0 * x["x1"] / (x["x1"] ** 2 + 8.0 * x["x2"] + 5.0) ** 2,
-            "x2": -640.0 / (x["x1"] ** 2 + 8.0 * x["x2"] + 5.0) ** 2,
-        },
-    ]
     exact = [
         LimitState(g, dg, name=f"g{i}")
-        for i, (g, dg) in enumerate(zip(THREE, gradients, strict=True))
+        for i, (g, dg) in enumerate(zip(THREE, GRADIENTS, strict=True))
     ]
     found = rbdo(LimitState(cost, lambda d: [1.0, 1.0]), exact, pair(0.3), BOX, 3.0)
     plain = rbdo(cost, THREE, pair(0.3), BOX, 3.0)
     assert found.cost == pytest.approx(plain.cost, abs=1e-6)
     assert sum(found.calls.values()) < 0.5 * sum(plain.calls.values())
     assert list(found.betas) == ["g0", "g1", "g2"] and found.gradients["g0"] > 0
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_calls_do_not_depend_on_rounding(exact):
+    """Starts that differ by rounding, as other processors compute: the optimum lies in a corner.
+
+    There steps of SLSQP have a direction of rounding, and none of them is a better design.
+    """
+    limits = [LimitState(g, dg) for g, dg in zip(THREE, GRADIENTS, strict=True)] if exact else THREE
+    calls = set()
+    for k in range(6):
+        start = {"x1": 5.0 + k * 4e-15, "x2": 5.0 - k * 3e-15}
+        found = rbdo(cost, limits, pair(0.3), BOX, 3.0, start=start)
+        assert found.cost == pytest.approx(6.725659, abs=2e-6)
+        calls.add(sum(found.calls.values()))
+    assert len(calls) == 1
+
+
+def test_an_optimum_of_first_order():
+    """Two lines meet in a corner; the cost is least there if it rises along both edges."""
+    J, far = np.array([[2.0, 1.0], [1.0, 3.0]]), np.full(2, 5.0)
+    lower, inner = np.full(2, True), np.array([1.0, 1.0])
+    zero = np.zeros(2)
+    assert is_optimum(inner @ J, zero, J, far, lower)
+    assert is_optimum(inner @ J, np.array([1e-8, -1e-8]), J, far, lower)
+    # a limit that would be left, one that is violated, one that is not reached
+    assert not is_optimum(np.array([1.0, -1e-3]) @ J, zero, J, far, lower)
+    assert not is_optimum(inner @ J, np.array([0.0, -1e-5]), J, far, lower)
+    assert not is_optimum(inner @ J, np.array([0.0, 1e-5]), J, far, lower)
+    # one limit and a bound: lower ones bear costs that rise, upper ones such that fall
+    one, bound = J[:1], np.array([0.0, 5.0])
+    assert is_optimum(one[0] + [1.0, 0.0], zero[:1], one, bound, lower)
+    assert not is_optimum(one[0] - [1.0, 0.0], zero[:1], one, bound, lower)
+    assert is_optimum(one[0] - [1.0, 0.0], zero[:1], one, bound, ~lower)
+    # nothing active, or a limit without slope
+    assert not is_optimum(inner, np.ones(2), J, far, lower)
+    assert not is_optimum(inner, zero, 0.0 * J, far, lower)
 
 
 @pytest.mark.parametrize("method", ["sora", "pma"])

@@ -25,6 +25,9 @@ export function principal(s: ArrayLike<number>, at = 0): [number, number, number
   return [mean + first, mean - first - last, mean + last];
 }
 
+/** Share of the difference of the extreme principal stresses up to which their sum is rounding, as in pure shear. */
+const SUM_ROUNDING = 1e-7;
+
 /** A measure of stress by its name; NaN if there is no such one. */
 export function measure(name: string, s: ArrayLike<number>, at = 0): number {
   const component = (COMPONENTS as readonly string[]).indexOf(name);
@@ -33,6 +36,6 @@ export function measure(name: string, s: ArrayLike<number>, at = 0): number {
   const [first, , last] = principal(s, at);
   if (name === "principal-max") return first;
   if (name === "principal-min") return last;
-  if (name === "signed-von-mises") return (first + last >= 0 ? 1 : -1) * vonMises(s, at);
+  if (name === "signed-von-mises") return (first + last >= -SUM_ROUNDING * (first - last) ? 1 : -1) * vonMises(s, at);
   return NaN;
 }

@@ -17,6 +17,7 @@ from jousto.recovery.fields.criteria import (
     turned,
     voigt,
 )
+from jousto.recovery.fields.kernels import kernel
 from jousto.recovery.fields.planes import critical_plane, half_sphere, plane_weights
 from jousto.reduction.fields.stress import StressModes
 
@@ -77,6 +78,23 @@ def test_every_criterion_is_what_it_says(rng: np.random.Generator, strain: bool)
     normal = np.array([1.0, -2.0, 0.5])
     along = np.einsum("i,tsij,j->ts", normal, tensor(s, strain), normal) / (normal @ normal)
     np.testing.assert_allclose(field.values(jo.recovery.Plane(normal)), along, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize("strain", [False, True])
+def test_the_sign_of_opposite_principal_values_is_positive(
+    rng: np.random.Generator, strain: bool
+) -> None:
+    """Pure shear in any axes: rounding would choose the sign. A sum of 1e-6 of them decides it."""
+    for share, sign in ((0.0, 1.0), (1e-6, 1.0), (-1e-6, -1.0)):
+        first = 1.0 + share
+        states = np.array([[first, middle, -1.0] for middle in (0.0, 0.3, -0.9, -1.0, first)])
+        Q = rotations(rng, 40)
+        T = np.einsum("aij,sj,akj->saik", Q, 1e8 * states, Q)
+        s = voigt(0.5 * (T + np.swapaxes(T, 2, 3)), strain).reshape(-1, 6)
+        for criterion in ("signed-von-mises", "signed-principal"):
+            by_engine = kernel(s[:, :, None], criterion, strain).values(np.ones((1, 1)))[0]
+            for found in (evaluate(s, criterion, strain), by_engine):
+                np.testing.assert_array_equal(np.sign(found), sign, err_msg=criterion)
 
 
 def test_principal_values_close_to_one_another(rng: np.random.Generator) -> None:

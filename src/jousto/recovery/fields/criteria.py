@@ -32,6 +32,10 @@ TENSOR_SHEARS = ("e12", "e23", "e13")
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
+SUM_ROUNDING = 1e-7
+"""Share of the difference of the extreme principal values up to which their sum is zero, as in the
+engine (recover.c): in pure shear they are opposite and rounding would choose the sign."""
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -208,7 +212,8 @@ def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = Fa
         "s11" .. "s13" ("e11" .. "g13"; "e12" is half of "g12"), "von-mises", "signed-von-mises"
         (with the sign of the principal value of largest magnitude), "principal-1" >= "principal-2"
         >= "principal-3", "signed-principal" (that of largest magnitude), "max-shear" (half the
-        difference of the principal stresses; of strains the difference), or a `Plane`.
+        difference of the principal stresses; of strains the difference), or a `Plane`. Where two
+        are of largest magnitude, as in pure shear, the sign is positive.
     strain : bool
         Whether `s` are strains.
 
@@ -234,7 +239,7 @@ def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = Fa
         return np.asarray(p[..., int(str(criterion)[-1]) - 1])
     if criterion == "max-shear":
         return np.asarray((1.0 if strain else 0.5) * (p[..., 0] - p[..., 2]))
-    positive = p[..., 0] + p[..., 2] >= 0.0
+    positive = p[..., 0] + p[..., 2] >= -SUM_ROUNDING * (p[..., 0] - p[..., 2])
     if criterion == "signed-principal":
         return np.where(positive, p[..., 0], p[..., 2])
     return np.where(positive, 1.0, -1.0) * von_mises(values, strain)

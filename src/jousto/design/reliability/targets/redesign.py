@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy.optimize
 
 from jousto.base.arrays import Array, some
 from jousto.base.errors import count
@@ -16,11 +15,11 @@ from jousto.design.reliability.form import moved_by
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.inputs.transform import Transformation
 from jousto.design.reliability.limit import Counted
+from jousto.design.reliability.targets.search import Search
 
 WHERE = "rbdo"
 FAR = 38.0  # of indices that are only told
 MISSED = 1e-6  # of the size of a limit state
-FLAT = 1e-9  # of the optimum of a deterministic step, by its scale
 ROUNDS, SHORT = 50, 0.1  # optimisations with steps of at most a share of the scale
 ENDLESS = 1e9  # times its scale, of a design without bounds
 STEPS = 200  # of an optimisation without scatter
@@ -172,38 +171,29 @@ class Redesign:
         def real(z: Array) -> Array:
             return np.clip(z * self.scale, self.low, self.high)
 
-        def least(z: Array, low: Array, high: Array) -> Any:
-            minimize: Any = scipy.optimize.minimize
-            return minimize(
-                lambda z: self.cost_of(real(z)) / size,
-                z,
-                jac=lambda z: self.cost_slope(real(z)) * self.scale / size,
-                bounds=list(zip(low, high, strict=True)),
-                constraints={
-                    "type": "ineq",
-                    "fun": lambda z: values(real(z)) / sizes,
-                    "jac": lambda z: slopes(real(z)) * self.scale / sizes[:, None],
-                },
-                method="SLSQP",
-                options={"maxiter": iterations, "ftol": FLAT},
-            )
-
+        search = Search(
+            cost=lambda z: self.cost_of(real(z)) / size,
+            cost_slope=lambda z: self.cost_slope(real(z)) * self.scale / size,
+            limits=lambda z: values(real(z)) / sizes,
+            limit_slopes=lambda z: slopes(real(z)) * self.scale / sizes[:, None],
+        )
         z, low, high = d / self.scale, self.low / self.scale, self.high / self.scale
-        found = least(z, low, high)
+        found, status = search.least(z, low, high, iterations)
         # a long step may end where limits have no slope: then short ones
-        for _ in range(ROUNDS if found.status not in (0, 9) else 0):
-            found = least(z, np.maximum(low, z - SHORT), np.minimum(high, z + SHORT))
-            moved, z = float(np.max(np.abs(found.x - z))), np.asarray(found.x)
+        for _ in range(ROUNDS if status not in (0, 9) else 0):
+            near, far = np.maximum(low, z - SHORT), np.minimum(high, z + SHORT)
+            found, status = search.least(z, near, far, iterations)
+            moved, z = float(np.max(np.abs(found - z))), found
             if moved < 0.999 * SHORT:
                 break
-        d = real(np.asarray(found.x))
+        d = real(found)
         if np.any(np.abs(d) > ENDLESS * self.scale):
             message = f"{WHERE}: the cost falls without end, to {self._said(d)}; give finite bounds"
             raise DesignPointError(message, d)
         g = values(d) / sizes
         bad = [f"{self.names[i]} ({g[i] * sizes[i]:.4g})" for i in np.flatnonzero(g < -MISSED)]
         missed = f"missed at {self._said(d)}: {some(bad)}" if bad else ""
-        if found.status == 9:
+        if status == 9:
             hint = "" if iterations == STEPS else ", raise cycles="
             message = f"{WHERE}: the optimisation did not end in {count(iterations, 'step')}{hint}"
             message += f"; {missed}" if bad else ""
