@@ -21,7 +21,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PY := $(BIN)/python
 CC ?= cc
-ENGINE := CMakeLists.txt src/jousto/model/native/declarations.py $(wildcard engine/*.c engine/*.h engine/*.cmake)
+ENGINE := CMakeLists.txt src/jousto/model/native/declarations.py $(wildcard engine/*.c engine/*.h engine/*/*.c engine/*/*.h engine/*.cmake)
 EXAMPLE ?= examples/flexible_pendulum.py
 
 export MPLBACKEND := Agg
@@ -200,9 +200,11 @@ sanitize: $(ENGINE_TESTS) build/sanitize/complex.ok $(LANES_OK)  ## the C engine
 	@for t in $(ENGINE_TESTS); do echo "sanitized $$t"; "$$t"; done
 
 # the engine is compiled once for all of them
-SANITIZED := $(patsubst engine/%.c,build/sanitize/objects/%.o,$(wildcard engine/*.c))
+# every folder of the engine but these three is a room of it
+ENGINE_C := $(filter-out engine/export/% engine/lanes/% engine/test/%,$(wildcard engine/*.c engine/*/*.c))
+SANITIZED := $(patsubst engine/%.c,build/sanitize/objects/%.o,$(ENGINE_C))
 .SECONDARY: $(SANITIZED)
-build/sanitize/objects/%.o: engine/%.c $(wildcard engine/*.h)
+build/sanitize/objects/%.o: engine/%.c $(wildcard engine/*.h engine/*/*.h)
 	@mkdir -p $(@D)
 	@$(CC) $(WARN) $(SANITIZE) -Iengine -c $< -o $@
 
@@ -211,7 +213,7 @@ build/sanitize/%: engine/test/%.c $(SANITIZED) $(wildcard engine/test/*.h)
 
 build/sanitize/complex.ok: $(ENGINE)
 	@mkdir -p $(@D)
-	@for f in $(wildcard engine/*.c); do $(CC) $(WARN) -DJO_COMPLEX -Iengine -fsyntax-only $$f; done
+	@for f in $(ENGINE_C); do $(CC) $(WARN) -DJO_COMPLEX -Iengine -fsyntax-only $$f; done
 	@touch $@
 
 # machines side by side, where CMake builds them: their Python tests with a sanitized build

@@ -17,6 +17,7 @@ import cffi
 import numpy as np
 
 import jousto as jo
+from jousto.export import sources
 from jousto.model.native import library
 from jousto.model.native.declarations import declarations
 
@@ -96,9 +97,8 @@ class Counter:
         self._folder = tempfile.TemporaryDirectory()
         folder = Path(self._folder.name)
         (folder / "counting.h").write_text(COUNTING_SCALAR)
-        for path in (*ENGINE.glob("*.h"), *ENGINE.glob("*.c")):
-            text = path.read_text()
-            if path.name == "jousto.h":
+        for name, text in {**sources.headers(), **sources.engine()}.items():
+            if name == "jousto.h":
                 text = text.replace("typedef double jo_real;", '#include "counting.h"', 1)
                 text = re.sub(r"/\* BEGIN \*/", 'extern "C" {', text)
                 text = re.sub(r"/\* END \*/", "}", text)
@@ -106,14 +106,13 @@ class Counter:
             text = re.sub(
                 r"#(el)?if defined\(__GNUC__\) && !defined\(JO_COMPLEX\).*", r"#\1if 0", text
             )
-            name = path.name if path.suffix == ".h" else path.stem + ".cpp"
-            (folder / name).write_text(text)
+            (folder / re.sub(r"\.c$", ".cpp", name)).write_text(text)
         (folder / "count.cpp").write_text('extern "C" { long long jo_flops = 0; }\n')
         target = folder / "counting.so"
-        sources = [str(path) for path in folder.glob("*.cpp")]
+        files = [str(path) for path in folder.glob("*.cpp")]
         flags = ["-O2", "-w", "-fpermissive", "-Drestrict=__restrict__", "-shared", "-fPIC"]
         built = subprocess.run(
-            ["c++", *flags, *sources, "-o", str(target), "-lm"], capture_output=True, text=True
+            ["c++", *flags, *files, "-o", str(target), "-lm"], capture_output=True, text=True
         )
         if built.returncode:
             raise RuntimeError("the engine does not count: " + built.stderr[:1000])

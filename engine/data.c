@@ -1,5 +1,10 @@
 /* data.c - the state and workspace of one run: one allocation. */
-#include "internal.h"
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "beam/beam.h"
+#include "tree/tree.h"
+#include "integrate/integrate.h"
+#include "fatigue/fatigue.h"
 #include <string.h>
 #ifndef JO_NO_ALLOCATION
 #include <stdlib.h>

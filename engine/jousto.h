@@ -24,7 +24,7 @@ typedef double jo_real;
 
 /* The kinds of force: a row each, ROW(name, its numbers), read by the Python binding as well. A row makes the number of the kind,
  * JO_FORCE_name, and the type of its data, jo_name_data, and puts jo_force_name, which its file force_name.c defines, into the
- * table of force.c.
+ * table of force_table.c.
  *
  * load: at b; in the world or following b, times signal
  * along: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
@@ -201,7 +201,7 @@ typedef struct {
  * A joint of two motions has a link without a body for the first one: slide, then hinge of a cylindrical joint; of a universal joint
  * hinge about z, then about what was x. */
 typedef enum { JO_LINK_FIXED = 0, JO_LINK_HINGE = 1, JO_LINK_SLIDE = 2, JO_LINK_BALL = 3, JO_LINK_FREE = 4,
-               JO_LINK_BODY = 5     /* runs by the rows of its joints and carries rigid trees, see tree_ports.c; all of them come first */
+               JO_LINK_BODY = 5     /* runs by the rows of its joints and carries rigid trees, see tree_on_flexible_bodies.c; all of them come first */
 } jo_link_type;
 typedef struct {
     int type;               /* jo_link_type; BALL: (4) quaternion, (3) angular velocity against the parent, local;
@@ -218,7 +218,7 @@ typedef struct {
     int lock;               /* lock of the friction that may hold it; -1: none */
 } jo_link;
 
-/* A joint, coupling or drive that no link of the tree is: its rows close loops, see tree_loop.c. */
+/* A joint, coupling or drive that no link of the tree is: its rows close loops, see tree_loop_closure.c. */
 typedef struct {
     int joint;
     int group, row;         /* loops with a link in common, and its first row among theirs; loops of a group follow one another */
@@ -510,7 +510,7 @@ int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the me
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
                       long long *residue_where, long long *length);
 
-/* Damage on planes (planes.c) through a place: the worst of `turns` lines of shear in each plane, or of the normal stress.
+/* Damage on planes (critical_planes.c) through a place: the worst of `turns` lines of shear in each plane, or of the normal stress.
  * Damage of a cycle of shear amplitude a and largest normal stress n in it:
  * FINDLEY: of the S-N curve at 2 (a + k n) / (k + sqrt(1 + k^2)); STRAIN: of ln(1 / N) over ln(a (1 + k n)), a table */
 typedef enum { JO_PLANE_NORMAL = 0, JO_PLANE_FINDLEY = 1, JO_PLANE_STRAIN = 2 } jo_plane_kind;
@@ -530,7 +530,7 @@ typedef struct {
 void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
                      long long *order, double *damage, long long *plane);
 
-/* States of measured channels (health.c); a value is not there or is, with its `cells` saying why, if not */
+/* States of measured channels (channel_health.c); a value is not there or is, with its `cells` saying why, if not */
 typedef enum { JO_VALUE_OK = 0, JO_VALUE_DROPOUT = 1, JO_VALUE_NAN = 2, JO_VALUE_SATURATED = 3, JO_VALUE_STUCK = 4,
                JO_VALUE_SPIKE = 5, JO_VALUE_BACK = 6 } jo_value;
 /* rows of what is remembered of a channel: last value, last good one, usual step and samples in it, samples of the same value and
@@ -546,7 +546,7 @@ typedef struct {
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
                      const unsigned char *cells, unsigned char *states, long long count, long long n);
 
-/* Stress fields (recover.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
+/* Stress fields (stress_recovery.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
  * one filled up with zeros. */
 enum { JO_LANES = 8 };
 typedef enum { JO_NORM = 0,             /* scale |rows| */

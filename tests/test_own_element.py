@@ -64,7 +64,7 @@ def test_the_page_adds_a_force_to_the_engine(tmp_path: Path) -> None:
     # one file of Python, one of C and one row
     assert [diff.splitlines()[0] for diff in diffs] == [
         "+++ b/engine/jousto.h",
-        "+++ b/engine/force_cubic.c",
+        "+++ b/engine/force/force_cubic.c",
         "+++ b/src/jousto/mechanism/forces/cubic.py",
     ]
     added = [line for line in diffs[0].splitlines()[1:] if line.startswith("+")]

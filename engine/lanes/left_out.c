@@ -1,7 +1,11 @@
 /* left_out.c - in place of the sources that machines side by side do not need: beams, frictions, events, damage meters, moving
  * loads, functions of the user, implicit and adaptive steps. A model that has any of it is not run so (ensemble.py). */
-#include "../beam.h"
-#include "../force.h"
+#include "maximal/maximal.h"
+#include "beam/beam.h"
+#include "force/force.h"
+#include "friction/friction.h"
+#include "tree/tree.h"
+#include "integrate/integrate.h"
 
 /* beams */
 void jo_beam_accept(const jo_model *m, jo_data *d)

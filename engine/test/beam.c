@@ -3,7 +3,7 @@
  * Checked: Newton's matrix against differences of the residual, energy in free flight at the order of the method, the
  * section sensor, too much bending comes back as a code.
  */
-#include "beam.h"
+#include "beam/beam.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* meter.c - the damage meter on its own, meant to run under sanitizers.
+/* damage_meter.c - the damage meter on its own, meant to run under sanitizers.
  *
  * Checked: the counts of ASTM E1049-85 and the damage of that block, every residue rule, what is dropped, full stacks
  * of growing and shrinking vibrations, blocks of many meters, a copy of the memory as a checkpoint, the count of a whole

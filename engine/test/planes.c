@@ -1,4 +1,4 @@
-/* planes.c - damage on planes, meant to run under sanitizers: alternating tension on its own plane has a closed form, and
+/* critical_planes.c - damage on planes, meant to run under sanitizers: alternating tension on its own plane has a closed form, and
  * more planes and lines are never less. */
 #include "jousto.h"
 #include <math.h>

@@ -20,13 +20,23 @@ FUNCTION = re.compile(
 )
 CONSTANT = re.compile(r"^const \w+ (\w+) =", re.MULTILINE)
 PROTOTYPE = re.compile(r"^(?:extern [^;{}]*|[a-z][\w *]*\w\([^;{}]*\));", re.MULTILINE)
+KIND = re.compile(r"^const jo_force_kind (\w+) =", re.MULTILINE)
 RECURSIVE = ["jo_signal_at"]  # the operands of a signal are signals
+
+
+def room_files() -> list[Path]:
+    """The files of the engine itself: those of its rooms and those that all rooms share."""
+    return sorted(
+        path
+        for path in (*ENGINE.glob("*.[ch]"), *ENGINE.glob("*/*.[ch]"))
+        if path.parent.name not in ("export", "lanes", "test")
+    )
 
 
 def sources() -> dict[str, str]:
     """The text of each file, without comments, strings and prototypes."""
     texts = {}
-    for path in sorted(ENGINE.glob("*.[ch]")):
+    for path in room_files():
         text = re.sub(r"/\*.*?\*/", _blank, path.read_text("utf-8"), flags=re.DOTALL)
         texts[path.name] = re.sub(r'"(?:\\.|[^"\\\n])*"', '""', text)
     return texts
@@ -44,7 +54,7 @@ def calls() -> dict[str, set[str]]:
     assert not twice, f"defined in two files: {twice}"
     home = dict(defined)
     used = {name: set(re.findall(r"\w+", text)) for name, text in texts.items()}
-    used["force.c"] |= {f"jo_force_{name}" for name in forces(texts)}  # the macro makes them
+    used["force_table.c"] |= {f"jo_force_{name}" for name in forces(texts)}  # the macro makes them
     return {name: {home[w] for w in words & home.keys()} - {name} for name, words in used.items()}
 
 
@@ -66,28 +76,47 @@ def functions() -> dict[tuple[str, str], str]:
 def test_no_file_calls_one_that_calls_it():
     """Not through others either, so that any file can be read after those it uses.
 
-    A step that ends at an event is repeated by jo_event_step (event.c), which calls jo_one_step
-    (step.c); what calls jo_event_step is above both: run.c and adaptive.c.
+    A step that ends at an event is repeated by jo_event_step (events.c), which calls jo_one_step
+    (step_explicit.c); what calls jo_event_step is above both: run.c and step_control.c.
     """
     graph = calls()
-    assert {"state.c", "event.c", "dopri.c"} <= graph["adaptive.c"]
-    assert "force_along.c" in graph["force.c"]
+    assert {"state.c", "events.c", "step_dormand_prince.c"} <= graph["step_control.c"]
+    assert "force_along.c" in graph["force_table.c"]
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(f"a circle: {' <- '.join(error.args[1])}")
 
 
-def test_the_header_lists_the_files_after_those_they_call():
-    header = (ENGINE / "internal.h").read_text("utf-8").partition("/* body.c */")
-    sections = re.split(r"^/\* (\w+\.c) \*/$", header[1] + header[2], flags=re.MULTILINE)[1:]
-    order, texts, graph = sections[::2], sources(), calls()
-    for file, section in zip(order, sections[1::2], strict=True):
-        names = set(re.findall(r"\b(jo_\w+)\([^;{}]*\);", section))
-        assert names
-        assert names <= set(_names(texts[file])), f"{file} defines less"
-    for i, file in enumerate(order):
-        assert not graph[file] & set(order[i + 1 :]), f"{file} calls what follows it"
+def test_no_two_files_have_one_name():
+    """Exported programs have all files in one folder."""
+    names = Counter(path.name for path in room_files())
+    assert not [name for name, count in names.items() if count > 1]
+
+
+def test_each_header_offers_what_the_files_of_its_room_define():
+    """Section by section, in the order of the calls within the room."""
+    texts, graph = sources(), calls()
+    home = {path.name: path.parent.name for path in room_files()}
+    for room in {path.parent for path in room_files()} - {ENGINE}:
+        header = (room / f"{room.name}.h").read_text("utf-8")
+        sections = re.split(r"^/\* (\w+\.c) \*/$", header, flags=re.MULTILINE)[1:]
+        order = sections[::2]
+        for file, section in zip(order, sections[1::2], strict=True):
+            names = set(re.findall(r"\b(jo_\w+)\([^;{}]*\);", section))
+            assert names
+            assert home[file] == room.name and names <= set(_names(texts[file])), file
+        for i, file in enumerate(order):
+            assert not graph[file] & set(order[i + 1 :]), f"{file} calls what follows it"
+
+
+def test_files_include_the_headers_of_the_rooms_that_they_call():
+    home = {path.name: path.parent for path in room_files()}
+    for file, called in calls().items():
+        text = (home[file] / file).read_text("utf-8")
+        rooms = {home[other].name for other in called if home[other] not in (home[file], ENGINE)}
+        found = set(re.findall(r'#include "(\w+)/', text))
+        assert not file.endswith(".c") or rooms <= found, f"{file} calls {rooms - found}"
 
 
 def test_only_what_is_recursive_calls_itself():
@@ -110,10 +139,10 @@ def test_functions_are_below_60_lines():
 
 def test_each_kind_of_force_has_a_file_and_a_row():
     texts = sources()
-    files = {name: CONSTANT.findall(text) for name, text in texts.items() if "force_" in name}
+    files = {name: found for name, text in texts.items() if (found := KIND.findall(text))}
     assert sorted(files) == sorted(f"force_{name}.c" for name in forces(texts))
     assert all(found == [f"jo_{name[:-2]}"] for name, found in files.items())
-    assert "table[] = {JO_FORCES(" in texts["force.c"]
+    assert "table[] = {JO_FORCES(" in texts["force_table.c"]
 
 
 # keywords of C++ that are names in C; bool is a type of the interface of FMI 3.0

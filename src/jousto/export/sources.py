@@ -10,8 +10,9 @@ from jousto.base.errors import InputError, Problem
 from jousto.model.native import library
 
 # evaluate results or wait for a watch; no step calls them
-LEFT_OUT = ("health.c", "pace.c", "planes.c", "recover.c")
+LEFT_OUT = ("channel_health.c", "real_time_pace.c", "critical_planes.c", "stress_recovery.c")
 HOST = "export"  # folder of what surrounds a machine
+NO_ROOMS = (HOST, "lanes", "test")  # folders whose sources are no part of the engine itself
 
 
 @cache
@@ -33,19 +34,27 @@ def folder() -> Path:
 
 
 def headers() -> dict[str, str]:
-    """Return the engine's headers by name."""
-    found = {path.name: path.read_text(encoding="utf-8") for path in folder().glob("*.h")}
-    found["lanes/lanes.h"] = (folder() / "lanes" / "lanes.h").read_text(encoding="utf-8")
-    return found
+    """Return the engine's headers by name, in one folder."""
+    rooms = [path for path in folder().glob("*/*.h") if path.parent.name not in (HOST, "test")]
+    return {path.name: flat(path) for path in (*folder().glob("*.h"), *rooms)}
 
 
 def engine() -> dict[str, str]:
-    """Return the engine's files that a step needs, by name, in order."""
-    return {
-        path.name: path.read_text(encoding="utf-8")
-        for path in sorted(folder().glob("*.c"))
-        if path.name not in LEFT_OUT
-    }
+    """Return the engine's files that a step needs, by name, in one folder and in order."""
+    rooms = [path for path in folder().glob("*/*.c") if path.parent.name not in NO_ROOMS]
+    files = sorted((*folder().glob("*.c"), *rooms), key=lambda path: path.name)
+    return {path.name: flat(path) for path in files if path.name not in LEFT_OUT}
+
+
+def find(name: str) -> str:
+    """Return a file of the engine by its name, in whichever room it is."""
+    (path,) = (path for path in folder().rglob(name) if path.parent.name not in NO_ROOMS)
+    return flat(path)
+
+
+def flat(path: Path) -> str:
+    """Return a file of the engine whose includes name no folders."""
+    return FOLDER.sub('#include "', path.read_text(encoding="utf-8"))
 
 
 def host(name: str) -> str:
@@ -95,6 +104,7 @@ def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
     return made
 
 
+FOLDER = re.compile(r'^#include "\w+/', flags=re.MULTILINE)
 INCLUDE = re.compile(r'^#include "([^"]+)".*$', flags=re.MULTILINE)
 STATIC = re.compile(r"^static [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
 TYPE = re.compile(r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);)", flags=re.MULTILINE)

@@ -12,7 +12,7 @@ from jousto.export.project import CMAKE, write_files
 from jousto.measurement.monitor.monitor import Monitor
 from jousto.measurement.program.plan import Plan, plan_of
 
-ENGINE = ("health.c", "meter.c", "recover.c")
+ENGINE = ("channel_health.c", "damage_meter.c", "stress_recovery.c")
 ENGINE_HEADERS = ("jousto.h", "rainflow.h")
 HOSTED = ("gauged_twin.h", "gauged_twin.c", "bands.h", "bands.c", "watch.c")
 
@@ -50,7 +50,7 @@ def _headers(made: Plan) -> dict[str, str]:
 
 def _code(made: Plan) -> dict[str, str]:
     """Return all files of C by name, in order."""
-    engine = {name: (sources.folder() / name).read_text(encoding="utf-8") for name in ENGINE}
+    engine = {name: sources.find(name) for name in ENGINE}
     hosted = {name: sources.host(name) for name in HOSTED if name.endswith(".c")}
     return {**engine, f"{made.name}_data.c": made.source, **hosted}
 

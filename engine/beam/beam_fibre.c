@@ -1,0 +1,51 @@
+/* beam_fibre.c - beam elements whose fibres lean with the twist (Wagner 1929; Biot 1939).
+ *
+ * A twist kappa of the section about its shear centre stretches the fibre at a distance r by (r kappa)^2/2 beside the axis,
+ * on the mean over the section of area A by Ip/A kappa^2/2. So with p = Ip/A about the shear centre
+ *   e_x = Gamma_x + p kappa_x^2/2 - that of the unstressed shape,   U = L/2 e . C e
+ * N of leaning fibres exerts a torque p N kappa_x, GJ becomes GJ + p N, and twist shortens the axis. Forces and tangents are
+ * those of the element without with J^T s in the place of s, J^T C J and what J changes in the place of C, J = E + p kappa_x e1 e4^T.
+ */
+#include "beam/beam.h"
+
+/* the strain of the axis */
+void jo_beam_fibre(const jo_model *m, const jo_data *d, const int i)
+{
+    const jo_beam_data *x = m->beam[i].data;
+    jo_beam_work *w = &d->beam[i];
+    const jo_real rest = x->e0[3], kappa = w->e[3] + rest;
+    w->lean = x->polar * kappa;
+    w->e[0] += 0.5 * x->polar * w->e[3] * (kappa + rest);
+}
+
+void jo_beam_fibre_rate(const jo_data *d, const int i)
+{
+    jo_beam_work *w = &d->beam[i];
+    w->rate[0] += w->lean * w->rate[3];
+}
+
+/* f = J^T s */
+void jo_beam_fibre_force(const jo_data *d, const int i)
+{
+    jo_beam_work *w = &d->beam[i];
+    w->f[3] += w->lean * w->s[0];
+}
+
+/* C = J^T C J, and X (6 x 6): what J changes by itself, its fourth column */
+void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_real *C, jo_real *X)
+{
+    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_data *x = m->beam[i].data;
+    const jo_real p = x->polar;
+    for (int j = 0; j < 36; j++) {
+        C[j] = x->C[j];
+        X[j] = 0.0;
+    }
+    for (int r = 0; r < 6; r++) C[6 * r + 3] += w->lean * C[6 * r];
+    for (int c = 0; c < 6; c++) C[18 + c] += w->lean * C[c];
+    X[21] = p * w->s[0];
+    if (!w->damped) return;
+    /* the rate of e_x changes with the lean */
+    const jo_real rate = x->beta * p * w->rate[3];
+    for (int r = 0; r < 6; r++) X[6 * r + 3] += rate * C[6 * r];
+}

@@ -1,0 +1,60 @@
+/* channel_health.c - which values of measured channels can be believed, sample by sample.
+ *
+ * A channel is "stuck" if its value stays the same to the last digit while others change, and a "spike" is a jump far beyond
+ * the usual steps, until a few samples stay there. What failed must be well for some samples before it is believed again. */
+#include "jousto.h"
+#include <math.h>
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+static double larger(double a, double b) { return a > b ? a : b; }
+
+/* what a value is by itself */
+static int plain(const jo_health *r, double x, int cell)
+{
+    if (cell == r->infinite || isinf(x) || (isfinite(x) && fabs(x) >= r->range)) return JO_VALUE_SATURATED;
+    if (cell == r->empty) return JO_VALUE_DROPOUT;
+    return isfinite(x) ? JO_VALUE_OK : JO_VALUE_NAN;
+}
+
+static int channel(const jo_health *r, double *m, long long n, double x, int state, int before, int others)
+{
+    const int there = isfinite(x), same = there && x == m[JO_HEALTH_LAST * n];
+    m[JO_HEALTH_SAME * n] = same ? m[JO_HEALTH_SAME * n] + 1.0 : 0.0;
+    m[JO_HEALTH_MOVES * n] = same ? m[JO_HEALTH_MOVES * n] + (others ? 1.0 : 0.0) : 0.0;
+    if (r->stuck && state == JO_VALUE_OK && m[JO_HEALTH_MOVES * n] >= r->stuck) state = JO_VALUE_STUCK;
+
+    const double step = fabs(x - m[JO_HEALTH_GOOD * n]), seen = m[JO_HEALTH_SEEN * n], usual = m[JO_HEALTH_USUAL * n];
+    const int known = seen >= r->warm;
+    if (r->spike > 0.0) {
+        const double limit = r->spike * larger(usual, 1e-12);
+        const int jump = known && state == JO_VALUE_OK && isfinite(step) && step > limit;
+        const int near = isfinite(m[JO_HEALTH_LAST * n]) && fabs(x - m[JO_HEALTH_LAST * n]) <= limit;
+        m[JO_HEALTH_LEVEL * n] = !jump ? 0.0 : near ? m[JO_HEALTH_LEVEL * n] + 1.0 : 1.0;
+        if (jump && m[JO_HEALTH_LEVEL * n] < r->persist) state = JO_VALUE_SPIKE;
+    }
+    const int good = state == JO_VALUE_OK;
+    if (good && isfinite(step)) {
+        /* a believed jump must not make the next one look usual */
+        const double capped = known ? smaller(step, 4.0 * usual + 1e-12) : step;
+        m[JO_HEALTH_USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
+        m[JO_HEALTH_SEEN * n] = seen + 1.0;
+    }
+    if (good) m[JO_HEALTH_GOOD * n] = x;
+    m[JO_HEALTH_LAST * n] = there ? x : NAN;
+    m[JO_HEALTH_WELL * n] = good ? m[JO_HEALTH_WELL * n] + 1.0 : 0.0;
+    /* one wild value says nothing of the next */
+    return good && before != JO_VALUE_OK && before != JO_VALUE_SPIKE && m[JO_HEALTH_WELL * n] <= r->back ? JO_VALUE_BACK : state;
+}
+
+void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
+                     const unsigned char *cells, unsigned char *states, long long count, long long n)
+{
+    for (long long t = 0; t < count; t++, x += n, states += n) {
+        int moved = 0;
+        for (long long c = 0; c < n; c++)
+            moved |= isfinite(x[c]) && isfinite(memory[JO_HEALTH_LAST * n + c]) && x[c] != memory[JO_HEALTH_LAST * n + c];
+        for (long long c = 0; c < n; c++)
+            states[c] = (unsigned char)channel(r, memory + c, n, x[c], plain(r, x[c], cells ? cells[t * n + c] : 0), before[c], moved);
+        before = states;
+    }
+}

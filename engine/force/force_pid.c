@@ -1,0 +1,159 @@
+/* force_pid.c - a PID controller along a coordinate, with a filtered derivative and back-calculation against wind-up.
+ *
+ * Of the reference r and the measured value y, which is the coordinate or its rate (Astrom and Hagglund, Advanced PID Control,
+ * 2006, ch. 3):
+ *   u = kp (b r - y) + I - kd cut (y - yf) + feedforward, f = u within lower .. upper
+ *   I' = ki (r - y) + unwind (f - u), yf' = cut (y - yf)
+ * cut = 1 / filter, or 1 / (filter_share kd / kp) where that is 0; unwind = 1 / tracking, or 1 / (tracking_share kp / ki); 0 where
+ * there is no such time. States: I, yf.
+ */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "force/force.h"
+
+typedef struct {
+    jo_real y, r, rest;     /* measured, wanted, u without I */
+} parts;
+
+static const jo_pid_data *numbers(const jo_force *f) { return (const jo_pid_data *)f->data; }
+
+/* one over a time, or where that is 0 a share of a quotient of gains; 0 where that is no time */
+static jo_real rate_of(jo_real time, jo_real share, jo_real gain, jo_real by)
+{
+    const jo_real none = jo_same(0.0), usual = jo_choose(JO_LESS(none, share), share * gain / by, none);
+    const jo_real taken = jo_choose(JO_LESS(none, time), time, usual);
+    return jo_choose(JO_LESS(none, taken), 1.0 / taken, none);
+}
+
+static jo_real cut_of(const jo_pid_data *x) { return rate_of(x->filter, x->filter_share, x->derivative, x->proportional); }
+static jo_real unwind_of(const jo_pid_data *x) { return rate_of(x->tracking, x->tracking_share, x->proportional, x->integral); }
+
+static jo_real measured(const jo_data *d, const jo_force *f)
+{
+    const jo_coordinate_work *w = &d->coordinate[f->coordinate];
+    return jo_choose(JO_LESS(jo_same(0.0), numbers(f)->speed), w->rate, w->value);
+}
+
+static parts parts_at(const jo_model *m, const jo_data *d, const jo_force *f, jo_real filtered, jo_real time)
+{
+    const jo_pid_data *x = numbers(f);
+    parts p;
+    p.y = measured(d, f);
+    p.r = jo_signal_at(m, d, f->reference, time).value;
+    p.rest = x->proportional * (x->weight * p.r - p.y) - x->derivative * cut_of(x) * (p.y - filtered);
+    if (f->signal >= 0) p.rest += jo_signal_at(m, d, f->signal, time).value;
+    return p;
+}
+
+static jo_real limited(const jo_pid_data *x, jo_real u)
+{
+    u = jo_choose(JO_LESS(x->upper, u), x->upper, u);
+    return jo_choose(JO_LESS(u, x->lower), x->lower, u);
+}
+
+/* whether u is beyond a limit */
+static jo_mask beyond(const jo_pid_data *x, jo_real u)
+{
+    return JO_LESS(x->upper, u) | JO_LESS(u, x->lower);
+}
+
+/* The states that an implicit step has at this position and velocity. Where I as it would be without limits is beyond one, its rate
+ * has the back-calculation; that is falling in I, so that there is one solution, on the same side. */
+static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
+{
+    const jo_pid_data *x = numbers(f);
+    const jo_real time = d->time[0], none = jo_same(0.0), cut = cut_of(x), *s = jo_states(m, d) + f->state;
+    const jo_real filtered = jo_condense_state(m, d, stage, f->state + 1, cut * (measured(d, f) - s[1]), cut);
+    const parts p = parts_at(m, d, f, filtered, time);
+    const jo_real rate = x->integral * (p.r - p.y);
+    const jo_real u = p.rest + jo_condense_state(m, d, stage, f->state, rate, none);
+    if (!jo_some(beyond(x, u))) return;
+    const jo_real unwind = jo_choose(beyond(x, u), unwind_of(x), none);
+    jo_condense_state(m, d, stage, f->state, rate + unwind * (limited(x, u) - u), unwind);
+}
+
+/* What ROS2 has in its matrix: nothing moves the force beyond a limit. */
+static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
+{
+    const jo_pid_data *x = numbers(f);
+    const jo_real none = jo_same(0.0), one = jo_same(1.0), cut = cut_of(x), steep = x->derivative * cut;
+    const jo_mask out = beyond(x, u), speed = JO_LESS(none, x->speed);
+    const jo_real slope = jo_choose(out, none, x->proportional + steep), windup = jo_choose(out, none, -x->integral);
+    jo_slopes_of_state *s = d->slopes + f->state;
+    y->stiffness = jo_choose(speed, none, slope);
+    y->damping = jo_choose(speed, slope, none);
+    s[0].force = jo_choose(out, none, one);
+    s[0].decay = jo_choose(out, unwind_of(x), none);
+    s[0].value = jo_choose(speed, none, windup);
+    s[0].rate = jo_choose(speed, windup, none);
+    s[1].force = jo_choose(out, none, steep);
+    s[1].decay = cut;
+    s[1].value = jo_choose(speed, none, cut);
+    s[1].rate = jo_choose(speed, cut, none);
+}
+
+static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
+{
+    const jo_pid_data *x = numbers(f);
+    const jo_real none = jo_same(0.0), *s = jo_states(m, d) + f->state;
+    if (jo_condenses(stage)) condense(m, d, stage, f);
+    const parts p = parts_at(m, d, f, s[1], d->time[0] + stage->lead);
+    const jo_real u = p.rest + s[0], force = limited(x, u);
+    if (!jo_condenses(stage)) {
+        const jo_real unwind = jo_choose(beyond(x, u), unwind_of(x), none);
+        jo_real *rate = jo_state_rates(m, d) + f->state;
+        rate[0] = x->integral * (p.r - p.y) + unwind * (force - u);
+        rate[1] = cut_of(x) * (p.y - s[1]);
+        if (stage->set && stage->lead > 0.0) slopes(d, f, u, y);
+    }
+    const jo_real now = stage->lead != 0.0 ? limited(x, parts_at(m, d, f, s[1], d->time[0]).rest + s[0]) : force;
+    d->power.forces += now * d->coordinate[f->coordinate].rate;
+    y->y[0] = force;
+    y->stored = none;
+    jo_push_along(m, d, f->coordinate, force);
+    return JO_OK;
+}
+
+/* In a step with what the states answer; else, of a state at rest or of vibrations, the integral part stands still and the
+ * filter follows. */
+static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
+{
+    const jo_pid_data *x = numbers(f);
+    const double ca = stage->weights.a, cv = stage->weights.v;
+    const jo_real none = jo_same(0.0), u = parts_at(m, d, f, jo_states(m, d)[f->state + 1], d->time[0]).rest + jo_states(m, d)[f->state];
+    const jo_mask free = JO_LESS_OR_EQUAL(jo_magnitude(limited(x, u) - u), none);
+    const jo_real cut = cut_of(x);
+    jo_real slope = -x->proportional, damping = none;
+    if (ca != 0.0 && cv != 0.0) slope -= x->integral * (cv / ca) + x->derivative * cut * ca / (ca + cv * cut);
+    else damping = -x->derivative;
+    const jo_mask speed = JO_LESS(none, x->speed);
+    const jo_real fs = jo_choose(free, jo_choose(speed, none, slope), none);
+    const jo_real frate = jo_choose(free, jo_choose(speed, slope, damping), none);
+    jo_element e;
+    jo_gradients g;
+    jo_element_gradients(m, d, f->coordinate, &g);
+    jo_element_start(&e, m->coordinate[f->coordinate].a, m->coordinate[f->coordinate].b);
+    jo_element_along(d, &e, f->coordinate, &g, y->y[0], fs, frate);
+    jo_element_finish(m, d, &e);
+    return JO_OK;
+}
+
+static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
+{
+    (void)m;
+    x[0] = numbers(f)->start;
+    x[1] = measured(d, f);
+}
+
+/* of the filter that of the coordinate: the size of the mechanism or 1 rad; of I what that is worth by its gains */
+static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
+{
+    const jo_pid_data *p = numbers(f);
+    const int angle = m->coordinate[f->coordinate].type == JO_COORDINATE_ANGLE;
+    double y = angle || !(m->size > 0.0) ? 1.0 : m->size;
+    if (JO_COMMON(p->speed) > 0.0) y *= 1e-3 / duration;   /* slower motion does not matter, as of bodies in step_control.c */
+    x[0] = (jo_most(p->proportional) + jo_most(p->integral) * duration) * y;
+    x[1] = y;
+}
+
+const jo_force_kind jo_force_pid = {apply, 0, tangent, start, nominals};

@@ -1,0 +1,80 @@
+/* force_table.c - the table of forces: what the file of each kind defines; see force.h. */
+#include "maximal/maximal.h"
+#include "force/force.h"
+
+#define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
+static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
+
+/* the states of a force that an event has released stay as they are */
+static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
+{
+    const jo_real none = jo_same(0.0);
+    for (int k = f->state; k < f->state + f->states; k++) {
+        if (jo_condenses(stage)) jo_condense_state(m, d, stage, k, none, none);
+        else jo_state_rates(m, d)[k] = none;
+    }
+}
+
+int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        if (jo_released(d, f->release)) {
+            d->force[i] = none;
+            if (f->state >= 0) rest_states(m, d, stage, f);
+            continue;
+        }
+        const int status = table[f->type]->apply(m, d, stage, f, &d->force[i]);
+        if (status != JO_OK) {
+            d->error_index = i;
+            return status;
+        }
+    }
+    return JO_OK;
+}
+
+jo_real jo_stored(const jo_model *m, const jo_data *d)
+{
+    jo_real U = {0.0};
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        if (table[f->type]->stored && !jo_released(d, f->release)) U += table[f->type]->stored(d, f);
+    }
+    return U;
+}
+
+int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        if (jo_released(d, f->release)) continue;
+        const int status = table[f->type]->tangent(m, d, stage, f, &d->force[i]);
+        if (status != JO_OK) {
+            d->error_index = i;
+            return status;
+        }
+    }
+    return JO_OK;
+}
+
+void jo_start_states(const jo_model *m, jo_data *d)
+{
+    if (!m->nstate) return;
+    jo_real unused[2];
+    jo_residuals(m, d, unused);   /* markers and coordinates stand and move as q and v say */
+    jo_coordinates_rate(m, d, m->ncoordinate);
+    d->fresh = d->current = 0;
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        if (f->state >= 0) table[f->type]->start(m, d, f, jo_states(m, d) + f->state);
+    }
+}
+
+void jo_state_nominals(const jo_model *m, jo_data *d, double duration)
+{
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        if (f->state >= 0) table[f->type]->nominals(m, f, duration, d->nominal + f->state);
+    }
+}

@@ -1,0 +1,221 @@
+/* friction.c - Coulomb friction along the coordinates of joints, pressed by the joint's own reaction.
+ *
+ * Sliding: f = -mu N arm s' / |slip|, N from the reaction resolved in the axes of side 0 (Altarriba 2010, eq. S37-S38), so
+ * that f and the multipliers are found together. Sticking: the coordinate is held by a row of a joint of its own, whose
+ * multiplier is the force of the static friction, limited by mu_static N (eq. S39-S40).
+ */
+#include "maximal/maximal.h"
+#include "friction/friction_law.h"
+#include "tree/tree.h"
+
+#define JO_HOLDS 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
+
+void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
+{
+    const jo_joint *k = &m->joint[f->joint];
+    const jo_real *A = d->marker[k->side[0]].A;
+    jo_reaction_of(m, d, f->joint, lam + k->row, y);
+    jo_mul3t(y, A, y);
+    jo_mul3t(y + 3, A, y + 3);
+}
+
+void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+{
+    if (d->tree.on) jo_tree_bears(m, d, f, 0, y);
+    else jo_friction_reaction(m, d, f, d->lam, y);
+}
+
+static jo_real press(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
+{
+    jo_real y[6];
+    jo_friction_bears(m, d, f, y);
+    return jo_friction_press(m, f, y, collar);
+}
+
+/* mu / speed of the regularised law from the square of the speed: mu_static w (15 - 10 w^2 + 3 w^4) / 8 with w = speed / velocity
+ * up to `velocity`, from there down to mu_kinetic at twice of it; two continuous derivatives */
+static jo_real mu_by_speed(const jo_friction *f, jo_real square)
+{
+    const jo_real kinetic = f->data->mu_kinetic, top = f->data->mu_static, velocity = f->data->velocity;
+    const jo_real w2 = square / (velocity * velocity);
+    if (JO_RE(w2) < 1.0) return top * (15.0 - w2 * (10.0 - 3.0 * w2)) / (8.0 * velocity);
+    const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0;
+    if (JO_RE(x) > 1.0) return kinetic / speed;
+    return (top + (kinetic - top) * x * x * x * (10.0 - x * (15.0 - 6.0 * x))) / speed;
+}
+
+void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s)
+{
+    s[1] = 0.0;
+    for (int k = 0; k < jo_slips(f); k++) s[k] = jo_slip_arm(m, f, k) * d->coordinate[jo_slip_of(f, k)].rate;
+}
+
+/* unit direction of the slip: the state says it; while nothing is decided, the velocity */
+void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
+{
+    const jo_friction *f = &m->friction[i];
+    const jo_real *old = d->direction + 2 * i;
+    jo_real s[2];
+    jo_friction_slip(m, d, f, s);
+    e[0] = e[1] = 0.0;
+    if (d->slip[i] && jo_slips(f) == 1) {
+        e[0] = d->slip[i];
+        return;
+    }
+    const jo_real speed = jo_length2(s[0], s[1]);
+    const int slow = !(JO_RE(speed) > JO_REST * m->size);
+    if (d->slip[i] && (slow || JO_RE(s[0] * old[0] + s[1] * old[1]) < 0.0)) {
+        e[0] = old[0];
+        e[1] = old[1];
+    } else if (!slow) {
+        e[0] = s[0] / speed;
+        e[1] = s[1] / speed;
+    }
+}
+
+int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real e[2], mu = f->data->mu_kinetic;
+    if (f->law) {
+        jo_friction_direction(m, d, i, e);
+    } else {
+        jo_friction_slip(m, d, f, e);
+        mu = mu_by_speed(f, e[0] * e[0] + e[1] * e[1]);
+    }
+    for (int k = 0; k < jo_slips(f); k++) {
+        press[k] = -mu * e[k] * jo_slip_arm(m, f, k);
+        collar[k] = jo_slip_turns(m, f, k) ? -mu * e[k] : 0.0;
+    }
+    return e[0] != 0.0 || e[1] != 0.0;
+}
+
+/* forces y (2) along the coordinates while they slide, 0 while they stick */
+static void sliding(const jo_model *m, const jo_data *d, int i, jo_real *y)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real pressed[2], turned[2], collar;
+    y[0] = y[1] = 0.0;
+    if (jo_sticks(m, d, f)) return;
+    const jo_real N = press(m, d, f, &collar);
+    jo_friction_weights(m, d, i, pressed, turned);
+    for (int k = 0; k < jo_slips(f); k++) y[k] = pressed[k] * N + turned[k] * collar;
+}
+
+/* gradient of |(x, y)| */
+static void gradient_of_length(jo_real *g, jo_real x, jo_real y, jo_real factor)
+{
+    const jo_real whole = jo_length2(x, y);
+    g[0] = JO_RE(whole) > 0.0 ? factor * x / whole : 0.0;
+    g[1] = JO_RE(whole) > 0.0 ? factor * y / whole : 0.0;
+    g[2] = 0.0;
+}
+
+/* derivative of mu_by_speed with respect to the square of the speed */
+static jo_real mu_rate(const jo_friction *f, jo_real square)
+{
+    const jo_real kinetic = f->data->mu_kinetic, top = f->data->mu_static, velocity = f->data->velocity;
+    const jo_real w2 = square / (velocity * velocity);
+    if (JO_RE(w2) < 1.0) return top * (6.0 * w2 - 10.0) / (8.0 * velocity * velocity * velocity);
+    const jo_real speed = jo_sqrt(square), x = speed / velocity - 1.0, y = 1.0 - x;
+    const jo_real rate = JO_RE(x) > 1.0 ? 0.0 : 30.0 * (kinetic - top) * x * x * y * y / velocity;
+    return (rate - mu_by_speed(f, square)) / (2.0 * square);
+}
+
+void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y)
+{
+    const jo_friction *f = &m->friction[i];
+    const jo_real *A = d->marker[m->joint[f->joint].side[0]].A;
+    const jo_friction_data *data = f->data;
+    const jo_slopes none = {{{0.0}}, {{0.0}}, {{0.0}}};
+    jo_real s[2], e[2], E[2][2] = {{0.0}}, F[6], *M = F + 3, collar, g[3], h[3], c[3] = {0.0, 0.0, 0.0};
+    *y = none;
+    if (jo_sticks(m, d, f)) return;
+    jo_friction_reaction(m, d, f, d->lam, F);
+    const jo_real N = jo_friction_press(m, f, F, &collar);
+    jo_friction_slip(m, d, f, s);
+    const jo_real square = s[0] * s[0] + s[1] * s[1];
+    if (f->law) {
+        jo_friction_direction(m, d, i, e);
+        const jo_real speed = jo_length2(s[0], s[1]);
+        const int follows = jo_slips(f) == 2 && JO_RE(speed) > 1e-10 * m->size;
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; follows && j < 2; j++) E[k][j] = data->mu_kinetic * ((k == j) - e[k] * e[j]) / speed;
+        }
+        for (int k = 0; k < 2; k++) e[k] *= data->mu_kinetic;
+    } else {
+        const jo_real mu = mu_by_speed(f, square), rate = JO_RE(square) > 0.0 ? mu_rate(f, square) : 0.0;
+        for (int k = 0; k < 2; k++) {
+            for (int j = 0; j < 2; j++) E[k][j] = mu * (k == j) + 2.0 * rate * s[k] * s[j];
+            e[k] = mu * s[k];
+        }
+    }
+    /* gradients g, h of N and c of the collar, in the axes of side 0 */
+    gradient_of_length(g, F[0], F[1], 1.0);
+    gradient_of_length(h, M[0], M[1], JO_RE(data->bearing) > 0.0 ? 1.0 / data->bearing : 0.0);
+    if (JO_RE(data->collar) > 0.0) {
+        if (jo_slip_turns(m, f, 0)) c[2] = JO_RE(F[2]) < 0.0 ? -data->collar : data->collar;
+        else h[2] = (JO_RE(M[2]) < 0.0 ? -1.0 : 1.0) / data->collar;
+    }
+    for (int k = 0; k < jo_slips(f); k++) {
+        const jo_real a = jo_slip_arm(m, f, k), around = jo_slip_turns(m, f, k);
+        for (int j = 0; j < jo_slips(f); j++) y->rate[k][j] = -E[k][j] * jo_slip_arm(m, f, j) * (a * N + around * collar);
+        jo_real x[3];
+        for (int j = 0; j < 3; j++) x[j] = -e[k] * (a * g[j] + around * c[j]);
+        jo_mul3(y->force[k], A, x);
+        for (int j = 0; j < 3; j++) x[j] = -e[k] * a * h[j];
+        jo_mul3(y->moment[k], A, x);
+    }
+}
+
+void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+{
+    const jo_joint *k = &m->joint[f->lock];
+    y[1] = 0.0;
+    if (d->tree.on) {
+        jo_tree_held(m, d, f, y);
+        return;
+    }
+    for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
+}
+
+/* the friction that belongs to given multipliers and velocities */
+void jo_friction_push(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nfriction; i++) sliding(m, d, i, d->rub + 2 * i);
+    for (int i = 0; i < m->nfriction; i++)
+        for (int k = 0; k < jo_slips(&m->friction[i]); k++)
+            if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
+    for (int i = 0; i < m->nfriction; i++)   /* what sticks is held by its row */
+        if (jo_sticks(m, d, &m->friction[i])) jo_friction_held(m, d, &m->friction[i], d->rub + 2 * i);
+}
+
+/* Positive while friction i keeps its state, after jo_evaluate: N or N m that it could hold more while it sticks, speed
+ * along its direction, m/s, while it slips. Both begin a little above zero, so that round-off is no change of state. */
+jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real y[2], collar;
+    if (jo_sticks(m, d, f)) {
+        const jo_real N = press(m, d, f, &collar), limit = (1.0 + JO_HOLDS) * f->data->mu_static;
+        jo_friction_held(m, d, f, y);
+        if (jo_slips(f) == 1) return limit * (jo_slip_arm(m, f, 0) * N + collar) - jo_size(y[0]);
+        return limit * N - jo_length2(y[0] / jo_slip_arm(m, f, 0), y[1] / jo_slip_arm(m, f, 1));
+    }
+    if (!f->law || !d->slip[i]) return 1.0;
+    jo_friction_slip(m, d, f, y);
+    const jo_real *e = d->direction + 2 * i;
+    return JO_REST * m->size + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
+}
+
+/* at the end of a step: friction that slips along two coordinates follows the velocity */
+void jo_friction_turn(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        if (!f->law || jo_sticks(m, d, f) || jo_slips(f) == 1) continue;
+        jo_real e[2];
+        jo_friction_direction(m, d, i, e);
+        for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
+    }
+}

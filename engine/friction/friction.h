@@ -1,0 +1,25 @@
+/* friction.h - friction in joints: the law, its forces, sticking: what other rooms may use. */
+#ifndef JO_FRICTION_H
+#define JO_FRICTION_H
+
+#include "data.h"
+
+/* friction.c */
+void jo_friction_push(const jo_model *m, jo_data *d);
+jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
+void jo_friction_turn(const jo_model *m, jo_data *d);
+/* changes of the two sliding forces with the rates of the coordinates, and with force and moment (world) of the reaction */
+typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
+void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
+
+/* friction_tangent.c */
+void jo_newton_frictions(const jo_model *m, jo_data *d);
+
+/* friction_iteration.c */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
+
+/* friction_switch.c */
+int jo_friction_switch(const jo_model *m, jo_data *d, int i);
+int jo_friction_settle(const jo_model *m, jo_data *d);
+
+#endif

@@ -1,0 +1,336 @@
+/* friction_iteration.c - friction forces and multipliers that belong together: f = F(lam(f)).
+ *
+ * The multipliers are linear in the forces, so that with a few of them what a unit of each adds to the reactions is worked
+ * out once, and an iteration costs some products; with more the factors solve for each change of all forces.
+ */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "friction/friction_law.h"
+#include "tree/tree.h"
+
+enum { JO_ITERATIONS = 60, JO_STAGNANT = 3 };   /* at most, and without coming nearer */
+#define JO_AGREED 1e-12    /* relative difference of the friction and of what its reaction makes of it */
+#define JO_NEARLY 1e-6     /* the same where rounding allows no better */
+
+#ifdef JO_COMPLEX
+#define JO_IM(x) cimag(x)
+#else
+#define JO_IM(x) 0.0
+#endif
+
+static inline jo_real dot(const jo_real *x, const jo_real *y, const int n)
+{
+    jo_real s = 0.0;
+    for (int i = 0; i < n; i++) s += x[i] * y[i];
+    return s;
+}
+
+/* largest real and imaginary part of n numbers */
+static inline void largest(const jo_real *x, const int n, double *y)
+{
+    y[0] = y[1] = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double re = fabs(JO_RE(x[i])), im = fabs(JO_IM(x[i]));
+        if (!(re <= y[0])) y[0] = re;
+        if (!(im <= y[1])) y[1] = im;
+    }
+}
+
+/* relative size of the residual; derivatives, in the imaginary part, need two digits less */
+static double relative(const double *r, const double *f)
+{
+    const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? 1e-2 * r[1] / f[1] : 0.0;
+    return re > im ? re : im;
+}
+
+/* ---- the effect of forces on the multipliers --------------------------------------------------- */
+
+/* x = Cq M^-1 Q of one joint for the changes of force Q in y, reduced, and yp of the bodies */
+static void free_change(const jo_model *m, const jo_data *d, int set, int joint, jo_real *x)
+{
+    const jo_joint *k = &m->joint[joint];
+    const int n = k->nrow, ld = jo_padded(n);
+    for (int r = 0; r < n; r++) x[r] = 0.0;
+    if (jo_absent(d, k)) return;
+    for (int s = 0; s < k->nside; s++) {
+        const jo_side_work *here = &d->joint[joint].side[s];
+        if (!here->body || !here->body->pushed) continue;
+        for (int c = 0; c < 6; c++)
+            for (int r = 0; r < n; r++) x[r] += here->V[c * ld + r] * here->body->y[c];
+        if (!here->L) continue;   /* rigid */
+        const jo_marker *mk = &m->marker[k->side[s]];
+        const jo_marker_set *weighted = &here->marker->set[set];
+        const int np = m->body[mk->body].np;
+        for (int c = 0; c < 6; c++) {
+            if (c < 3 ? !mk->Phi : !mk->Psi) continue;
+            const jo_real a = dot(c < 3 ? weighted->Phiw + c * np : weighted->Psiw + (c - 3) * np, here->body->yp, np);
+            for (int r = 0; r < n; r++) x[r] += here->C[c * ld + r] * a;
+        }
+    }
+}
+
+/* joint[].x = the change of the multipliers by the change f of the friction; on a tree the links have it */
+static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
+{
+    if (d->tree.on) {
+        jo_tree_friction_respond(m, d, f);
+        return;
+    }
+    for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
+    for (int c = 0; c < d->mixing.n; c++)
+        if (f[c] != 0.0) jo_push_change(m, d, d->mixing.coordinate[c], f[c]);
+    if (jo_couples(m, stage)) {
+        jo_coupled_respond(m, d);
+        return;
+    }
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work *w = &d->body[i];
+        if (w->pushed) jo_body_reduce(&m->body[i], w, stage->set, w->y, w->yp, w->y);
+    }
+    for (int i = 0; i < m->njoint; i++) free_change(m, d, stage->set, i, d->joint[i].x);
+    jo_joint_solve(m, d);
+}
+
+/* lam += the change in joint[].x, or = */
+static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
+{
+    if (d->tree.on) return;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++, lam++) *lam = d->joint[i].x[r] + (add ? *lam : 0.0);
+}
+
+/* the reaction of a slider's joint that belongs to the last response, whose multipliers are lam */
+static void change_of(const jo_model *m, const jo_data *d, const jo_slider *s, const jo_real *lam, jo_real *y)
+{
+    if (d->tree.on) jo_tree_bears(m, d, &m->friction[s->friction], 1, y);
+    else jo_friction_reaction(m, d, &m->friction[s->friction], lam, y);
+}
+
+/* which frictions slide, their reactions without friction, and what a unit of each force adds */
+static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    jo_mixing *w = &d->mixing;
+    w->sliders = w->n = 0;
+    take(m, d, d->lam, 0);
+    if (d->tree.on) jo_tree_slips(m, d);
+    for (int i = 0; i < m->nfriction; i++) {
+        const jo_friction *f = &m->friction[i];
+        jo_slider *s = &w->slider[w->sliders];
+        if (jo_sticks(m, d, f)) continue;
+        if (!jo_friction_weights(m, d, i, s->press, s->collar)) continue;
+        s->friction = i;
+        s->first = w->n;
+        s->count = jo_slips(f);
+        for (int k = 0; k < s->count; k++) w->coordinate[w->n++] = jo_slip_of(f, k);
+        jo_friction_bears(m, d, f, s->start);
+        w->sliders++;
+    }
+    if (w->n > JO_REACH) {
+        for (int i = 0; i < m->nrow; i++) w->lam[i] = d->lam[i];
+        return;
+    }
+    for (int c = 0; c < w->n; c++) w->f[c] = 0.0;
+    for (int c = 0; c < w->n; c++) {
+        jo_real *lam = w->reach + c * m->nrow;
+        w->f[c] = 1.0;
+        respond(m, d, stage, w->f);
+        w->f[c] = 0.0;
+        take(m, d, lam, 0);
+        for (int i = 0; i < w->sliders; i++) change_of(m, d, &w->slider[i], lam, w->slider[i].reach[c]);
+    }
+}
+
+/* the reactions with the friction f, which has just changed by w->change */
+static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int sliders)
+{
+    jo_mixing *w = &d->mixing;
+    if (n <= JO_REACH) {
+        for (int i = 0; i < sliders; i++) {
+            jo_slider *s = &w->slider[i];
+            for (int j = 0; j < 6; j++) s->y[j] = s->start[j];
+            for (int c = 0; c < n; c++)
+                for (int j = 0; j < 6; j++) s->y[j] += w->f[c] * s->reach[c][j];
+        }
+        return;
+    }
+    respond(m, d, stage, w->change);
+    take(m, d, d->lam, 1);
+    for (int i = 0; i < w->sliders; i++) {
+        jo_slider *s = &w->slider[i];
+        jo_real before[6];
+        for (int j = 0; j < 6; j++) before[j] = s->y[j];
+        change_of(m, d, s, d->lam, s->y);
+        for (int j = 0; j < 6 && d->tree.on; j++) s->y[j] += before[j];   /* lam has the sum already */
+    }
+}
+
+/* ---- the fixed point --------------------------------------------------------------------------- */
+
+/* change (n) = r - sum_j gamma_j (dF_j + dR_j) with dR gamma = r in least squares, by orthogonalisation, newest pair first
+ * (Anderson, J. ACM 12, 1965); for one unknown this is the secant method, which `search` writes down itself */
+static void accelerate(jo_mixing *w, int n, jo_real *change)
+{
+    jo_real gamma[JO_PAIRS] = {0.0}, R[JO_PAIRS][JO_PAIRS] = {{0.0}};
+    int used[JO_PAIRS], count = 0;
+    for (int i = 0; i < n; i++) change[i] = w->r[i];
+    for (int j = 0; j < w->pairs; j++) {
+        const int p = (w->newest - j + JO_PAIRS) % JO_PAIRS;
+        jo_real *q = w->Q[count];
+        for (int i = 0; i < n; i++) q[i] = w->dR[p][i];
+        const double before = JO_RE(dot(q, q, n));
+        for (int k = 0; k < count; k++) {
+            R[k][count] = dot(w->Q[k], q, n);
+            for (int i = 0; i < n; i++) q[i] -= R[k][count] * w->Q[k][i];
+        }
+        const jo_real square = dot(q, q, n);
+        if (!(JO_RE(square) > 1e-12 * before)) continue;   /* adds nothing */
+        R[count][count] = jo_sqrt(square);
+        for (int i = 0; i < n; i++) q[i] /= R[count][count];
+        used[count++] = p;
+    }
+    for (int k = count - 1; k >= 0; k--) {
+        gamma[k] = dot(w->Q[k], w->r, n);
+        for (int j = k + 1; j < count; j++) gamma[k] -= R[k][j] * gamma[j];
+        gamma[k] /= R[k][k];
+    }
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < n; i++) change[i] -= gamma[k] * (w->dF[used[k]][i] + w->dR[used[k]][i]);
+}
+
+/* the last change of f and of r; 1 if the single unknown's slope of F(lam(f)) is above 1 */
+static inline int remember(jo_mixing *w, const int n, int unknowns, int jammed)
+{
+    w->newest = (w->newest + 1) % JO_PAIRS;
+    if (w->pairs < JO_PAIRS) w->pairs++;
+    for (int i = 0; i < n; i++) {
+        w->dF[w->newest][i] = w->change[i];
+        w->dR[w->newest][i] = w->r[i] - w->before[i];
+    }
+    if (unknowns == 1 && JO_RE(dot(w->change, w->change, n)) > 1e-12 * JO_RE(dot(w->f, w->f, n)))
+        jammed = JO_RE(dot(w->change, w->dR[w->newest], n)) >= 0.0;
+    return jammed;
+}
+
+/* The fixed point f = F(lam(f)) from f = 0; 0 where it is not found, or, with one sliding coordinate, where the slope of
+ * F(lam(f)) is above 1. The first change is `first` of the residual. */
+static inline int search(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
+                         const int sliders)
+{
+    jo_mixing *w = &d->mixing;
+    double off[2], all[2], best = INFINITY;
+    int jammed = 0, stagnant = 0;
+    w->pairs = 0;
+    w->newest = JO_PAIRS - 1;
+    for (int i = 0; i < n; i++) w->f[i] = 0.0;
+    for (int i = 0; i < m->nrow && n > JO_REACH; i++) d->lam[i] = w->lam[i];
+    for (int i = 0; i < sliders; i++)
+        for (int j = 0; j < 6; j++) w->slider[i].y[j] = w->slider[i].start[j];
+    for (int k = 0;; k++) {
+        int unknowns = 0;
+        for (int i = 0; i < sliders; i++) {
+            const jo_slider *s = &w->slider[i];
+            jo_real collar;
+            const jo_real N = jo_friction_press(m, &m->friction[s->friction], s->y, &collar);
+            for (int k = 0; k < s->count; k++) w->g[s->first + k] = s->press[k] * N + s->collar[k] * collar;
+        }
+        for (int i = 0; i < n; i++) {
+            w->r[i] = w->g[i] - w->f[i];
+            unknowns += w->g[i] != 0.0;
+        }
+        largest(w->r, n, off);
+        largest(w->g, n, all);
+        if (!isfinite(off[0])) return !k;   /* the run has diverged before, which the step says */
+        const double apart = relative(off, all);
+        stagnant = apart < 0.5 * best ? 0 : stagnant + 1;
+        if (apart < best) best = apart;
+        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) return !jammed;
+        if (k == JO_ITERATIONS) return 0;
+        if (k) jammed = remember(w, n, unknowns, jammed);
+        if (n == 1) {
+            const int p = w->newest, known = w->pairs && w->dR[p][0] != 0.0;
+            w->change[0] = known ? -w->r[0] * w->dF[p][0] / w->dR[p][0] : w->r[0];
+        } else {
+            accelerate(w, n, w->change);
+        }
+        for (int i = 0; i < n; i++) {
+            if (!k) w->change[i] *= first;
+            w->before[i] = w->r[i];
+            w->f[i] += w->change[i];
+        }
+        react(m, d, stage, n, sliders);
+    }
+}
+
+static int find(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
+{
+    const jo_mixing *w = &d->mixing;
+    return w->n == 1 ? search(m, d, stage, first, 1, 1) : search(m, d, stage, first, w->n, w->sliders);   /* loops over one force unroll */
+}
+
+static int failed(jo_data *d)
+{
+    const jo_mixing *w = &d->mixing;
+    double worst = -1.0;
+    for (int i = 0; i < w->sliders; i++)
+        for (int k = 0; k < w->slider[i].count; k++) {
+            const double off = fabs(JO_RE(w->r[w->slider[i].first + k]));
+            if (off <= worst) continue;
+            worst = off;
+            d->error_index = w->slider[i].friction;
+        }
+    return JO_FRICTION_FAILED;
+}
+
+/* the friction that was found acts on the bodies */
+static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const jo_mixing *w = &d->mixing;
+    if (d->tree.on) {
+        jo_tree_friction_act(m, d);
+        return;
+    }
+    for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
+    for (int c = 0; c < w->n; c++) {
+        const int ends[2] = {m->coordinate[w->coordinate[c]].a, m->coordinate[w->coordinate[c]].b};
+        jo_push_along(m, d, w->coordinate[c], w->f[c]);
+        for (int j = 0; j < 2; j++)
+            if (m->marker[ends[j]].body >= 0) d->body[m->marker[ends[j]].body].pushed = 1;
+    }
+    if (jo_couples(m, stage)) {
+        jo_coupled_solve(m, d, stage);
+        take(m, d, d->lam, 0);
+        return;
+    }
+    for (int i = 0; i < m->nbody; i++)
+        if (d->body[i].pushed) jo_body_free(&m->body[i], &d->body[i], stage->set);
+    for (int c = 0; c < w->n && w->n <= JO_REACH; c++)
+        for (int i = 0; i < m->nrow; i++) d->lam[i] += w->f[c] * w->reach[c * m->nrow + i];
+    const jo_real *lam = d->lam;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = *lam++;
+}
+
+/* Friction and multipliers that belong together, after the multipliers without friction stand in joint[].x. The normal
+ * force is convex in the friction: with one sliding coordinate secants from a short first change stay on the side of
+ * f = 0 and find the smallest solution, if there is one. Beyond it friction presses the joint more than it needs to
+ * (Painleve). */
+int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const jo_mixing *w = &d->mixing;
+    jo_real *f = d->rub;
+    prepare(m, d, stage);
+    if (w->n && !find(m, d, stage, 1.0) && !find(m, d, stage, 1e-2)) return failed(d);
+    if (w->n) act(m, d, stage);
+    for (int i = 0; i < 2 * m->nfriction; i++) f[i] = 0.0;
+    for (int i = 0; i < w->sliders; i++) {
+        const jo_slider *slider = &w->slider[i];
+        for (int k = 0; k < slider->count; k++) {
+            const int c = slider->first + k;
+            f[2 * slider->friction + k] = w->f[c];
+            d->power.friction -= w->f[c] * d->coordinate[w->coordinate[c]].rate;
+        }
+    }
+    for (int i = 0; i < m->nfriction; i++)
+        if (jo_sticks(m, d, &m->friction[i])) jo_friction_held(m, d, &m->friction[i], f + 2 * i);
+    return JO_OK;
+}

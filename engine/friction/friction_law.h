@@ -1,0 +1,59 @@
+/* friction_law.h - what the law of friction and the search for its forces share. */
+#ifndef JO_FRICTION_LAW_H
+#define JO_FRICTION_LAW_H
+
+#include "friction/friction.h"
+
+#define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
+
+static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }   /* coordinates along which it may slide */
+static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
+static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
+{
+    return m->coordinate[jo_slip_of(f, k)].type == JO_COORDINATE_ANGLE;
+}
+static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_friction *f)
+{
+    return f->law && d->locked[m->joint[f->lock].lock];
+}
+
+/* slip, m, for a unit of the coordinate */
+static inline jo_real jo_slip_arm(const jo_model *m, const jo_friction *f, int k)
+{
+    return jo_slip_turns(m, f, k) ? f->data->radius : 1.0;
+}
+
+static inline jo_real jo_length2(jo_real x, jo_real y)
+{
+    const jo_real square = x * x + y * y;
+    return JO_RE(square) > 0.0 ? jo_sqrt(square) : 0.0;
+}
+
+static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
+
+/* what presses on the slipping surface, N, and the moment arm times force of a thrust collar, N m, from the reaction y
+ * in the axes of side 0 of the joint */
+static inline jo_real jo_friction_press(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
+{
+    const jo_friction_data *data = f->data;
+    const jo_real *M = y + 3;
+    jo_real N = jo_length2(y[0], y[1]) + data->preload;
+    *collar = 0.0;
+    if (JO_RE(data->bearing) > 0.0) N += jo_length2(M[0], M[1]) / data->bearing;
+    if (JO_RE(data->collar) > 0.0) {
+        if (jo_slip_turns(m, f, 0)) *collar = data->collar * jo_size(y[2]);
+        else N += jo_size(M[2]) / data->collar;
+    }
+    return N;
+}
+
+/* friction.c */
+void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s);   /* velocity (2), m/s */
+void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e);
+/* sliding forces (2) for a unit of what presses and of the moment of a collar; 1 unless all are 0 */
+int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
+void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
+void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* the same of the last evaluation */
+void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* forces with which it sticks */
+
+#endif

@@ -1,0 +1,136 @@
+/* friction_switch.c - frictions that begin and end to stick: what cannot hold lets go, what comes to rest holds if it can. */
+#include "maximal/maximal.h"
+#include "friction/friction_law.h"
+#include "tree/tree.h"
+
+#define JO_PASSES 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
+
+static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
+
+/* friction i lets go: it slips where the held force pushed it */
+static void let_go(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real y[2], *e = d->direction + 2 * i;
+    jo_friction_held(m, d, f, y);
+    for (int k = 0; k < jo_slips(f); k++) y[k] /= jo_slip_arm(m, f, k);
+    const jo_real whole = jo_length2(y[0], y[1]);
+    for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
+    d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
+    *lock_of(m, d, f) = 0;
+    d->restart = 1;
+}
+
+/* friction i holds its coordinates where they are */
+static void hold(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    for (int k = 0; k < jo_slips(f); k++)
+        d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[jo_slip_of(f, k)].value;
+    *lock_of(m, d, f) = 1;
+    d->slip[i] = 0;
+    d->restart = 1;
+}
+
+/* the velocities obey the rows that hold now; what they lose is lost to friction */
+static int stop(const jo_model *m, jo_data *d)
+{
+    jo_energies before, after;
+    int status = jo_accelerations(m, d);
+    if (status != JO_OK) return status;
+    jo_energy(m, d, &before);
+    if (d->tree.on) jo_tree_stop(m, d);
+    else jo_project(m, d, &jo_now);
+    jo_energy(m, d, &after);
+    d->work.friction += before.kinetic - after.kinetic;
+    return jo_accelerations(m, d);
+}
+
+/* whether friction i is to slip along its one coordinate from rest, but is accelerated against that */
+static int pushed_back(const jo_model *m, const jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    jo_real s[2];
+    if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
+    jo_friction_slip(m, d, f, s);
+    if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
+    const jo_real second = d->tree.on ? jo_tree_second(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
+    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
+}
+
+/* What cannot hold lets go, the most overloaded first. Others that have just let go may be pushed back by it: they hold again.
+ * Coupled frictions seldom need more than a few rounds; the number is bounded. */
+static int release(const jo_model *m, jo_data *d)
+{
+    for (int round = 0; round < 8 + 4 * m->nfriction; round++) {
+        int weakest = -1, back = -1;
+        double least = 0.0;
+        for (int i = 0; i < m->nfriction; i++) {
+            if (pushed_back(m, d, i)) back = i;
+            if (!jo_sticks(m, d, &m->friction[i])) continue;
+            jo_real y[2];
+            jo_friction_held(m, d, &m->friction[i], y);
+            const double margin = JO_RE(jo_friction_margin(m, d, i)), load = fabs(JO_RE(y[0])) + fabs(JO_RE(y[1]));
+            if (margin < 0.0 && margin < least * load) {
+                least = margin / load;
+                weakest = i;
+            }
+        }
+        if (weakest >= 0) let_go(m, d, weakest);
+        else if (back >= 0) hold(m, d, back);
+        else break;
+        if (d->tree.on) jo_tree_hold(m, d);   /* at rest to round-off, now it stays there */
+        const int status = jo_accelerations(m, d);
+        if (status != JO_OK) return status;
+    }
+    return JO_OK;
+}
+
+/* the state of friction i ends, after jo_evaluate: what sticks lets go, what slips sticks if it can, else it turns round */
+int jo_friction_switch(const jo_model *m, jo_data *d, int i)
+{
+    const jo_friction *f = &m->friction[i];
+    if (!f->law) return JO_OK;
+    int status;
+    if (jo_sticks(m, d, f)) {
+        let_go(m, d, i);
+        status = jo_accelerations(m, d);
+    } else {
+        jo_real e[2];
+        jo_friction_slip(m, d, f, e);
+        const jo_real speed = jo_length2(e[0], e[1]);
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSES * m->size) {   /* it turned past rest without coming to rest */
+            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
+            d->restart = 1;
+            return jo_accelerations(m, d);
+        }
+        hold(m, d, i);
+        status = stop(m, d);
+    }
+    return status == JO_OK ? release(m, d) : status;
+}
+
+/* frictions whose state nobody has said: what moves slips, what rests sticks if it can */
+int jo_friction_settle(const jo_model *m, jo_data *d)
+{
+    int undecided = 0, resting = 0, status = JO_OK;
+    for (int i = 0; i < m->nfriction; i++)
+        undecided += m->friction[i].law && !d->slip[i] && !jo_sticks(m, d, &m->friction[i]);
+    if (!undecided) return JO_OK;
+    status = jo_accelerations(m, d);
+    for (int i = 0; i < m->nfriction && status == JO_OK; i++) {
+        const jo_friction *f = &m->friction[i];
+        jo_real e[2];
+        if (!f->law || d->slip[i] || jo_sticks(m, d, f)) continue;
+        jo_friction_direction(m, d, i, e);
+        if (e[0] == 0.0 && e[1] == 0.0) {
+            hold(m, d, i);
+            resting = 1;
+        } else {
+            for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
+            d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
+        }
+    }
+    if (status == JO_OK) status = resting ? stop(m, d) : jo_accelerations(m, d);
+    return status == JO_OK ? release(m, d) : status;
+}

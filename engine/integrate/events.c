@@ -1,0 +1,375 @@
+/* events.c - zero crossings: found at the end of a step, located in time by repeating the step with other lengths.
+ *
+ * Watched are first the events, sensor values less thresholds, then the margins within which frictions keep their state.
+ * `side` tells on which side of zero each is; a margin is positive. */
+#include "maximal/maximal.h"
+#include "friction/friction.h"
+#include "integrate/integrate.h"
+#include <float.h>
+#include <string.h>
+
+enum { JO_TRIALS = 120 };   /* bisection alone needs 40 from 1 s to 1e-12 s */
+
+#define JO_INSTANT 1e-12    /* s, to which an event is located */
+#define JO_TOUCH 1e-9       /* of the change in a step: so near to the threshold a start counts as on it */
+
+static double instant(const jo_data *d) { return fmax(JO_INSTANT, 8.0 * DBL_EPSILON * fabs(JO_RE(d->time[0]))); }
+
+static int sign(double x) { return (x > 0.0) - (x < 0.0); }
+
+static int is_event(const jo_model *m, int i) { return i < m->nevent; }
+
+/* events and frictions that may stick */
+int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
+
+/* most entries of one step in the log; more are a chain without end */
+static int most(const jo_model *m) { return 32 + 8 * jo_watched(m); }
+
+/* -- the state at the start of a step ----------------------------------------------------- */
+
+static void keep(jo_data *d)
+{
+    jo_kept *k = &d->kept;
+    memcpy(k->state, d->state, d->state_bytes);
+    k->time = d->time[0];
+    k->work = d->work;
+    k->power = d->power;
+    k->power0 = d->power0;
+    k->drive = d->drive;
+    k->waiting = d->waiting;
+    k->fresh = d->fresh;
+    k->restart = d->restart;
+}
+
+static void bring_back(jo_data *d)
+{
+    const jo_kept *k = &d->kept;
+    memcpy(d->state, k->state, d->state_bytes);
+    d->time[0] = k->time;
+    d->work = k->work;
+    d->power = k->power;
+    d->power0 = k->power0;
+    d->drive = k->drive;
+    d->waiting = k->waiting;
+    d->fresh = k->fresh;
+    d->restart = k->restart;
+    d->current = 0;
+    d->tree.mirrored = JO_MIRROR_NONE;
+}
+
+/* -- what is watched ------------------------------------------------------------------------ */
+
+/* the watched sensors alone, `list` has room for them */
+void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+{
+    d->watch = *m;
+    d->watch.sensor = list;
+    d->watch.nsensor = 0;
+    d->demanding = m->nlock > 0;
+    for (int i = 0; i < m->nsensor; i++) {
+        const jo_sensor *s = &m->sensor[i];
+        int used = 0;
+        for (int j = 0; j < m->nevent; j++) {
+            const int output = m->event[j].output;
+            used |= output >= s->offset && output < s->offset + s->count;
+        }
+        if (!used) continue;
+        list[d->watch.nsensor++] = *s;
+        d->demanding |= jo_needs_accelerations(s);
+    }
+}
+
+/* all that is watched where the engine stands */
+static int values(const jo_model *m, jo_data *d, double *g)
+{
+    const int status = jo_ready_sensors(m, d, d->demanding);
+    if (status != JO_OK) return status;
+    if (m->nevent) jo_sensors(&d->watch, d, d->measured);
+    for (int i = 0; i < jo_watched(m); i++)
+        g[i] = is_event(m, i) ? JO_RE(d->measured[m->event[i].output]) - m->event[i].threshold
+                              : JO_RE(jo_friction_margin(m, d, i - m->nevent));
+    return JO_OK;
+}
+
+/* from its side to the other one, in a direction that counts */
+static int crosses(const jo_model *m, const jo_data *d, int i, double g)
+{
+    const int now = sign(g), direction = is_event(m, i) ? m->event[i].direction : -1;
+    return now && now == -d->side[i] && (direction == 0 || direction == now);
+}
+
+static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
+{
+    for (int i = 0; i < jo_watched(m); i++)
+        if (crosses(m, d, i, g[i])) return 1;
+    return 0;
+}
+
+/* where the engine stands is accepted */
+static void accept(const jo_model *m, jo_data *d, const double *g)
+{
+    for (int i = 0; i < jo_watched(m); i++) {
+        if (is_event(m, i) && sign(g[i])) d->side[i] = sign(g[i]);
+        d->level[i] = g[i];
+    }
+    if (m->nlock) jo_friction_turn(m, d);
+}
+
+/* -- when ------------------------------------------------------------------------------------- */
+
+/* earliest crossing between a and b by straight lines between weighted values */
+static double estimate(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
+{
+    double first = b;
+    for (int i = 0; i < jo_watched(m); i++) {
+        if (!crosses(m, d, i, d->above[i])) continue;
+        const double ga = wa * d->side[i] * d->below[i], gb = wb * fabs(d->above[i]);
+        const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : 0.5 * (a + b);
+        if (x < first) first = x;
+    }
+    return first;
+}
+
+/* whether all that cross stand at their threshold to round-off */
+static int at_threshold(const jo_model *m, const jo_data *d)
+{
+    for (int i = 0; i < jo_watched(m); i++) {
+        const double small = 2.0 * DBL_EPSILON * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->scale[i]);
+        if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) <= small)) return 0;
+    }
+    return 1;
+}
+
+static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double length, double *g)
+{
+    jo_solver part = *s;
+    part.step = length;
+    bring_back(d);
+    const int status = jo_one_step(m, d, &part);
+    return status == JO_OK ? values(m, d, g) : status;
+}
+
+/* The step from the kept state of *length crosses; shorten it to the first crossing and stay just behind it: the Illinois
+ * method, with bisection where that is slow. Values at the start are in `level`, at the end in `above`. */
+static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
+{
+    const double narrow = instant(d);
+    double a = 0.0, b = *length, at = b, wa = 1.0, wb = 1.0, before = 4.0 * b;
+    int last = 0;
+    memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
+    for (int k = 0; k < JO_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
+        double x = estimate(m, d, a, b, wa, wb);
+        if (k % 3 == 2) {   /* three trials shall at least halve the interval */
+            if (b - a > 0.5 * before) x = 0.5 * (a + b);
+            before = b - a;
+        }
+        x = fmin(fmax(x, a + 0.5 * narrow), b - 0.5 * narrow);
+        const int status = try_step(m, d, s, x, d->trial);
+        if (status != JO_OK) return status;
+        at = x;
+        const int side = any_crosses(m, d, d->trial) ? 1 : -1;
+        double **end = side > 0 ? &d->above : &d->below, *values_at = *end;
+        *end = d->trial;
+        d->trial = values_at;
+        if (side > 0) b = x;
+        else a = x;
+        if (side == last) {   /* the other end stays: it counts half */
+            if (side > 0) wa *= 0.5;
+            else wb *= 0.5;
+        } else {
+            wa = wb = 1.0;
+        }
+        last = side;
+    }
+    *length = b;
+    return at == b ? JO_OK : try_step(m, d, s, b, d->above);
+}
+
+/* -- what happens ----------------------------------------------------------------------------- */
+
+static int note(const jo_model *m, jo_data *d, int i, int value, int *chain)
+{
+    double *entry = d->log + 3 * d->logged;
+    if (++*chain > most(m)) {
+        d->error_index = i;
+        return JO_ENDLESS;
+    }
+    d->logged++;
+    entry[0] = JO_RE(d->time[0]);
+    entry[1] = i;
+    entry[2] = value;
+    return JO_OK;
+}
+
+/* event i happens; what is stored in a force that it releases is lost */
+static void happen(const jo_model *m, jo_data *d, int i)
+{
+    jo_energies before, after;
+    int loses = 0;
+    for (int j = 0; j < m->nforce; j++) loses |= m->force[j].release == i && !d->happened[i];
+    if (loses) jo_energy(m, d, &before);
+    d->happened[i]++;
+    d->side[i] = sign(d->above[i]);
+    if (!loses) return;
+    jo_energy(m, d, &after);
+    d->work.damping += before.springs - after.springs;
+}
+
+/* events that cross where the engine stands, and those that cross because of them; *stop: the first that ends the run */
+static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
+{
+    for (int before = -1; before != d->logged;) {
+        before = d->logged;
+        for (int i = 0; i < m->nevent; i++) {
+            if (!crosses(m, d, i, d->above[i])) continue;
+            const int status = note(m, d, i, sign(d->above[i]), chain);
+            if (status != JO_OK) return status;
+            happen(m, d, i);
+            if (m->event[i].stop && *stop < 0) *stop = i;
+        }
+        if (d->logged == before) break;
+        d->fresh = d->current = 0;   /* forces are others now */
+        d->restart = 1;
+        memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
+        const int status = values(m, d, d->above);
+        if (status != JO_OK) return status;
+        for (int i = 0; i < m->nevent; i++) {   /* round-off is no crossing */
+            const double jump = fabs(d->above[i] - d->below[i]), small = 1e-6 * d->scale[i];
+            if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) > small && jump > small)) d->above[i] = 0.0;
+        }
+    }
+    return JO_OK;
+}
+
+/* frictions that leave their state where the engine stands, after values() */
+static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
+{
+    const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
+    const int logged = d->logged;
+    int last = -1, status = JO_OK;
+    for (int i = m->nevent; i < jo_watched(m) && status == JO_OK; i++)
+        if (crosses(m, d, i, d->above[i])) {
+            status = jo_friction_switch(m, d, i - m->nevent);
+            last = i;
+        }
+    if (last < 0 || status != JO_OK) return status;
+    d->restart = 1;
+    for (int k = 0; k < m->nfriction && status == JO_OK; k++)
+        if (d->slip[k] != before[k]) status = note(m, d, m->nevent + k, d->slip[k], chain);
+    if (d->logged == logged && status == JO_OK && ++*chain > most(m)) {   /* back in its state, again and again */
+        d->error_index = last;
+        status = JO_ENDLESS;
+    }
+    return status == JO_OK ? values(m, d, d->above) : status;
+}
+
+/* all that happens where the engine stands */
+static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
+{
+    *stop = -1;
+    /* the power until here, before forces jump */
+    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
+    if (status != JO_OK) return status;
+    jo_close_work(d);
+    status = events_happen(m, d, stop, chain);
+    if (status == JO_OK && m->nlock) {
+        const int before = d->logged;
+        status = frictions_switch(m, d, chain);
+        if (status == JO_OK && d->logged != before) status = events_happen(m, d, stop, chain);
+    }
+    if (status == JO_OK) accept(m, d, d->above);
+    return status;
+}
+
+/* -- a step to the end of s->step ---------------------------------------------------------------- */
+
+static int start(const jo_model *m, jo_data *d)
+{
+    const int status = values(m, d, d->level);
+    for (int i = 0; i < jo_watched(m); i++) d->side[i] = is_event(m, i) ? sign(d->level[i]) : 1;
+    d->watching = 1;
+    return status;
+}
+
+/* a value that starts at its threshold belongs to the side it goes to */
+static void leave(const jo_model *m, jo_data *d, const double *g)
+{
+    for (int i = 0; i < m->nevent; i++)
+        if (fabs(d->level[i]) <= JO_TOUCH * fabs(g[i] - d->level[i])) d->side[i] = sign(g[i]);
+}
+
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double end = s->step;
+    double done = 0.0;
+    int chain = 0, first = !d->watching;
+    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    if (first && status == JO_OK) status = start(m, d);
+    while (status == JO_OK && end - done > instant(d)) {
+        jo_solver part = *s;
+        part.step = end - done;
+        keep(d);
+        status = jo_one_step(m, d, &part);
+        if (status == JO_OK) status = values(m, d, d->above);
+        if (status != JO_OK) break;
+        if (first) leave(m, d, d->above);
+        first = 0;
+        if (!any_crosses(m, d, d->above)) {
+            accept(m, d, d->above);
+            break;
+        }
+        for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+        status = locate(m, d, s, &part.step);
+        if (status != JO_OK) break;
+        done += part.step;
+        int stop;
+        status = all_happen(m, d, &stop, &chain);
+        if (status == JO_OK && stop >= 0) {
+            d->error_index = stop;
+            return JO_EVENT;
+        }
+    }
+    return status;
+}
+
+/* -- the same for steps of another length ------------------------------------------------------- */
+
+int jo_event_keep(const jo_model *m, jo_data *d)
+{
+    const int status = d->watching ? JO_OK : start(m, d);
+    keep(d);
+    return status;
+}
+
+/* the step from the kept state of *length ends at the first crossing, if there is one */
+int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
+{
+    *found = 0;
+    int status = values(m, d, d->above);
+    if (status != JO_OK) return status;
+    if (first) leave(m, d, d->above);
+    *found = any_crosses(m, d, d->above);
+    if (!*found) {
+        accept(m, d, d->above);
+        return JO_OK;
+    }
+    for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+    const long long steps = d->counts.steps;
+    status = locate(m, d, s, length);
+    d->counts.steps = steps;
+    return status;
+}
+
+int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
+{
+    int stop;
+    const int status = all_happen(m, d, &stop, chain);
+    if (status != JO_OK || stop < 0) return status;
+    d->error_index = stop;
+    return JO_EVENT;
+}
+
+int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * most(m) : 0; }
+
+/* whether another step may be logged */
+int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + most(m) <= jo_log_room(m); }

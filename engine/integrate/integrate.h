@@ -1,0 +1,34 @@
+/* integrate.h - methods of integration, step control, events, rows of results: what other rooms may use. */
+#ifndef JO_INTEGRATE_H
+#define JO_INTEGRATE_H
+
+#include "data.h"
+
+/* result_row.c */
+int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
+
+/* step_generalized_alpha.c */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
+
+/* step_dormand_prince.c */
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
+double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
+void jo_recall_stage(jo_data *d, int last);   /* the first or the last stage of the step */
+void jo_interpolate(const jo_model *m, jo_data *d, double u);
+double jo_defect(const jo_data *d, int i, int n);
+void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
+
+/* step_explicit.c */
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
+
+/* events.c */
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
+void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+int jo_watched(const jo_model *m);
+int jo_event_keep(const jo_model *m, jo_data *d);   /* the state from which a step may be repeated */
+int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* after it */
+int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
+int jo_log_room(const jo_model *m);
+int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+#endif

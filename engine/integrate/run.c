@@ -1,0 +1,89 @@
+/* run.c - many steps of a fixed length, with the events on the way and the rows that are asked for. */
+#include "maximal/maximal.h"
+#include "tree/tree.h"
+#include "integrate/integrate.h"
+#include "fatigue/fatigue.h"
+
+static int step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    return jo_watched(m) ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
+}
+
+/* the caller may have changed the state: what hangs on it is computed again */
+static void enter(jo_data *d)
+{
+    d->again = d->fresh;
+    d->current = d->fresh = 0;
+    d->logged = 0;
+    if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
+}
+
+/* what is integrated: a tree in joint coordinates, unless the method is implicit, or errors of modal bodies are controlled */
+static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
+    return m->nlink && fits ? jo_tree_enter(m, d) : JO_OK;
+}
+
+int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    enter(d);
+    int status = choose(m, d, s);
+    if (status == JO_OK) status = step(m, d, s);
+    if (status == JO_OK) status = jo_measure(m, d);
+    jo_tree_leave(m, d);
+    d->left = JO_COMMON(d->time[0]);
+    return status;
+}
+
+/* rounded before it is added, so that time does not depend on how a run is cut into calls */
+static double instant(long long count, double step)
+{
+    volatile double product = (double)count * step;
+    return product;
+}
+
+static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+               long long *count, int *written, jo_real *rows)
+{
+    const size_t size = (size_t)jo_row_size(m);
+    if (!d->grid.valid || d->grid.count != *count || d->grid.step != s->step)
+        d->grid.start = d->time[0] - instant(*count, s->step);
+    for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
+        int status = step(m, d, s);
+        if (status == JO_EVENT) {
+            const int event = d->error_index;
+            int failed = jo_measure(m, d);
+            if (failed == JO_OK) failed = jo_write_row(m, d, rows + (size_t)*written * size);
+            if (failed != JO_OK) return failed;
+            d->error_index = event;
+            ++*written;
+        }
+        if (status != JO_OK) return status;
+        ++*count;
+        d->time[0] = d->grid.start + instant(*count, s->step);
+        status = jo_measure(m, d);
+        if (status != JO_OK) return status;
+        if (*count % every == 0) {
+            status = jo_write_row(m, d, rows + (size_t)*written * size);
+            if (status != JO_OK) return status;
+            ++*written;
+        }
+    }
+    return JO_OK;
+}
+
+int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
+           long long *count, int *written, jo_real *rows)
+{
+    *written = 0;
+    enter(d);
+    int status = choose(m, d, s);
+    if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
+    jo_tree_leave(m, d);
+    d->left = JO_COMMON(d->time[0]);
+    d->grid.valid = status == JO_OK;
+    d->grid.count = *count;
+    d->grid.step = s->step;
+    return status;
+}

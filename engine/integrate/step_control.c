@@ -1,0 +1,384 @@
+/* step_control.c - a run with error control: how long each step of step_dormand_prince.c is, and the rows between its steps.
+ *
+ * Control as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4.
+ */
+#include "maximal/maximal.h"
+#include "force/force.h"
+#include "beam/beam.h"
+#include "friction/friction.h"
+#include "tree/tree.h"
+#include "integrate/integrate.h"
+#include "fatigue/fatigue.h"
+#include <float.h>
+
+#define JO_TURN 1.0     /* rad, largest turn of a body in a step */
+
+/* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
+static int closed(const jo_model *m, jo_data *d)
+{
+    if (d->tree.on) {
+        jo_tree_drives(m, d);   /* interpolated they are off by the error of the method */
+        return jo_tree_close(m, d);
+    }
+    jo_project(m, d, &jo_now);
+    return jo_most(jo_joint_residual(m, d)) <= JO_CLOSED * m->size
+           && jo_most(jo_joint_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
+}
+
+/* a row at a time within the last step; the state stays at its end */
+static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
+{
+    const int known = d->fresh || d->control.known;
+    const jo_real time = d->time[0];
+    const jo_work work = d->work;
+    for (int i = 0; i < d->ny; i++) d->q1[i] = d->y[i];
+    for (int i = 0; i < d->nw; i++) d->v1[i] = d->w[i];
+    for (int i = 0; i < m->nrow; i++) d->lam1[i] = d->lam[i];
+    jo_interpolate(m, d, (t - d->control.from) / d->control.length);
+    d->time[0] = t;
+    d->fresh = d->current = 0;
+    int status = JO_OK;
+    if (s->projection && m->njoint && !closed(m, d)) {
+        status = jo_accelerations(m, d);
+        if (status == JO_OK) closed(m, d);
+    }
+    if (status == JO_OK) status = jo_write_row(m, d, row);
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->v1[i];
+    d->tree.mirrored = JO_MIRROR_NONE;
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
+    d->work = work;
+    d->time[0] = time;
+    jo_recall_stage(d, 1);
+    d->control.known = known;
+    return status;
+}
+
+static double size_of(const jo_model *m) { return m->size > 0.0 ? m->size : 1.0; }
+
+/* largest speed (m/s), modal coordinates and their speed of a body, up to now and at present */
+static void extent_of(const jo_model *m, const jo_data *d, int body, double *out)
+{
+    const jo_body *b = &m->body[body];
+    const jo_real *v = d->v + b->iv;
+    const double *so_far = d->extent + 3 * body;
+    out[0] = jo_larger(so_far[0], jo_larger(jo_length(v, 3), size_of(m) * jo_length(v + 3, 3)));
+    out[1] = jo_larger(so_far[1], jo_length(d->q + b->iq + 7, b->n));
+    out[2] = jo_larger(so_far[2], jo_length(v + 6, b->n));
+}
+
+static double fastest(const jo_model *m, const jo_data *d)
+{
+    double top = 0.0, out[3];
+    for (int i = 0; i < m->nbody; i++) {
+        extent_of(m, d, i, out);
+        top = jo_larger(top, out[0]);
+    }
+    return top;
+}
+
+/* the same of the states of forces, against their largest and what matters of them */
+static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    double error = 0.0;
+    for (int i = 0; i < m->nstate; i++) {
+        const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
+        const double defect = jo_defect(d, 2 * d->nw - m->nstate + i, 1);
+        if (defect == 0.0) continue;   /* such as a part without a gain, which is 0 and has no size */
+        const double ratio = defect / (s->tolerance * jo_larger(largest, d->nominal[i]));
+        if (ratio > error || ratio != ratio) error = ratio;
+        if (error != error) return error;
+    }
+    return error;
+}
+
+/* error of the step against the tolerance, the largest over the bodies of: position against the size of the mechanism,
+ * turn against 1 rad, modal coordinates against their largest; speeds against their largest. What moves less than a
+ * thousandth of the whole mechanism is measured against that, and what is slower than a thousandth of the size of the
+ * mechanism in the time of the run, against that. */
+static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    jo_real *const defect[2] = {d->lag, d->sum};
+    if (d->tree.on) jo_tree_defects(m, d, defect[0], defect[1]);
+    const double size = size_of(m), top = jo_larger(fastest(m, d), size / d->control.duration);
+    double error = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const double root = sqrt(JO_RE(b->mass[0]));
+        double e[6], scale[6], x[3];
+        extent_of(m, d, i, x);
+        const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
+        for (int k = 0; k < 2; k++) {   /* increments, velocities */
+            const int at = k * d->nw + b->iv;
+            e[3 * k] = d->tree.on ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
+            e[3 * k + 1] = d->tree.on ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
+            e[3 * k + 2] = d->tree.on ? 0.0 : jo_defect(d, at + 6, b->n);
+        }
+        scale[0] = jo_larger(s->tolerance * size, s->absolute);
+        scale[1] = scale[0] / size;
+        scale[2] = jo_larger(s->tolerance * jo_larger(x[1], 1e-3 * size * root), s->absolute * root);
+        scale[3] = jo_larger(s->tolerance * speed, s->absolute);
+        scale[4] = scale[3] / size;
+        scale[5] = jo_larger(s->tolerance * jo_larger(x[2], 1e-3 * speed * root), s->absolute * root);
+        for (int k = 0; k < 6; k++) {
+            const double ratio = e[k] / scale[k];
+            if (ratio > error || ratio != ratio) {
+                error = ratio;
+                d->control.worst = i;
+            }
+            if (error != error) return error;
+        }
+    }
+    return jo_larger(error, state_error(m, d, s));
+}
+
+static void remember_extent(const jo_model *m, jo_data *d)
+{
+    double x[3];
+    for (int i = 0; i < m->nbody; i++) {
+        extent_of(m, d, i, x);
+        for (int j = 0; j < 3; j++) d->extent[3 * i + j] = x[j];
+    }
+    for (int i = 0; i < m->nstate; i++) {
+        double *largest = d->extent + 3 * m->nbody + i;
+        *largest = jo_larger(*largest, fabs(JO_RE(jo_states(m, d)[i])));
+    }
+}
+
+/* a first step well below the times in which bodies move, accelerate and vibrate */
+static double first_step(const jo_model *m, const jo_data *d, const jo_solver *s)
+{
+    const double size = size_of(m);
+    double rate = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *v = d->v + b->iv, *a = d->a + b->iv;
+        rate = jo_larger(rate, jo_larger(jo_length(v, 3) / size, jo_length(v + 3, 3)));
+        rate = jo_larger(rate, sqrt(jo_larger(jo_length(a, 3) / size, jo_length(a + 3, 3))));
+        for (int j = 0; j < b->n; j++) rate = jo_larger(rate, sqrt(JO_RE(b->K[j])));
+    }
+    return pow(s->tolerance, 0.2) / jo_larger(rate, 1e-6);
+}
+
+/* the first break after t, or infinity */
+static double next_break(const jo_model *m, double t)
+{
+    int low = 0, high = m->nbreak;   /* breaks below `low` are not after t, those from `high` on are */
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (JO_RE(m->breaks[middle]) > t) high = middle;
+        else low = middle + 1;
+    }
+    return low < m->nbreak ? JO_RE(m->breaks[low]) : HUGE_VAL;
+}
+
+static double fastest_turn(const jo_model *m, const jo_data *d)
+{
+    double w = 0.0;
+    for (int i = 0; i < m->nbody; i++) w = jo_larger(w, jo_length(d->v + m->body[i].iv + 3, 3));
+    return w;
+}
+
+/* back to the start of a step that is not taken */
+static void withdraw(jo_data *d, double shorter)
+{
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i];
+    d->tree.mirrored = JO_MIRROR_NONE;
+    d->work = d->control.work;
+    d->time[0] = d->control.from;
+    jo_recall_stage(d, 0);
+    d->control.next = shorter;
+    d->control.shortened = 1;
+    d->counts.rejected++;
+}
+
+static int give_up(jo_data *d)
+{
+    if (d->control.status != JO_OK) return d->control.status;
+    d->error_index = d->control.worst;
+    return JO_STEP_TOO_SMALL;
+}
+
+/* the length of a step that is tried */
+typedef struct {
+    double h, wanted;       /* s; what it would be without a limit */
+    double limit, seen;     /* it ends there at most; forces at its end are seen as at that time */
+    int whole, broken;      /* it goes up to the limit, and forces of the next step may differ at once */
+} attempt;
+
+/* the next step, not beyond a break or `end` */
+static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s, double end)
+{
+    const double t = JO_RE(d->time[0]), kink = next_break(m, t), turn = fastest_turn(m, d);
+    attempt x;
+    x.limit = kink < end ? kink : end;
+    x.h = d->control.next;
+    if (s->largest > 0.0 && x.h > s->largest) x.h = s->largest;
+    if (turn * x.h > JO_TURN) x.h = JO_TURN / turn;
+    x.wanted = x.h;
+    x.whole = t + 1.01 * x.h >= x.limit;
+    if (x.whole) x.h = x.limit - t;
+    else if (t + 2.0 * x.h > x.limit) x.h = 0.5 * (x.limit - t);   /* two steps of one length */
+    x.broken = x.whole && kink <= end;
+    x.seen = x.broken ? nextafter(x.limit, t) : x.whole ? x.limit : t + x.h;
+    return x;
+}
+
+/* whether the step that was tried is short enough, with the length of the next one; else it is withdrawn */
+static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
+{
+    jo_control *c = &d->control;
+    if ((d->tree.on ? jo_tree_turned(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
+        withdraw(d, 0.5 * x->h);
+        return 0;
+    }
+    *error = step_error(m, d, s);
+    const double plain = 0.9 / pow(jo_larger(*error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
+    if (!(*error <= 1.0)) {
+        c->status = JO_OK;
+        withdraw(d, x->h * (plain > 0.2 ? plain : 0.2));
+        return 0;
+    }
+    double factor = plain * pow(c->error, 0.04);   /* proportional and integral */
+    factor = factor < 0.2 ? 0.2 : factor > 10.0 ? 10.0 : factor;
+    if (c->shortened && factor > 1.0) factor = 1.0;
+    c->next = x->h * factor;
+    if (x->h < x->wanted && c->next < x->wanted) c->next = x->wanted;   /* the limit made it short */
+    return 1;
+}
+
+/* the step is taken, up to the first event in it */
+static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x, double error)
+{
+    jo_control *c = &d->control;
+    int found = 0;
+    if (jo_watched(m)) {   /* the step may end earlier */
+        double shorter = x->h;
+        const int status = jo_event_find(m, d, s, c->first, &shorter, &found);
+        if (status != JO_OK) return status;
+        c->first = 0;
+        if (shorter < x->h) x->whole = x->broken = 0;
+    }
+    c->error = jo_larger(error, 1e-4);
+    c->shortened = 0;
+    c->status = JO_OK;
+    if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
+    if (x->broken) d->fresh = 0;
+    d->counts.steps++;
+    if (m->nturn && d->tree.on) jo_tree_count_turns(m, d);
+    else if (m->nturn) jo_count_turns(m, d);
+    jo_mirror(m, d, JO_MIRROR_STATE);   /* an event may have shortened the step */
+    remember_extent(m, d);
+    if (m->nbeam) jo_beam_accept(m, d);
+    c->measured = 0;
+    c->found = found;
+    if (!found) c->chain = 0;
+    return JO_OK;
+}
+
+/* try one step, not beyond `end`; JO_OK if it was taken or has to be tried again with a shorter one */
+static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
+{
+    jo_control *c = &d->control;
+    if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
+        return give_up(d);
+    c->tries++;
+    int status = d->fresh || c->known ? JO_OK : jo_accelerations(m, d);
+    if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
+    if (status != JO_OK) return status;
+    jo_mirror(m, d, JO_MIRROR_STATE);
+    attempt x = attempted(m, d, s, end);
+    status = jo_step_dopri(m, d, s, x.h, x.seen);
+    if (status != JO_OK) {
+        c->status = status;
+        withdraw(d, 0.25 * x.h);
+        return JO_OK;
+    }
+    jo_mirror(m, d, JO_MIRROR_STATE);
+    double error;
+    return passes(m, d, s, &x, &error) ? finish(m, d, s, &x, error) : JO_OK;
+}
+
+static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long last)
+{
+    static const jo_control clean = {0};
+    jo_control *c = &d->control;
+    *c = clean;
+    d->fresh = 0;
+    jo_restart(d);
+    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
+    if (status != JO_OK) return status;
+    jo_mirror_all(m, d);
+    for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
+    jo_state_nominals(m, d, (double)last * s->step);
+    remember_extent(m, d);
+    c->start = JO_RE(d->time[0]);
+    c->first = 1;
+    c->duration = (double)last * s->step;
+    c->error = 1e-4;
+    c->next = s->first > 0.0 ? s->first : first_step(m, d, s);
+    return JO_OK;
+}
+
+/* what changes at the state that a step has reached, once all rows before it are written */
+static int arrive(const jo_model *m, jo_data *d)
+{
+    jo_control *c = &d->control;
+    const int found = c->found;
+    c->found = 0;
+    if (found) {
+        d->fresh = d->current = c->known = 0;   /* rows were written */
+        const int status = jo_event_happen(m, d, &c->chain);
+        if (status != JO_OK && status != JO_EVENT) return status;
+        const int event = d->error_index, failed = jo_measure(m, d);
+        c->measured = 1;
+        d->error_index = failed == JO_OK ? event : d->error_index;
+        return failed == JO_OK ? status : failed;
+    }
+    if (c->measured) return JO_OK;
+    c->measured = 1;
+    return jo_measure(m, d);
+}
+
+static int follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
+                  long long *count, int *written, jo_real *rows)
+{
+    jo_control *c = &d->control;
+    const size_t size = (size_t)jo_row_size(m);
+    const double end = c->start + (double)last * s->step;
+    while (*written < room && (!jo_watched(m) || jo_log_has_room(m, d))) {
+        const double now = JO_RE(d->time[0]), t = c->start + (double)*count * s->step;
+        jo_real *row = rows + (size_t)*written * size;
+        int status = t < now ? write_between(m, d, s, t, row) : arrive(m, d);
+        if (t == now || status == JO_EVENT) {
+            const int written_too = jo_write_row(m, d, row);
+            if (written_too != JO_OK) return written_too;
+        }
+        if (t <= now || status == JO_EVENT) ++*written;
+        if (status != JO_OK) return status;
+        if (t <= now) {
+            c->tries = 0;
+            if (++*count > last) return JO_OK;
+            continue;
+        }
+        if (tries-- <= 0) return JO_OK;
+        status = try_step(m, d, s, end);
+        if (status != JO_OK) return status;
+    }
+    return JO_OK;
+}
+
+int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
+              long long *count, int *written, jo_real *rows)
+{
+    *written = 0;
+    d->logged = 0;
+    int status = m->nlink && !jo_mixed(m) ? jo_tree_enter(m, d) : JO_OK;
+    if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
+    if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
+    jo_tree_leave(m, d);
+    d->left = JO_RE(d->time[0]);
+    return status;
+}

@@ -1,0 +1,434 @@
+/* step_generalized_alpha.c - generalised alpha (Chung and Hulbert 1993) on the Lie group of poses, with Newton's method.
+ *
+ * With the algorithmic acceleration a (Arnold and Bruels 2007; Bruels, Cardona and Arnold 2012)
+ *   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
+ *   q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1)),  v1 = v0 + h ((1 - gamma) a0 + gamma a1)
+ *   M v1' + Cq^T lam1 = Q at q1, v1, t1, and Cq v1 + Ct = 0 (index 2, projection) or C(q1) = 0 (index 3).
+ * The multipliers of index 2 keep the velocities on the constraints; the positions, which miss them by O(h^3) a
+ * step, are closed after it in the metric of Newton's matrix, which stiff springs do not feel, at this state.
+ * Newton's unknowns are changes of a1 and lam1; scaled so, no term of the matrix grows as the step shrinks
+ * (Bottasso, Bauchau and Cardona 2007).
+ */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "beam/beam.h"
+#include "integrate/integrate.h"
+
+#define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
+#define JO_AGED 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
+#define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
+#define JO_HALVINGS 40    /* of an increment that leaps over a kink */
+#define JO_PATIENCE 5     /* times the iterations of a step are allowed where they are shortened */
+#define JO_DIGITS 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
+
+#ifdef JO_COMPLEX
+enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
+enum { JO_KEEP = 0 };     /* and only with the exact matrix so fast */
+#else
+enum { JO_AFTER = 0 };
+enum { JO_KEEP = 1 };
+#endif
+
+/* of accelerations, in the metric of the masses: m R''^2 + J w'^2 + p''^2 */
+static double size_of(const jo_model *m, const jo_data *d, int body, const jo_real *x)
+{
+    const jo_body *b = &m->body[body];
+    double sum = 0.0;
+    for (int j = 0; j < 3; j++) {
+        const double R = JO_RE(x[j]), w = JO_RE(x[3 + j]);
+        sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[body].J[j]) * w * w;
+    }
+    for (int j = 6; j < 6 + b->n; j++) sum += JO_RE(x[j]) * JO_RE(x[j]);
+    return sum;
+}
+
+/* what increments of the accelerations are measured against: accelerations without gravity, elastic forces and a
+ * small share of the accelerations that would stop everything in one step; its square */
+static double reference(const jo_model *m, const jo_data *d, double h)
+{
+    double sum = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *a = d->a + b->iv;
+        sum += 1e-6 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        for (int j = 0; j < 3; j++) {
+            const double R = JO_RE(a[j] - m->gravity[j]), w = JO_RE(a[3 + j]);
+            sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[i].J[j]) * w * w;
+        }
+        for (int j = 0; j < b->n; j++) {
+            const double f = JO_RE(b->K[j] * d->body[i].p[j]), a2 = JO_RE(a[6 + j]);
+            sum += f * f + a2 * a2;
+        }
+    }
+    return sum;
+}
+
+/* square of the increment of a body's acceleration that moves it by the rounding of positions, in the metric of the masses.
+ * Internal forces K q are rounded by K dq, which changes the solution of (M + q^ K) x = K dq by dq / q^ at most, q^ = weights.q,
+ * however stiff K is: a mechanism at rest without load, whose forces are 0, has no other scale. Below it an iteration with the
+ * exact matrix has nothing left to gain: positions do not move any more */
+static double resolution(const jo_model *m, const jo_data *d, const jo_weights *c, int body)
+{
+    const jo_body *b = &m->body[body];
+    const jo_real *R = d->q + b->iq, *J = d->body[body].J;
+    const double digits = JO_DIGITS / c->q, square = m->size * m->size + JO_RE(jo_dot3(R, R));
+    return digits * digits * (JO_RE(b->mass[0]) * square + JO_RE(J[0] + J[1] + J[2]));
+}
+
+/* the first step, or one after the state was changed: consistent accelerations, and the algorithmic one, which
+ * stands for the time alpha_m - alpha_f steps later (Arnold, Bruels and Cardona 2015) */
+static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double shift = s->alpha_m - s->alpha_f, ahead = fabs(shift) * s->step;
+    const jo_real t0 = d->time[0];
+    d->current = 0;
+    int status = jo_evaluate(m, d, &jo_now);
+    if (status != JO_OK) return status;
+    d->power0 = d->power;
+    for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->algorithmic[i] = d->end_a[i] = d->a[i];
+        d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
+    }
+    if (ahead == 0.0 || m->nbeam) return JO_OK;   /* stiff beams would be strained by so long a move */
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->v0[i] = d->v[i];
+        d->v[i] += ahead * d->a[i];
+    }
+    jo_displace(m, d->q, d->q0, d->dq);
+    d->time[0] = t0 + ahead;
+    status = jo_evaluate(m, d, &jo_now);
+    d->time[0] = t0;
+    /* what is much faster than the step answers the explicit one with accelerations beyond all measure: then the
+     * shift is left out, which is worth an error of second order, once */
+    double change = 0.0, scale = 0.0;
+    for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->end_a[i];
+    for (int i = 0; i < m->nbody; i++) {
+        change += size_of(m, d, i, d->dq + m->body[i].iv);
+        scale += size_of(m, d, i, d->end_a + m->body[i].iv);
+    }
+    const double part = status == JO_OK && change < scale ? 1.0 : 0.0;
+    for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->v[i] = d->v0[i];
+        if (part > 0.0) d->algorithmic[i] += (shift < 0.0 ? -part : part) * d->dq[i];
+    }
+    return status == JO_BENT ? JO_OK : status;
+}
+
+/* whether the state is the one that the last step left */
+static int continues(const jo_model *m, const jo_data *d, double h)
+{
+    if (!*d->started || d->restart || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
+    for (int i = 0; i < m->nq; i++)
+        if (d->q[i] != d->end_q[i]) return 0;
+    for (int i = 0; i < d->nw; i++)
+        if (d->v[i] != d->end_v[i]) return 0;
+    return 1;
+}
+
+/* q, v and the tangent operators of the increments at the present algorithmic acceleration in rate */
+static void move(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
+    for (int i = 0; i < d->nw; i++) {
+        d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->algorithmic[i] + b * d->rate[i]));
+        d->v[i] = d->v0[i] + h * ((1.0 - g) * d->algorithmic[i] + g * d->rate[i]);
+    }
+    jo_displace(m, d->q, d->q0, d->dq);
+    for (int i = 0; i < m->nbody; i++) {   /* E - f1 theta~ + f2 theta~ theta~ */
+        const jo_real *x = d->dq + m->body[i].iv + 3, square = jo_dot3(x, x);
+        jo_real *T = d->body[i].turn, f[3];
+        jo_sinc(square, f);
+        for (int r = 0; r < 3; r++)
+            for (int c = 0; c < 3; c++) T[3 * r + c] = f[2] * x[r] * x[c] + (r == c ? 1.0 - f[2] * square : 0.0);
+        T[1] += f[1] * x[2]; T[2] -= f[1] * x[1]; T[3] -= f[1] * x[2];
+        T[5] += f[1] * x[0]; T[6] += f[1] * x[1]; T[7] -= f[1] * x[0];
+    }
+}
+
+static int factors(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    int status = jo_newton_assemble(m, d, stage);
+    if (status != JO_OK) return status;
+    status = jo_newton_factor(m, d, m->redundant > 0);
+    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {   /* a singular position is passed */
+        d->counts.singular++;
+        status = jo_newton_assemble(m, d, stage);
+        if (status == JO_OK) status = jo_newton_factor(m, d, 1);
+    }
+    d->factored = status == JO_OK;
+    d->aged = 0.0;
+    return status;
+}
+
+/* d->x = -[residual in acc; rows of the joints] */
+static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, int first)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_place *p = &m->place[i];
+        jo_real *x = d->x + m->node[p->node].at + p->local;
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = -d->acc[m->body[i].iv + j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_place *p = &m->place[m->nbody + i];
+        const jo_joint_work *w = &d->joint[i];
+        jo_real *x = d->x + m->node[p->node].at + p->local;
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            const jo_real lam = d->lam[m->joint[i].row + r];
+            if (jo_absent(d, &m->joint[i])) x[r] = -lam;
+            else {
+                x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
+                if (first && d->softened) x[r] += w->soft[r] * lam;   /* least norm anew at every step */
+            }
+        }
+    }
+}
+
+static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
+{
+    return d->x + m->node[m->place[item].node].at + m->place[item].local;
+}
+
+/* the unknowns move by `share` of x, laid out as d->x */
+static void advance(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *y = x + (solution_of(m, d, i) - d->x);
+        const int iv = m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) {
+            d->rate[iv + j] += share * y[j];
+            d->a[iv + j] += share * c->a * y[j];
+        }
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *y = x + (solution_of(m, d, m->nbody + i) - d->x);
+        for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += share * y[r];
+    }
+}
+
+/* Kinks of force laws throw Newton's method from one branch to the other and back. The increment that was made, of norm
+ * `size`, is halved until the one that would follow by the same factors is shorter (natural monotonicity test: Deuflhard,
+ * Newton Methods for Nonlinear Problems, 2011, ch. 3). Returns the share that is left; 0: there is none */
+static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, double size)
+{
+    double share = 1.0;
+    for (int i = 0; i < m->nv + m->nrow; i++) d->whole[i] = d->x[i];
+    for (int k = 0; k < JO_HALVINGS; k++, share *= 0.5) {
+        if (k) advance(m, d, &stage->weights, d->whole, -share);
+        move(m, d, s);
+        d->counts.evaluations++;
+        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* so far away that an element folds */
+        right_hand_side(m, d, &stage->weights, 0);
+        jo_newton_solve(m, d);
+        double next = 0.0;
+        for (int i = 0; i < m->nbody; i++) next += size_of(m, d, i, solution_of(m, d, i));
+        if (sqrt(next) <= (1.0 - 0.5 * share) * size) return share;
+    }
+    return 0.0;
+}
+
+/* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
+static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
+{
+    const int most_iterations = (damped ? JO_PATIENCE : 1) * s->iterations + JO_AFTER;
+    double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
+    int after = -1;
+    for (int k = 0; k < most_iterations; k++) {
+        move(m, d, s);
+        int status = jo_residual_at(m, d, stage, d->acc);
+        if (status != JO_OK) return status;
+        d->counts.evaluations++;
+        const int renewed = !JO_KEEP || !s->modified || !d->factored;
+        if (renewed) status = factors(m, d, stage);
+        if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
+        if (status != JO_OK) return status;
+        right_hand_side(m, d, &stage->weights, k == 0);
+        jo_newton_solve(m, d);
+        d->counts.iterations++;
+        double size = 0.0, most = -1.0;
+        int rounding = renewed;   /* all increments are those of rounding */
+        for (int i = 0; i < m->nbody; i++) {
+            const double part = size_of(m, d, i, solution_of(m, d, i));
+            size += part;
+            if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
+            if (!(part <= most)) { most = part; d->error_index = i; }
+        }
+        advance(m, d, &stage->weights, d->x, 1.0);
+        size = sqrt(size);
+        if (!isfinite(size)) return JO_NO_CONVERGENCE;
+        double pull = 0.0;
+        for (int i = 0; i < m->nbeam; i++) pull += jo_beam_pull(m, d, i);
+        if (pull < elastic) elastic = pull;
+        const double work = sqrt(reference(m, d, s->step) + elastic), small = s->tolerance * work;
+        const double gain = before > 0.0 ? size / before : 1.0;
+        if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
+            if (k + 1 == s->iterations) return JO_OK;
+            continue;
+        }
+        if (after >= 0 || size <= small || rounding || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
+            || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF * work)) {
+            if (++after == JO_AFTER) return JO_OK;
+        }
+        if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
+        before = size;
+        if (damped && after < 0) {
+            const double share = shorten(m, d, s, stage, size);
+            if (share == 0.0) return JO_NO_CONVERGENCE;
+            if (share < 1.0) before = 0.0;   /* what it gains says nothing of the next one */
+        }
+    }
+    return JO_NO_CONVERGENCE;
+}
+
+/* d->x = -[0; residual of the rows], of positions or velocities */
+static void set_gaps(const jo_model *m, jo_data *d, int velocity)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        jo_real *x = solution_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = solution_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = velocity ? -d->joint[i].cdot[r] : -d->joint[i].c[r];
+    }
+}
+
+/* q or v moves by the solution in d->x */
+static void correct(const jo_model *m, jo_data *d, int velocity)
+{
+    jo_newton_solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = solution_of(m, d, i);
+        jo_real *y = (velocity ? d->v : d->rate) + m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) y[j] = (velocity ? y[j] : 0.0) + x[j];
+    }
+    if (!velocity) jo_displace(m, d->q, d->q, d->rate);
+}
+
+/* Close positions, then velocities, with factors of this state or of one nearby: corrections along the constraints of an older
+ * state also move the machine on, by the angle between both, which adds up over the steps. Where rows repeat one another there
+ * are directions in which little holds, and no angle is small enough */
+static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    enum { JO_CORRECTIONS = 10 };
+    const double small[2] = {JO_CLOSED * m->size, JO_CLOSED * jo_most(jo_speed(m, d))};
+    jo_real largest[2];
+    for (int velocity = 0; velocity < 2; velocity++) {
+        double before = 0.0;
+        for (int k = 0; k < JO_CORRECTIONS; k++) {
+            if (k || velocity) jo_residuals(m, d, largest);
+            else largest[0] = jo_joint_residual(m, d);   /* bodies and markers stand at q */
+            const double gap = JO_RE(largest[velocity]);
+            if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
+            if (d->aged > (d->softened ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
+                const int status = factors(m, d, stage);
+                if (status != JO_OK) return status;
+            }
+            set_gaps(m, d, velocity);
+            before = gap;
+            correct(m, d, velocity);
+        }
+    }
+    return JO_OK;
+}
+
+/* the work of the step by the trapezoidal rule, with the forces and multipliers at its end */
+static int finish_work(const jo_model *m, jo_data *d, double h)
+{
+    const int status = jo_residual(m, d, d->acc);
+    if (status != JO_OK) return status;
+    d->counts.evaluations++;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->lam[m->joint[i].row + r];
+    d->power.forces += m->nline ? jo_joint_power(m, d) : 0.0;
+    for (int i = 0; i < m->nfriction; i++) {
+        const int coordinate[2] = {m->friction[i].coordinate, m->friction[i].other};
+        for (int k = 0; k < 2; k++)
+            if (coordinate[k] >= 0) d->power.friction -= d->rub[2 * i + k] * d->coordinate[coordinate[k]].rate;
+    }
+    jo_add_work(&d->power0, 1.0, &d->power);
+    jo_add_work(&d->work, 0.5 * h, &d->power0);
+    d->power0 = d->power;
+    return JO_OK;
+}
+
+/* rad/s, of the bodies */
+static double fastest_turn(const jo_model *m, const jo_data *d)
+{
+    double square = 0.0;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *w = d->v + m->body[i].iv + 3;
+        square = jo_larger(square, JO_RE(jo_dot3(w, w)));
+    }
+    return sqrt(square);
+}
+
+/* the algorithmic acceleration stays */
+static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
+    for (int i = 0; i < d->nw; i++) {
+        d->rate[i] = d->algorithmic[i];
+        d->a[i] = (d->algorithmic[i] - s->alpha_f * d->end_a[i]) / (1.0 - s->alpha_f);
+    }
+}
+
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
+    const jo_weights old = d->weights;
+    const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
+                                !s->projection, s->plain_inertia};
+    if (!continues(m, d, h)) {
+        *d->started = d->factored = 0;
+        d->restart = 0;
+        const int status = restart(m, d, s);
+        if (status != JO_OK) return status;
+    }
+    if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
+        || old.plain != weights.plain) d->factored = 0;
+    d->weights = weights;
+    const jo_stage stage = {.weights = weights};
+    const jo_real t0 = d->time[0];
+    for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+    for (int i = 0; i < d->nw; i++) d->v0[i] = d->v[i];
+    d->time[0] = t0 + h;
+    d->aged += h * fastest_turn(m, d);
+    predict(m, d, s);
+    const long long passed = d->counts.singular;
+    int status = newton(m, d, s, &stage, 0);
+    /* kept factors were too old: once more with those of every iteration; these leap over a kink: with shorter increments */
+    const int tries = s->tolerance > 0.0 ? 2 : 1;
+    for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
+        jo_solver exact = *s;
+        exact.modified = d->factored = 0;
+        d->counts.singular = passed;   /* singular positions of a path that is not taken */
+        predict(m, d, s);
+        status = newton(m, d, &exact, &stage, damped);
+    }
+    if (status == JO_OK) {
+        move(m, d, s);
+        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces follow the last increment */
+        for (int i = 0; i < d->nw; i++) {
+            d->algorithmic[i] = d->rate[i];
+            d->end_a[i] = d->a[i];
+        }
+        for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+        if (status == JO_OK) status = finish_work(m, d, h);
+        if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
+    }
+    if (status != JO_OK) {   /* back to the last good state */
+        for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
+        for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];
+        d->time[0] = t0;
+        *d->started = d->factored = 0;
+        return status;
+    }
+    for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
+    for (int i = 0; i < d->nw; i++) d->end_v[i] = d->v[i];
+    *d->end_time = d->time[0];
+    *d->started = 1;
+    return JO_OK;
+}

@@ -1,0 +1,77 @@
+/* apply_force.c - a force and a torque act on the body of a marker, a force along a coordinate on both of its ends.
+ *
+ * Force F and torque T (world) at a marker: Q_R = F, Q_w = u x A^T F + A^T T, Q_p = Phi^T A^T F + (T(theta) Psi)^T A^T T
+ * (Rantalainen 2007, eq. 3.68-3.83, corrected).
+ */
+#include "maximal/maximal.h"
+
+/* add force F and torque T (world) at the marker, which is not on ground, to the forces fr and fp of its body */
+static void push(const jo_model *m, const jo_data *d, int marker, const jo_real *F, const jo_real *T, jo_real *fr, jo_real *fp)
+{
+    const jo_marker *k = &m->marker[marker];
+    const jo_marker_work *w = &d->marker[marker];
+    const jo_real *A = d->body[k->body].A;
+    const int np = m->body[k->body].np;
+    jo_real f[3], t[3], arm[3];
+    jo_mul3t(f, A, F);
+    jo_mul3t(t, A, T);
+    jo_add3(fr, f);
+    jo_cross(arm, w->u, f);
+    jo_add3(fr + 3, arm);
+    jo_add3(fr + 3, t);
+    if (k->Phi)
+        for (int j = 0; j < np; j++)
+            fp[j] += w->Phi[j] * f[0] + w->Phi[np + j] * f[1] + w->Phi[2 * np + j] * f[2];
+    if (k->Psi) {
+        jo_mul3t(f, w->T, t);
+        for (int j = 0; j < np; j++)
+            fp[j] += w->Psi[j] * f[0] + w->Psi[np + j] * f[1] + w->Psi[2 * np + j] * f[2];
+    }
+}
+
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
+{
+    const int body = m->marker[marker].body;
+    if (body >= 0) push(m, d, marker, F, T, d->body[body].fr, d->body[body].fp);
+}
+
+/* the same to the change of force that stands in y and yp of the body */
+static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
+{
+    const int body = m->marker[marker].body;
+    if (body < 0) return;
+    jo_body_work *w = &d->body[body];
+    if (!w->pushed) {
+        for (int j = 0; j < 6; j++) w->y[j] = jo_same(0.0);
+        for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
+        w->pushed = 1;
+    }
+    push(m, d, marker, F, T, w->y, w->yp);
+}
+
+/* f along a coordinate does the virtual work f ds: its gradient says what acts on a and on b */
+static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
+                      void (*act)(const jo_model *, jo_data *, int, const jo_real *, const jo_real *))
+{
+    const jo_coordinate *c = &m->coordinate[coordinate];
+    const jo_coordinate_work *w = &d->coordinate[coordinate];
+    jo_real F[3], Ta[3], Tb[3];
+    for (int j = 0; j < 3; j++) {
+        F[j] = f * w->along[j];
+        Ta[j] = f * w->turn_a[j];
+        Tb[j] = f * w->turn_b[j];
+    }
+    act(m, d, c->b, F, Tb);
+    for (int j = 0; j < 3; j++) F[j] = -F[j];
+    act(m, d, c->a, F, Ta);
+}
+
+/* on a tree a force along a joint coordinate needs no bodies */
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
+{
+    const int link = m->coordinate[coordinate].link;
+    if (!d->tree.on || link < 0) both_ends(m, d, coordinate, f, jo_push);
+    else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
+}
+
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { both_ends(m, d, coordinate, f, push_change); }

@@ -1,0 +1,371 @@
+/* forward_dynamics.c - accelerations and multipliers of the whole mechanism, and the projection onto its constraints. */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "force/force.h"
+#include "beam/beam.h"
+#include "friction/friction.h"
+#include "tree/tree.h"
+
+/* constants for the effective modal mass E + g h D + (g h)^2 K */
+void jo_use_step(const jo_model *m, jo_data *d, double gh)
+{
+    if (d->gh == gh) return;
+    for (int i = 0; i < m->nbody; i++) jo_body_setup(&m->body[i], &d->body[i], 1, gh);
+    jo_marker_setup(m, d, 1);
+    jo_joint_setup(m, d, 1);
+    d->gh = gh;
+}
+
+/* poses, velocities, inertia and forces at time, q, v */
+static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    if (d->tree.narrow) {
+        jo_ports_place(m, d);
+    } else if (!d->current) {
+        jo_refresh(m, d);
+        jo_marker_velocity(m, d, m->nactive);
+    }
+    d->current = 0;
+    for (int i = 0; i < m->nbody; i++)
+        if (!jo_body_away(d, i)) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
+    if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
+    if (d->tree.narrow) return jo_ports_load(m, d, stage);
+    const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
+    if (status != JO_OK || !m->nbeam) return status;
+    return jo_beam_forces(m, d, stage->second ? d->base : 0);
+}
+
+/* masses factored, bodies moving as they would without joints, and the rows of the joints */
+static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        if (jo_body_away(d, i)) continue;
+        const int ported = d->tree.narrow && d->body[i].port;
+        const int status = ported ? jo_ports_factor(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
+        if (status != JO_OK) {
+            d->error_index = i;
+            return status;
+        }
+        jo_body_free(&m->body[i], &d->body[i], stage->set);
+    }
+    jo_marker_bias(m, d, m->nactive);
+    jo_marker_reduce(m, d, stage->set, m->nactive);
+    if (jo_stabilised(stage)) {
+        jo_joint_residual(m, d);
+        jo_joint_residual_rate(m, d);
+    }
+    jo_joint_rows(m, d);
+    return JO_OK;
+}
+
+/* multipliers in joint[].x, with the friction that belongs to them */
+static int solve(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    int status;
+    if (jo_couples(m, stage)) {
+        status = jo_coupled_accelerations(m, d, stage);
+    } else {
+        jo_joint_acceleration(m, d, stage);
+        status = jo_joint_factor(m, d, stage->set);
+        if (status == JO_OK) jo_joint_solve(m, d);
+    }
+    if (status == JO_OK && m->nfriction && !stage->smooth) status = jo_friction_solve(m, d, stage);
+    return status;
+}
+
+/* a and lam by the rows of the joints */
+static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    static const jo_work none = {0.0, 0.0, 0.0};
+    d->power = none;
+    d->counts.evaluations++;
+    int status = load(m, d, stage);
+    if (status == JO_OK) status = reduce(m, d, stage);
+    if (status == JO_OK) status = solve(m, d, stage);
+    if (status != JO_OK) return status;
+    d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
+    d->power.forces += d->drive;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow && !jo_joint_away(d, i); r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+    if (jo_couples(m, stage)) return JO_OK;
+    jo_joint_apply(m, d, stage->set);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *a = d->a + b->iv;
+        if (jo_body_away(d, i)) continue;
+        jo_mul3(a, w->A, w->y);
+        jo_add3(a, m->gravity);   /* gravity is a frame acceleration */
+        jo_set3(a + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
+    }
+    if (d->tree.narrow) jo_ports_follow(m, d);
+    return JO_OK;
+}
+
+/* a and lam at time, q, v, or what belongs to x, u; the modal mass is that of the set */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    int status;
+    if (d->tree.on && !d->tree.kept) status = jo_tree_evaluate(m, d, stage);
+    else {
+        d->tree.narrow = d->tree.on;
+        status = evaluate(m, d, stage);
+        d->tree.narrow = 0;
+    }
+    if (m->nstate && stage->set && d->tree.on && status == JO_OK) jo_tree_states(m, d, stage);
+    return status;
+}
+
+/* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
+void jo_mirror_all(const jo_model *m, jo_data *d)
+{
+    const int known = !d->tree.on || d->tree.mirrored == JO_MIRROR_ALL;
+    jo_mirror(m, d, JO_MIRROR_ALL);
+    if (known || !(m->nloop || d->tree.kept) || m->redundant <= 0) return;
+    const jo_work power = d->power;
+    const jo_real drive = d->drive;
+    const jo_counts counts = d->counts;
+    const int current = d->current;
+    d->current = d->tree.on = 0;
+    jo_evaluate(m, d, &jo_now);
+    d->tree.on = 1;
+    d->power = power;
+    d->drive = drive;
+    d->counts = counts;
+    d->current = current;
+}
+
+int jo_accelerations(const jo_model *m, jo_data *d)
+{
+    d->fresh = d->current = 0;
+    int status = jo_evaluate(m, d, &jo_now);
+    d->fresh = status == JO_OK;
+    return status;
+}
+
+/* Positions and velocities as an integrator of somebody else's sees them: e' = e o (0, w) / 2 keeps the length of e. */
+int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot)
+{
+    const jo_stage stage = {.alpha = alpha, .beta = beta};
+    d->fresh = d->current = 0;
+    const int status = jo_evaluate(m, d, &stage);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *e = d->q + b->iq + 3, *v = d->v + b->iv, *w = v + 3;
+        jo_real *y = qdot + b->iq, turned[3];
+        jo_set3(y, v);
+        jo_cross(turned, e + 1, w);
+        y[3] = -0.5 * jo_dot3(e + 1, w);
+        for (int j = 0; j < 3; j++) y[4 + j] = 0.5 * (e[0] * w[j] + turned[j]);
+        for (int j = 0; j < b->n; j++) y[7 + j] = v[6 + j];
+    }
+    return status;
+}
+
+/* what sensors need of the present state: accelerations and the work until then, if they are demanding, else poses and
+ * velocities */
+int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
+{
+    if (demanding && !d->fresh) {
+        const int status = jo_accelerations(m, d);
+        if (status != JO_OK) return status;
+        jo_close_work(d);
+    } else if (!d->current && !(demanding && d->tree.on)) {
+        jo_real unused[2];
+        jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
+        d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
+    }
+    if (demanding) jo_mirror_all(m, d);
+    else jo_mirror(m, d, JO_MIRROR_STATE);
+    return JO_OK;
+}
+
+/* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
+static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *increment)
+{
+    if (jo_couples(m, stage)) {
+        jo_coupled_correction(m, d, increment);
+        return;
+    }
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work *w = &d->body[i];
+        if (jo_body_away(d, i)) continue;
+        for (int j = 0; j < 6; j++) w->z[j] = jo_same(0.0);
+        for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
+    }
+    jo_joint_solve(m, d);
+    jo_joint_apply(m, d, stage->set);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *x = increment + b->iv;
+        if (jo_body_away(d, i)) continue;
+        jo_mul3(x, w->A, w->y);
+        jo_set3(x + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
+    }
+}
+
+/* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
+static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int velocity)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++)
+            d->joint[i].x[r] = velocity ? d->joint[i].cdot[r] : d->joint[i].c[r];
+    correction(m, d, stage, d->rate);
+}
+
+/* A joint that stays open by more than the size of the mechanism: its bodies have diverged, as jo_check finds. */
+static void spoil_open(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++) {
+        if (jo_joint_away(d, i)) continue;
+        const jo_mask closed = JO_LESS_OR_EQUAL(jo_joint_gap(m, d, i), jo_same(m->size));
+        for (int s = 0; s < 2; s++) {
+            const int body = m->marker[m->joint[i].side[s]].body;
+            if (body >= 0) d->v[m->body[body].iv] = jo_choose(closed, d->v[m->body[body].iv], jo_same(NAN));
+        }
+    }
+}
+
+/* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
+ * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    enum { JO_CORRECTIONS = 4 };
+    if (!m->njoint) return;
+    const double small = JO_CLOSED * m->size;   /* m */
+    d->tree.narrow = d->tree.on;
+    if (d->tree.narrow) jo_ports_place(m, d);
+    else jo_refresh(m, d);
+    jo_real residual = jo_joint_residual(m, d);
+    jo_mask open = JO_ALL;
+    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+        const jo_real before = residual;
+        newton(m, d, stage, 0);
+        jo_only(open, d->rate, m->nv);
+        for (int i = 0; i < m->nbody; i++)
+            if (!jo_body_away(d, i)) jo_body_displace(&m->body[i], d->q, d->q, d->rate);
+        jo_refresh(m, d);
+        residual = jo_joint_residual(m, d);
+        open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
+    }
+    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* of any lane, whatever became of others */
+    jo_marker_velocity(m, d, m->nactive);
+    const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
+    residual = jo_joint_residual_rate(m, d);
+    open = JO_ALL;
+    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+        const jo_real before = residual;
+        newton(m, d, stage, 1);
+        jo_only(open, d->rate, m->nv);
+        for (int i = 0; i < m->nbody; i++) {
+            const jo_body *b = &m->body[i];
+            if (jo_body_away(d, i)) continue;
+            for (int j = b->iv; j < b->iv + 6 + b->n; j++) d->v[j] += d->rate[j];
+            jo_body_twist(b, &d->body[i], d->v + b->iv);
+        }
+        jo_marker_velocity(m, d, m->nactive);
+        residual = jo_joint_residual_rate(m, d);
+        open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
+    }
+    if (far) spoil_open(m, d);
+    d->fresh = 0;
+    d->current = !d->tree.narrow;
+    if (d->tree.narrow) jo_ports_accept(m, d);
+    d->tree.narrow = 0;
+}
+
+/* of the position residuals: Newton's direction always lowers it */
+static double sum_of_squares(const jo_model *m, const jo_data *d)
+{
+    jo_real sum = {0.0};
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) sum += jo_magnitude(d->joint[i].c[r]) * jo_magnitude(d->joint[i].c[r]);
+    return jo_most(sum);
+}
+
+/* close the joints: Newton in the mass metric on positions, shortened while a step opens them further, then on
+ * velocities at the closed position */
+static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
+{
+    enum { JO_SHORTENED = 10 };
+    static const jo_stage geometry = {.smooth = 1};
+    d->fresh = d->current = 0;
+    jo_refresh(m, d);
+    double residual = jo_most(jo_joint_residual(m, d));
+    for (int k = 0; k < iterations && residual > tolerance; k++) {
+        const double before = residual, merit = sum_of_squares(m, d);
+        d->current = 0;
+        int status = jo_evaluate(m, d, &geometry);
+        if (status != JO_OK) return status;
+        jo_joint_residual(m, d);
+        newton(m, d, &geometry, 0);
+        for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+        double part = 1.0;
+        for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
+            for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
+            jo_displace(m, d->q, d->q0, d->dq);
+            jo_refresh(m, d);
+            residual = jo_most(jo_joint_residual(m, d));
+            if (sum_of_squares(m, d) < merit) break;
+        }
+        if (residual > 0.5 * before && residual < JO_CLOSED * m->size) break;   /* round-off */
+    }
+#ifdef JO_COMPLEX
+    for (int k = 0; k < 2; k++) {   /* derivatives converge behind the values: full steps, however small */
+        d->current = 0;
+        int status = jo_evaluate(m, d, &geometry);
+        if (status != JO_OK) return status;
+        jo_joint_residual(m, d);
+        newton(m, d, &geometry, 0);
+        for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
+        jo_displace(m, d->q, d->q0, d->rate);
+        jo_refresh(m, d);
+    }
+#endif
+    for (int k = 0; k < 2; k++) {
+        d->current = 0;
+        int status = jo_evaluate(m, d, &geometry);
+        if (status != JO_OK) return status;
+        jo_joint_residual_rate(m, d);
+        newton(m, d, &geometry, 1);
+        for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
+    }
+    jo_refresh(m, d);
+    if (m->nturn) jo_count_turns(m, d);
+    d->fresh = d->current = 0;
+    return JO_OK;
+}
+
+int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance)
+{
+    return close_joints(m, d, iterations, tolerance);
+}
+
+/* mass matrix of one body for [R'' (body frame), w', p''] at the present q */
+void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M)
+{
+    const jo_body *b = &m->body[body];
+    jo_body_work *w = &d->body[body];
+    const int n = 6 + b->n;
+    jo_real unused = {0.0};
+    jo_body_pose(b, w, d->q + b->iq);
+    jo_body_twist(b, w, d->v + b->iv);
+    jo_body_inertia(b, w, &unused);
+    for (int i = 0; i < n * n; i++) M[i] = jo_same(0.0);
+    for (int i = 0; i < 3; i++) M[i * n + i] = b->mass[0];
+    const jo_real *S = w->S, *J = w->J;
+    M[4] = S[2]; M[5] = -S[1]; M[n + 3] = -S[2]; M[n + 5] = S[0]; M[2 * n + 3] = S[1]; M[2 * n + 4] = -S[0];
+    M[3 * n + 3] = J[0]; M[4 * n + 4] = J[1]; M[5 * n + 5] = J[2];
+    M[3 * n + 4] = J[5]; M[3 * n + 5] = J[4]; M[4 * n + 5] = J[3];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < b->n; j++) {
+            M[i * n + 6 + j] = b->I3[i * b->np + j];
+            M[(3 + i) * n + 6 + j] = w->B[i * b->np + j];
+        }
+    for (int j = 0; j < b->n; j++) M[(6 + j) * n + 6 + j] = jo_same(1.0);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) M[i * n + j] = M[j * n + i];
+}

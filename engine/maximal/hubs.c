@@ -1,0 +1,62 @@
+/* hubs.c - bodies with many joints in the matrix of multipliers: their velocities are unknowns of their own, see jo_pull.
+ *
+ * [D V; V^T -1] [lam; y] = [b; 0] is S lam = b with S = D + V V^T. All joints of a hub touch its column, not one another.
+ */
+#include "maximal/maximal.h"
+
+/* where V of each side goes, and which side comes first into its block */
+void jo_hub_plan(const jo_model *m, jo_data *d)
+{
+    for (int c = 0; c < m->ncolumn; c++) {
+        const int hub = m->column[c].joint - m->njoint;
+        if (hub < 0) continue;
+        d->hubs[hub] = d->S + JO_BLOCK * c;
+        d->hubs[hub][0] = jo_same(0.0);
+    }
+    for (int i = 0; i < m->npull; i++) {
+        const jo_pull *p = &m->pull[i];
+        const jo_joint *joint = &m->joint[p->joint];
+        jo_pull_plan *w = &d->pulls[i];
+        w->S = d->S + JO_BLOCK * p->block;
+        w->side = &d->joint[p->joint].side[p->side];
+        w->rows = joint->nrow;
+        w->first = JO_COMMON(w->S[0]) != 0.0;
+        w->lock = joint->release >= 0 ? &d->joint[p->joint].present : joint->lock < 0 ? 0 : d->locked + joint->lock;
+        w->later = p->later;
+        w->S[0] = jo_same(0.0);
+    }
+}
+
+void jo_hub_assemble(const jo_model *m, jo_data *d)
+{
+    const int six = jo_padded(6);   /* a block has the rows of what is eliminated later */
+    for (int h = 0; h < m->nhub; h++) {
+        for (int j = 0; j < JO_BLOCK; j++) d->hubs[h][j] = jo_same(0.0);
+        for (int j = 0; j < 6; j++) d->hubs[h][(six + 1) * j] = jo_same(-1.0);
+    }
+    for (int i = 0; i < m->npull; i++) {
+        const jo_pull_plan *p = &d->pulls[i];
+        const int ld = jo_padded(p->rows);
+        for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
+        if (p->lock && !*p->lock) continue;
+        for (int c = 0; c < 6; c++)
+            for (int r = 0; r < p->rows; r++)
+                p->S[p->later ? ld * c + r : six * r + c] += p->side->V[ld * c + r];
+    }
+}
+
+void jo_hub_scales(const jo_model *m, jo_data *d)
+{
+    const int six = jo_padded(6);
+    for (int i = 0; i < m->npull; i++) {
+        const jo_pull_plan *p = &d->pulls[i];
+        if (!p->first || (p->lock && !*p->lock)) continue;   /* once a block, which has all sides of the joint */
+        jo_real *scale = d->joint[m->pull[i].joint].scale;
+        const int ld = jo_padded(p->rows);
+        for (int c = 0; c < 6; c++)
+            for (int r = 0; r < p->rows; r++) {
+                const jo_real v = p->S[p->later ? ld * c + r : six * r + c];
+                scale[r] += v * v;
+            }
+    }
+}

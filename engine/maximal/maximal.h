@@ -1,0 +1,110 @@
+/* maximal.h - positions of the bodies: bodies, markers, coordinates, rows of joints and the Schur complement of their multipliers: what other rooms may use. */
+#ifndef JO_MAXIMAL_H
+#define JO_MAXIMAL_H
+
+#include "data.h"
+
+/* body.c */
+void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
+void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
+void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v);
+void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power);
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set);
+void jo_body_free(const jo_body *b, jo_body_work *w, int set);
+void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_real *fr, const jo_real *fp, jo_real *z);
+void jo_body_forward(const jo_real *L, jo_real *x);
+void jo_body_backward(const jo_real *L, jo_real *x);
+void jo_body_modal(const jo_body *b, jo_body_work *w, int set);
+
+/* marker.c */
+void jo_marker_setup(const jo_model *m, jo_data *d, int set);
+void jo_marker_position(const jo_model *m, jo_data *d, int count);
+void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
+void jo_marker_bias(const jo_model *m, jo_data *d, int count);
+void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count);
+
+/* motion of a marker, world frame */
+typedef struct {
+    jo_real r[3], v[3], a[3];      /* position, velocity, acceleration */
+    jo_real om[3], al[3];          /* angular velocity and acceleration */
+} jo_motion;
+/* after jo_marker_bias; accelerations 0: not those */
+void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y);
+void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
+
+/* coordinate.c */
+void jo_coordinate_place(const jo_model *m, jo_data *d, int coordinate);   /* value, gradient */
+void jo_coordinate_move(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
+void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
+void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
+jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
+void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
+jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
+
+/* constraints.c */
+jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest, m (jo_row_metres) */
+jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot, m/s */
+jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
+jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
+void jo_joint_rows(const jo_model *m, jo_data *d);
+/* (nrow x 3) what velocity f and angular velocity g of the marker of a side (world) add to the rates of the rows; side 0 first */
+void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3]);
+/* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
+void jo_joint_second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x);
+void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
+jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
+jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* the same of one joint */
+void jo_joint_apply(const jo_model *m, jo_data *d, int set);
+
+/* apply_force.c */
+void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
+void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
+
+/* state.c */
+void jo_use_core(const jo_model *m, jo_data *d, int tree);   /* what is integrated */
+void jo_move(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
+void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
+void jo_refresh(const jo_model *m, jo_data *d);
+void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
+jo_real jo_speed(const jo_model *m, const jo_data *d);   /* m/s, the largest; turns on an arm of the size of the mechanism */
+int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
+
+/* hubs.c */
+void jo_hub_plan(const jo_model *m, jo_data *d);      /* after the pairs */
+void jo_hub_assemble(const jo_model *m, jo_data *d);
+void jo_hub_scales(const jo_model *m, jo_data *d);    /* adds what hubs give to the diagonal of S */
+
+/* schur_complement.c */
+void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */
+void jo_joint_setup(const jo_model *m, jo_data *d, int set);
+int jo_joint_factor(const jo_model *m, jo_data *d, int set);
+void jo_joint_solve(const jo_model *m, jo_data *d);
+
+/* reactions.c */
+void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
+void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
+void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
+
+/* energy.c */
+void jo_close_work(jo_data *d);
+
+/* dense_cholesky.c */
+int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
+int jo_gram_reveal(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
+void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
+
+/* forward_dynamics.c */
+int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_mirror_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
+void jo_use_step(const jo_model *m, jo_data *d, double gh);
+#define JO_CLOSED 1e-12       /* of the size of a mechanism, or of its speed: residuals of closed joints, m and m/s */
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
+int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
+
+/* sensors.c */
+int jo_needs_accelerations(const jo_sensor *s);
+
+#endif

@@ -1,0 +1,555 @@
+/* schur_complement.c - the block matrix S = Cq M^-1 Cq^T of all joints, its sparse Cholesky factor and the multipliers.
+ *
+ * The order of elimination and the fill are fixed when the model is compiled.
+ */
+#include "maximal/maximal.h"
+
+#define JO_REGULAR 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
+enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the addition left open */
+
+/* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
+static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
+{
+    const jo_pair *p = &m->pair[i];
+    const int k = m->joint[p->joint_k].side[p->side_k], l = m->joint[p->joint_l].side[p->side_l];
+    const jo_marker_work *mk = &d->marker[k], *ml = &d->marker[l];
+    const int np = m->body[m->marker[k].body].np;
+    const jo_real *weight = d->body[m->marker[k].body].set[set].weight;
+    jo_real *gram = d->gram[set] + 36 * i;
+    for (int r = 0; r < 6 && np; r++)
+        for (int c = 0; c < 6; c++) {
+            const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
+            jo_real s = {0.0};
+            if (x && y)
+                for (int j = 0; j < np; j++) s += x[(r % 3) * np + j] * weight[j] * y[(c % 3) * np + j];
+            gram[6 * r + c] = s;
+        }
+}
+
+void jo_joint_setup(const jo_model *m, jo_data *d, int set)
+{
+    for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
+}
+
+/* which kernel: rows, for most with those of padding, and columns n as constants where they are common */
+static int kind_of(int rows, int n)
+{
+    if (rows <= 4) return n == 3 ? 0 : 5;
+    if (rows == 5 && n == 5) return 4;
+    return n == 3 ? 1 : n == 5 ? 2 : n == 6 ? 3 : 5;
+}
+#define JO_BY_KIND(kind, rows, n, call) \
+    switch (kind) {                     \
+    case 0: call(4, 3); break;          \
+    case 1: call(8, 3); break;          \
+    case 2: call(8, 5); break;          \
+    case 3: call(8, 6); break;          \
+    case 4: call(5, 5); break;          \
+    default: call(rows, n); break;      \
+    }
+
+/* A row that would be alone in a vector, the fifth one, is worked on by itself, along its columns. */
+static inline int alone(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
+
+static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
+{
+    if (m->joint[joint].release >= 0) return &d->joint[joint].present;
+    return m->joint[joint].lock < 0 ? 0 : d->locked + m->joint[joint].lock;
+}
+
+static inline int off(const int *lock) { return lock && !*lock; }
+
+static void plan_sides(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint; i++)
+        for (int s = 0; s < m->joint[i].nside; s++) {
+            jo_side_work *w = &d->joint[i].side[s];
+            const jo_marker *k = &m->marker[m->joint[i].side[s]];
+            w->marker = &d->marker[m->joint[i].side[s]];
+            w->body = k->body < 0 ? 0 : &d->body[k->body];
+            w->L = k->body < 0 || !(m->body[k->body].n || w->body->port) ? 0 : w->body->L;
+            w->T = k->Psi ? w->marker->T : 0;
+        }
+}
+
+/* and which pair comes first into its block: S is 1 where there is none */
+static void plan_pairs(const jo_model *m, jo_data *d)
+{
+    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = jo_same(1.0);
+    for (int i = 0; i < m->npair; i++) {
+        const jo_pair *p = &m->pair[i];
+        jo_pair_plan *w = &d->pairs[i];
+        w->S = d->S + JO_BLOCK * p->block;
+        w->k = &d->joint[p->joint_k].side[p->side_k];
+        w->l = &d->joint[p->joint_l].side[p->side_l];
+        w->flexible = m->body[m->marker[m->joint[p->joint_k].side[p->side_k]].body].n > 0;
+        w->kind = kind_of(m->joint[p->joint_k].nrow, m->joint[p->joint_l].nrow);
+        w->first = JO_COMMON(w->S[0]) != 0.0;
+        w->lock_k = lock_of(m, d, p->joint_k);
+        w->lock_l = lock_of(m, d, p->joint_l);
+        w->S[0] = jo_same(0.0);
+    }
+}
+
+/* the blocks below the diagonal of a column */
+static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
+{
+    for (int i = col->first; i < col->first + col->count; i++) {
+        const int row = m->below[i].joint;
+        jo_below_plan *x = &d->belows[i];
+        x->X = d->S + JO_BLOCK * m->below[i].block;
+        x->x = d->joint[row].x;
+        x->rows = m->joint[row].nrow;
+        x->kind = kind_of(x->rows, m->joint[col->joint].nrow);
+        x->lock = lock_of(m, d, row);
+        if (JO_COMMON(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
+    }
+}
+
+/* what the elimination of a column changes in later ones */
+static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int u)
+{
+    const jo_update *up = &m->update[u];
+    const int n = m->joint[col->joint].nrow;
+    jo_update_plan *x = &d->updates[u];
+    x->T = d->S + JO_BLOCK * up->target;
+    x->X = d->S + JO_BLOCK * up->left;
+    x->Y = d->S + JO_BLOCK * up->right;
+    x->rows = up->left_rows;
+    x->ny = up->right_rows;
+    x->kind = up->right_rows == n ? kind_of(x->rows, n) : 5;
+    for (int i = col->first; i < col->first + col->count; i++) {
+        if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
+        if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
+    }
+}
+
+/* where everything lies, and what comes first into each block */
+void jo_joint_plan(const jo_model *m, jo_data *d)
+{
+    plan_sides(m, d);
+    plan_pairs(m, d);
+    jo_hub_plan(m, d);
+    for (int c = 0; c < m->ncolumn; c++) {
+        if (c == d->tree.column) d->tree.fill = d->nfill;
+        const jo_column *col = &m->column[c];
+        jo_joint_work *joint = &d->joint[col->joint];
+        jo_column_plan *w = &d->columns[c];
+        w->S = d->S + JO_BLOCK * c;
+        w->x = joint->x;
+        w->scale = joint->scale;
+        w->sign = col->joint < m->njoint ? 1.0 : -1.0;
+        w->n = m->joint[col->joint].nrow;
+        w->first = col->first;
+        w->count = col->count;
+        w->update = m->update_first[c];
+        w->updates = m->update_first[c + 1] - w->update;
+        w->lock = lock_of(m, d, col->joint);
+        if (JO_COMMON(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
+        plan_below(m, d, col);
+        for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
+    }
+}
+
+/* Blocks lie column after column, S[ld s + r]; r are the rows of the joint that is eliminated later. Work on them is
+ * done four rows at a time, for every number of columns that occurs, so that loops unroll. */
+
+/* four rows of S = V_k^T V_l, or += */
+static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
+                            const int ldl, const int n, const int first)
+{
+    for (int l = 0; l < 4; l += JO_WIDTH) {
+        jo_lanes v[6];
+        for (int c = 0; c < 6; c++) v[c] = JO_LOAD(Vk + c * ld + l);
+        for (int s = 0; s < n; s++) {
+            jo_lanes x = Vl[s] * v[0];
+            if (!first) x += JO_LOAD(S + ld * s + l);
+            for (int c = 1; c < 6; c++) x += Vl[c * ldl + s] * v[c];
+            JO_STORE(S + ld * s + l) = x;
+        }
+    }
+}
+
+/* y = M x for ld rows and n columns; numbers of x are `step` apart */
+static inline void multiply(jo_real *restrict y, const jo_real *restrict M, const int ld, const int n,
+                            const jo_real *restrict x, const int step)
+{
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes s = JO_LOAD(M + l) * x[0];
+        for (int j = 1; j < n; j++) s += JO_LOAD(M + ld * j + l) * x[step * j];
+        JO_STORE(y + l) = s;
+    }
+}
+
+static inline void add_product(jo_real *restrict S, const int rows, const jo_real *restrict Vk, const jo_real *restrict Vl,
+                               const int n, const int first)
+{
+    const int ld = jo_padded(rows), ldl = jo_padded(n);
+    int r = 0;
+    for (; r < rows && !alone(rows, r); r += 4) add_rows(S + r, ld, Vk + r, Vl, ldl, n, first);
+    if (r < rows) {
+        jo_real row[8];
+        multiply(row, Vl, ldl, 6, Vk + r, ld);
+        for (int s = 0; s < n; s++) S[ld * s + r] = first ? row[s] : S[ld * s + r] + row[s];
+    }
+}
+
+/* four rows of S += C_k gram C_l^T; rows of k see its coordinates from `from` to `to`, the first `moving` rows of l
+ * translations only and the others rotations, or all of them everything if `both` */
+static inline void add_gram_rows(jo_real *restrict S, const int ld, const jo_real *restrict Ck, const int from, const int to,
+                                 const jo_real *restrict Cl, const int ldl, const int n, const int moving, const int both,
+                                 const jo_real *restrict gram)
+{
+    const int last = n > moving || both ? 6 : 3;
+    for (int l = 0; l < 4; l += JO_WIDTH) {
+        jo_lanes g[6];
+        for (int j = 0; j < last; j++) {
+            const jo_lanes zero = {0};
+            g[j] = zero;
+            for (int a = from; a < to; a++) g[j] += gram[6 * a + j] * JO_LOAD(Ck + ld * a + l);
+        }
+        for (int s = 0; s < n; s++) {
+            jo_lanes x = JO_LOAD(S + ld * s + l);
+            if (s < moving || both)
+                for (int j = 0; j < 3; j++) x += Cl[ldl * j + s] * g[j];
+            if (s >= moving || both)
+                for (int j = 3; j < 6; j++) x += Cl[ldl * j + s] * g[j];
+            JO_STORE(S + ld * s + l) = x;
+        }
+    }
+}
+
+static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl, const jo_real *gram)
+{
+    const int ld = jo_padded(k->nrow), ldl = jo_padded(l->nrow), n = l->nrow;
+    if (k->nrow == 3 && k->coincident && n == 3 && l->coincident) {
+        add_gram_rows(S, 4, Ck, 0, 3, Cl, 4, 3, 3, 0, gram);
+        return;
+    }
+    if (k->nrow == 5 && k->coincident && !k->nline && n == 5 && l->coincident && !l->nline) {
+        add_gram_rows(S, 8, Ck, 0, 6, Cl, 8, 5, 3, 0, gram);
+        add_gram_rows(S + 4, 8, Ck + 4, 3, 6, Cl, 8, 5, 3, 0, gram);
+        return;
+    }
+    const int moving = l->coincident ? 3 : 0, both = l->nline > 0;
+    for (int r = 0; r < ld; r += 4) add_gram_rows(S + r, ld, Ck + r, 0, 6, Cl, ldl, n, moving, both, gram);
+}
+
+/* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1, of the given sign. A pivot
+ * that vanishes against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular,
+ * -1: not finite */
+static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_real *scale, const double sign)
+{
+    const int ld = jo_padded(n);
+    int regular = 1;
+    for (int k = 0; k < n; k++) {
+        jo_real *column = S + ld * k;
+        jo_real x = column[k];
+        if (jo_spoil(&x, JO_LESS(1e-12 * sign * scale[k], sign * x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
+        const jo_real inverse = 1.0 / x;
+        for (int j = k + 1; j < n; j++) {
+            const jo_real y = column[j] * inverse;
+            for (int i = j; i < n; i++) S[ld * j + i] -= column[i] * y;
+        }
+        for (int j = k + 1; j < n; j++) column[j] *= inverse;
+        column[k] = inverse;
+    }
+    return regular;
+}
+
+/* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
+static inline void finish(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+{
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = n - 1; j >= 0; j--) {
+            x[j] = L[(ldl + 1) * j] * JO_LOAD(X + ld * j + l);
+            for (int k = j + 1; k < n; k++) x[j] -= L[ldl * j + k] * x[k];
+            JO_STORE(X + ld * j + l) = x[j];
+        }
+    }
+}
+
+/* X = X L^-T, ld rows */
+static inline void divide(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+{
+    const int ldl = jo_padded(n);
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = 0; j < n; j++) {
+            x[j] = JO_LOAD(X + ld * j + l);
+            for (int k = 0; k < j; k++) x[j] -= L[ldl * k + j] * x[k];
+            JO_STORE(X + ld * j + l) = x[j];
+        }
+    }
+}
+
+/* T -= X D^-1 Y^T over n columns, ny rows of Y */
+static inline void subtract_product(jo_real *restrict T, const jo_real *restrict X, const int rows,
+                                    const jo_real *restrict Y, const int ny, const jo_real *restrict D, const int n)
+{
+    const int ld = jo_padded(rows), ldy = jo_padded(ny), step = jo_padded(n) + 1;
+    int l = 0;
+    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
+        jo_lanes x[6];
+        for (int j = 0; j < n; j++) x[j] = D[step * j] * JO_LOAD(X + ld * j + l);
+        for (int s = 0; s < ny; s++) {
+            jo_lanes t = JO_LOAD(T + ld * s + l);
+            for (int j = 0; j < n; j++) t -= Y[ldy * j + s] * x[j];
+            JO_STORE(T + ld * s + l) = t;
+        }
+    }
+    if (l < rows) {
+        jo_real x[6] = {0}, row[8];
+        for (int j = 0; j < n; j++) x[j] = D[step * j] * X[ld * j + l];
+        multiply(row, Y, ldy, n, x, 1);
+        for (int s = 0; s < ny; s++) T[ld * s + l] -= row[s];
+    }
+}
+
+/* joints that run in joint coordinates have the first columns */
+static int first_column(const jo_data *d) { return d->tree.narrow ? d->tree.column : 0; }
+
+static void assemble(const jo_model *m, jo_data *d, int set)
+{
+    const int npair = d->tree.narrow ? d->tree.pair : m->npair;
+    for (int i = 0; i < npair; i++) {
+        const jo_pair_plan *p = &d->pairs[i];
+        if (off(p->lock_k) || off(p->lock_l)) {
+            for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
+            continue;
+        }
+        const jo_joint *k = &m->joint[m->pair[i].joint_k], *l = &m->joint[m->pair[i].joint_l];
+#define FIRST(rows, n) add_product(p->S, rows, p->k->V, p->l->V, n, 1)
+#define CALL(rows, n) add_product(p->S, rows, p->k->V, p->l->V, n, 0)
+        if (p->first) JO_BY_KIND(p->kind, k->nrow, l->nrow, FIRST)
+        else JO_BY_KIND(p->kind, k->nrow, l->nrow, CALL)
+#undef CALL
+#undef FIRST
+        if (!p->flexible) continue;
+        if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, set);
+        add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
+    }
+    jo_hub_assemble(m, d);
+    for (int i = d->tree.narrow ? d->tree.fill : 0; i < d->nfill; i++)
+        for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
+}
+
+/* A slender body turns so easily about its own axis that this alone makes the diagonal of S, although another joint may hold
+ * the body: what is then left of a row lies this far below, by the geometric mean of its moments halfway to the rounding */
+static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *joint)
+{
+    double least = 1.0;
+    for (int i = 0; i < joint->nside; i++) {
+        const int body = m->marker[joint->side[i]].body;
+        if (body < 0) continue;
+        const jo_real *J = d->body[body].J;
+        const double x = jo_most(J[0]), y = jo_most(J[1]), z = jo_most(J[2]);
+        const double low = x < y ? (x < z ? x : z) : (y < z ? y : z), high = jo_larger(jo_larger(x, y), z);
+        if (low > 0.0 && low < least * high) least = low / high;
+    }
+    return sqrt(least);
+}
+
+/* S + eps diag(S), which is regular; S itself is kept for the refinement */
+static void regularise(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
+    for (int c = first_column(d); c < m->ncolumn; c++) {
+        const jo_joint *joint = &m->joint[m->column[c].joint];
+        const int step = jo_padded(joint->nrow) + 1;
+        const double share = slenderness(m, d, joint);
+        for (int r = 0; r < joint->nrow; r++) {
+            d->columns[c].scale[r] *= share;
+            d->S[JO_BLOCK * c + step * r] += JO_REGULAR * d->columns[c].scale[r];
+        }
+    }
+}
+
+/* sparse block Cholesky in the fixed elimination order */
+static int factor(const jo_model *m, jo_data *d, int set)
+{
+    assemble(m, d, set);
+    for (int c = first_column(d); c < m->ncolumn; c++) {
+        jo_column_plan *w = &d->columns[c];
+        const int n = w->n, step = jo_padded(n) + 1;
+        if (off(w->lock)) continue;
+        for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
+    }
+    jo_hub_scales(m, d);
+    if (d->regular) regularise(m, d);
+    for (int c = first_column(d); c < m->ncolumn; c++) {
+        const jo_column_plan *w = &d->columns[c];
+        int regular;
+        if (off(w->lock)) continue;
+#define CALL(n) regular = factor_diagonal(w->S, n, w->scale, w->sign)
+        JO_BY_ROWS(w->n, CALL)
+#undef CALL
+        if (regular != 1) {
+            const int joint = m->column[c].joint;
+            const jo_joint *k = &m->joint[joint];
+            const int body = m->marker[k->side[1]].body;
+            d->error_index = regular == 0 ? joint : body < 0 ? m->marker[k->side[0]].body : body;
+            return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
+        }
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
+#define CALL(rows, n) divide(x->X, jo_padded(rows), w->S, n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
+#undef CALL
+        }
+        for (int i = w->update; i < w->update + w->updates; i++) {
+            const jo_update_plan *u = &d->updates[i];
+            if (off(u->lock_x) || off(u->lock_y)) continue;
+            if (u->kind == 5) {
+                subtract_product(u->T, u->X, u->rows, u->Y, u->ny, w->S, w->n);
+            } else {
+#define CALL(rows, n) subtract_product(u->T, u->X, rows, u->Y, n, w->S, n)
+                JO_BY_KIND(u->kind, u->rows, w->n, CALL)
+#undef CALL
+            }
+        }
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
+#define CALL(rows, n) finish(x->X, jo_padded(rows), w->S, n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
+#undef CALL
+        }
+    }
+    return JO_OK;
+}
+
+/* A pivot that vanishes although no rows repeat one another belongs to a singular position: it is passed with the
+ * multipliers of least norm and counted. */
+int jo_joint_factor(const jo_model *m, jo_data *d, int set)
+{
+    d->regular = m->redundant > 0;
+    int status = factor(m, d, set);
+    if (status == JO_SINGULAR_JOINT && m->redundant == 0) {
+        d->counts.singular++;
+        d->regular = 1;
+        status = factor(m, d, set);
+    }
+    return status;
+}
+
+/* x = L^-T D^-1 L^-1 x */
+static inline void solve_diagonal(const jo_real *restrict L, jo_real *restrict x, const int n)
+{
+    const int ld = jo_padded(n);
+    jo_real y[6];
+    for (int i = 0; i < n; i++) y[i] = x[i];
+    for (int k = 0; k < n; k++)
+        for (int i = k + 1; i < n; i++) y[i] -= L[ld * k + i] * y[k];
+    for (int i = 0; i < n; i++) y[i] *= L[(ld + 1) * i];
+    for (int i = n - 1; i >= 0; i--)
+        for (int k = 0; k < i; k++) y[k] -= L[ld * k + i] * y[i];
+    for (int i = 0; i < n; i++) x[i] = y[i];
+}
+
+/* y -= X x, padded */
+static inline void subtract_left(jo_real *restrict y, const jo_real *restrict X, const jo_real *restrict x,
+                                 const int ld, const int n)
+{
+    for (int l = 0; l < ld; l += JO_WIDTH) {
+        jo_lanes s = JO_LOAD(y + l);
+        for (int k = 0; k < n; k++) s -= x[k] * JO_LOAD(X + ld * k + l);
+        JO_STORE(y + l) = s;
+    }
+}
+
+/* x -= X^T y */
+static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X, const jo_real *restrict y,
+                                  const int rows, const int n)
+{
+    const int ld = jo_padded(rows);
+    for (int k = 0; k < n; k++) {
+        jo_real s = x[k];
+        for (int r = 0; r < rows; r++) s -= X[ld * k + r] * y[r];
+        x[k] = s;
+    }
+}
+
+/* S^-1 x for all joints: x of the later ones lose what the earlier take, all are divided, and what the later give goes back */
+static void solve_factored(const jo_model *m, jo_data *d)
+{
+    for (int c = first_column(d); c < m->ncolumn; c++) {
+        const jo_column_plan *w = &d->columns[c];
+        if (off(w->lock)) continue;
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
+#define CALL(rows, n) subtract_left(x->x, x->X, w->x, jo_padded(rows), n)
+            JO_BY_KIND(x->kind, x->rows, w->n, CALL)
+#undef CALL
+        }
+#define CALL(n) solve_diagonal(w->S, w->x, n)
+        JO_BY_ROWS(w->n, CALL)
+#undef CALL
+    }
+    for (int c = m->ncolumn - 1; c >= first_column(d); c--) {
+        const jo_column_plan *w = &d->columns[c];
+        if (off(w->lock)) continue;
+        for (int i = w->first; i < w->first + w->count; i++) {
+            const jo_below_plan *x = &d->belows[i];
+            if (off(x->lock)) continue;
+            if (x->rows == w->n) {
+#define CALL(n) subtract_right(w->x, x->X, x->x, n, n)
+                JO_BY_ROWS(w->n, CALL)
+#undef CALL
+            } else {
+                subtract_right(w->x, x->X, x->x, x->rows, w->n);
+            }
+        }
+    }
+}
+
+/* residual = right - S0 sum, into x */
+static void residual(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->njoint + m->nhub; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].right[r];
+    for (int c = first_column(d); c < m->ncolumn; c++) {
+        const jo_column *col = &m->column[c];
+        jo_joint_work *w = &d->joint[col->joint];
+        const int n = m->joint[col->joint].nrow, own = jo_padded(n);
+        for (int i = 0; i < n; i++)   /* the lower triangle counts */
+            for (int j = 0; j < n; j++)
+                w->x[i] -= d->S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
+        for (int i = col->first; i < col->first + col->count; i++) {
+            const jo_real *X = d->S0 + JO_BLOCK * m->below[i].block;
+            jo_joint_work *v = &d->joint[m->below[i].joint];
+            const int rows = m->joint[m->below[i].joint].nrow;
+            subtract_left(v->x, X, w->sum, jo_padded(rows), n);
+            subtract_right(w->x, X, v->sum, rows, n);
+        }
+    }
+}
+
+/* S x = x for all joints. Where rows repeat one another the right-hand sides agree, so that refinement with the
+ * regularised factor converges to a solution, the one of least norm in the scale of the diagonal */
+void jo_joint_solve(const jo_model *m, jo_data *d)
+{
+    for (int h = 0; h < m->nhub; h++)   /* nothing but the joints acts on the hubs here */
+        for (int r = 0; r < 6; r++) d->joint[m->njoint + h].x[r] = jo_same(0.0);
+    if (!d->regular) {
+        solve_factored(m, d);
+        return;
+    }
+    for (int i = 0; i < m->njoint + m->nhub; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            d->joint[i].right[r] = d->joint[i].x[r];
+            d->joint[i].sum[r] = jo_same(0.0);
+        }
+    for (int k = 0; k <= JO_REFINE; k++) {
+        if (k) residual(m, d);
+        solve_factored(m, d);
+        for (int i = 0; i < m->njoint + m->nhub; i++)
+            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] += d->joint[i].x[r];
+    }
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].sum[r];
+}

@@ -1,0 +1,162 @@
+/* state.c - the state of a mechanism, time, q and v: where the bodies stand by it, how it moves, whether it is sound.
+ *
+ * Positions move by increments [dR (world), dtheta (local), dp]; orientations are e o exp(dtheta).
+ */
+#include "maximal/maximal.h"
+#include "beam/beam.h"
+#include "tree/tree.h"
+
+#define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
+
+void jo_use_core(const jo_model *m, jo_data *d, int tree)
+{
+    const int nu = m->nu, nv = m->nv;
+    for (int i = 0; d->tree.on != tree && i < m->nstate; i++) {   /* the states go along */
+        const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
+        *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
+        *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
+    }
+    d->tree.on = tree;
+    d->y = tree ? d->tree.x : d->q;
+    d->w = tree ? d->tree.u : d->v;
+    d->wd = tree ? d->tree.ud : d->a;
+    d->ny = tree ? m->nx : m->nq;
+    d->nw = (tree ? nu : nv) + m->nstate;
+    for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
+    for (int i = 0; tree && i < d->tree.kept; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
+}
+
+void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
+{
+    d->tree.mirrored = JO_MIRROR_NONE;
+    if (d->tree.on) jo_tree_displace(m, d->y, d->q0, increment);
+    else jo_displace(m, d->q, d->q0, increment);
+}
+
+void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
+{
+    if (d->tree.on) jo_tree_increment_rate(m, rate, x, d->w);
+    else jo_increment_rate(m, rate, x, d->v);
+}
+
+/* poses and velocities of the bodies and positions of the markers at q, v */
+void jo_refresh(const jo_model *m, jo_data *d)
+{
+    if (!d->tree.narrow) jo_mirror(m, d, JO_MIRROR_STATE);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        if (jo_body_away(d, i)) continue;
+        jo_body_pose(b, &d->body[i], d->q + b->iq);
+        jo_body_twist(b, &d->body[i], d->v + b->iv);
+    }
+    jo_marker_position(m, d, m->nactive);
+    if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
+}
+
+/* m/s, the largest of the bodies; they turn on an arm of the size of the mechanism */
+jo_real jo_speed(const jo_model *m, const jo_data *d)
+{
+    jo_real fastest = {0.0};
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *v = d->v + m->body[i].iv;
+        if (jo_body_away(d, i)) continue;
+        for (int j = 0; j < 3; j++)
+            fastest = jo_maximum(fastest, jo_maximum(jo_magnitude(v[j]), m->size * jo_magnitude(v[3 + j])));
+    }
+    return fastest;
+}
+
+/* largest position residual, m, and velocity residual, m/s */
+void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
+{
+    jo_refresh(m, d);
+    jo_marker_velocity(m, d, m->nactive);
+    out[0] = jo_joint_residual(m, d);
+    out[1] = jo_joint_residual_rate(m, d);
+}
+
+void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
+{
+    jo_real unused[2];
+    jo_residuals(m, d, unused);
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) {
+            c[m->joint[i].row + r] = d->joint[i].c[r];
+            cdot[m->joint[i].row + r] = d->joint[i].cdot[r];
+        }
+}
+
+/* q = q0 moved by increments [dR (world), dtheta (local), dp], of one body and of all */
+void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment)
+{
+    const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
+    jo_real *y = q + b->iq;
+    for (int j = 0; j < 3; j++) y[j] = x[j] + dx[j];
+    for (int j = 0; j < 4; j++) y[3 + j] = x[3 + j];
+    jo_rotate(y + 3, dx + 3);
+    for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
+}
+
+void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) jo_body_displace(&m->body[i], q, q0, increment);
+}
+
+/* rate of the increments x at the velocities v */
+void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const int o = b->iv;
+        jo_set3(rate + o, v + o);
+        jo_rotation_rate(rate + o + 3, x + o + 3, v + o + 3);
+        for (int j = 6; j < 6 + b->n; j++) rate[o + j] = v[o + j];
+    }
+}
+
+/* whether a state of a force has diverged; the error is that of the body on which the force acts */
+static int states_spoilt(const jo_model *m, jo_data *d)
+{
+    jo_real *x = jo_states(m, d);
+    for (int k = 0; k < m->nforce; k++) {
+        const jo_force *f = &m->force[k];
+        for (int i = f->state; i < f->state + f->states; i++) {
+            if (!jo_spoil(x + i, JO_LESS(jo_magnitude(x[i]), JO_LARGEST))) continue;
+            const jo_coordinate *c = &m->coordinate[f->coordinate];
+            d->error_index = m->marker[c->b].body >= 0 ? m->marker[c->b].body : m->marker[c->a].body;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+int jo_check(const jo_model *m, jo_data *d)
+{
+    if (m->nstate && states_spoilt(m, d)) return JO_NOT_FINITE;
+    if (d->tree.on) return jo_tree_check(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        jo_real sum = {0.0};
+        for (int j = 0; j < 6 + b->n; j++) sum += jo_magnitude(d->v[b->iv + j]);
+        for (int j = 0; j < 7 + b->n; j++) sum += jo_magnitude(d->q[b->iq + j]);
+        if (jo_spoil(d->v + b->iv, JO_LESS(sum, JO_LARGEST))) {
+            d->error_index = i;
+            return JO_NOT_FINITE;
+        }
+    }
+    return JO_OK;
+}
+
+void jo_restart(jo_data *d)
+{
+    d->restart = 1;
+    d->watching = d->grid.valid = 0;
+    jo_beam_forget(d);
+}
+
+void jo_data_count_turns(const jo_model *m, jo_data *d)
+{
+    if (!m->nturn) return;
+    jo_refresh(m, d);
+    jo_count_turns(m, d);
+}

@@ -1,0 +1,215 @@
+/* coupled_mass.c - accelerations and multipliers where beams couple the masses of the bodies, by the block LU of newton_factor.c.
+ *
+ *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in ROS2, M + g h D + (g h)^2 K of beams and modes
+ * solved for the changes from accelerations and multipliers `base`: 0 but for gravity, or in the second stage of ROS2
+ * those of the first, whose factors serve again. The masses change by O(h) meanwhile and the accelerations, too, so
+ * that the error is O(h^2) in a and the method keeps its order 2.
+ */
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "force/force.h"
+#include "beam/beam.h"
+
+enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the regularisation left open */
+
+/* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
+int jo_couples(const jo_model *m, const jo_stage *stage)
+{
+    if (stage->set && m->nbeam) return 1;
+    for (int i = 0; i < m->nbeam; i++)
+        if (jo_beam_inertial(&m->beam[i])) return 1;
+    return 0;
+}
+
+/* M^ and the rows of the joints */
+static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    const jo_stage masses = {.set = stage->set, .weights = {1.0, gh, gh * gh, 1.0, 0, 1}}, rows = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
+    d->factored = 0;
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
+    jo_newton_masses(m, d, &masses);
+    jo_newton_rows(m, d, &rows);
+}
+
+static jo_real *part_of(const jo_model *m, jo_data *d, int item)
+{
+    return d->x + m->node[m->place[item].node].at + m->place[item].local;
+}
+
+/* d->x = N^-1 d->x; with rows that repeat one another the multipliers of least norm, where what the regularisation
+ * leaves open in the rows is solved for again */
+static void solve(const jo_model *m, jo_data *d)
+{
+    jo_newton_solve(m, d);
+    if (!d->softened) return;
+    for (int i = 0; i < m->nv; i++) d->sum[i] = 0.0;
+    for (int i = 0; i < m->njoint; i++)
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
+    for (int k = 0;; k++) {
+        for (int i = 0; i < m->nbody; i++) {
+            jo_real *x = part_of(m, d, i), *sum = d->sum + m->body[i].iv;
+            for (int j = 0; j < 6 + m->body[i].n; j++) {
+                sum[j] += x[j];
+                x[j] = k < JO_REFINE ? 0.0 : sum[j];
+            }
+        }
+        for (int i = 0; i < m->njoint; i++) {
+            jo_real *x = part_of(m, d, m->nbody + i), *sum = d->joint[i].sum;
+            for (int r = 0; r < m->joint[i].nrow; r++) {
+                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].soft[r] * x[r];
+                sum[r] += x[r];
+                x[r] = k < JO_REFINE ? left : sum[r];
+            }
+        }
+        if (k == JO_REFINE) return;
+        jo_newton_solve(m, d);
+    }
+}
+
+/* C'' of one joint at the accelerations in a, plus Baumgarte terms */
+static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stage *stage, int i, jo_real *y)
+{
+    const jo_joint *k = &m->joint[i];
+    const jo_joint_work *w = &d->joint[i];
+    jo_real a[6], b[6], t[3];
+    int row = 0;
+    if (k->coincident || k->nperp) {
+        jo_marker_acceleration(m, d, k->side[0], a);
+        jo_marker_acceleration(m, d, k->side[1], b);
+    }
+    for (; row < (k->coincident ? 3 : 0); row++) y[row] = b[row] - a[row];
+    if (k->nperp) {
+        jo_real oma[3], omb[3];
+        jo_to_world(oma, m, d, k->side[0], d->marker[k->side[0]].om);
+        jo_to_world(omb, m, d, k->side[1], d->marker[k->side[1]].om);
+        for (int r = 0; r < k->nperp; r++, row++) {
+            const jo_real *A = d->marker[k->side[0]].A + k->perp_a[r], *B = d->marker[k->side[1]].A + k->perp_b[r];
+            const jo_real f[3] = {A[0], A[3], A[6]}, h[3] = {B[0], B[3], B[6]};
+            jo_real fd[3], hd[3], fdd[3], hdd[3];
+            jo_cross(fd, oma, f);
+            jo_cross(hd, omb, h);
+            jo_cross(fdd, oma, fd);
+            jo_cross(t, a + 3, f);
+            jo_add3(fdd, t);
+            jo_cross(hdd, omb, hd);
+            jo_cross(t, b + 3, h);
+            jo_add3(hdd, t);
+            y[row] = jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
+        }
+    }
+    for (int l = 0; l < k->nline; l++, row++) {
+        const jo_line *line = &m->line[k->line + l];
+        y[row] = 0.0;
+        for (int j = 0; j < line->count; j++)
+            y[row] += line->data->factor[j] * jo_coordinate_acceleration(m, d, line->coordinate[j]);
+        if (line->signal >= 0) y[row] -= jo_signal_at(m, d, line->signal, d->time[0] + stage->lead).second;
+    }
+    if (jo_stabilised(stage))
+        for (int r = 0; r < k->nrow; r++) y[r] += 2.0 * stage->alpha * w->cdot[r] + stage->beta * stage->beta * w->c[r];
+}
+
+/* a and joint[].x from the forces that stand in fr and fp, with the factors */
+void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    for (int i = 0; i < m->nv; i++) d->a[i] = d->base[i];
+    jo_balance(m, d, d->sum);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *r = d->sum + b->iv, *a = d->base + b->iv, *f = d->lag + b->iv;
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6; j++) x[j] = (stage->set ? f[j] : 0.0) - r[j];
+        for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i), y[JO_MAX_ROWS] = {0.0};
+        if (!jo_absent(d, &m->joint[i])) row_accelerations(m, d, stage, i, y);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = -y[r];
+    }
+    solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = part_of(m, d, i);
+        jo_real *a = d->a + m->body[i].iv;
+        for (int j = 0; j < 6 + m->body[i].n; j++) a[j] += x[j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++)
+            d->joint[i].x[r] = x[r] + (stage->second ? d->base_lam[m->joint[i].row + r] : 0.0);
+    }
+}
+
+/* the factors, unless those of the first stage serve, then the solution. Rows that repeat one another show in the
+ * factorisation of S, which knows how small is small */
+int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    int status = JO_OK;
+    if (stage->second) {   /* the reactions of the first stage act like forces */
+        for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
+        jo_react(m, d);
+    } else {
+        for (int i = 0; i < m->nbody; i++) {
+            jo_real *a = d->base + m->body[i].iv;
+            for (int j = 0; j < 6 + m->body[i].n; j++) a[j] = j < 3 ? m->gravity[j] : 0.0;
+        }
+        d->regular = m->redundant > 0;
+        if (m->njoint && !d->regular) status = jo_joint_factor(m, d, stage->set);
+        if (status != JO_OK) return status;
+        assemble(m, d, stage);
+        status = jo_newton_factor(m, d, d->regular);
+        d->counts.factorisations--;   /* counted as an evaluation */
+        if (status != JO_OK) return status;
+        if (stage->set) {   /* the first stage of ROS2 */
+            for (int i = 0; i < m->nv; i++) {
+                d->sum[i] = -stage->gh * d->v[i];
+                d->lag[i] = 0.0;
+            }
+            jo_beam_lag(m, d, d->sum, 0);
+        }
+    }
+    jo_coupled_solve(m, d, stage);
+    return JO_OK;
+}
+
+/* joint[].x = the change of the multipliers due to the changes of force in y and yp of the bodies */
+void jo_coupled_respond(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_body_work *w = &d->body[i];
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + b->n; j++) x[j] = 0.0;
+        if (!w->pushed) continue;
+        jo_mul3(x, w->A, w->y);
+        jo_set3(x + 3, w->y + 3);
+        for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = 0.0;
+    }
+    solve(m, d);
+    for (int i = 0; i < m->njoint; i++) {
+        const jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = x[r];
+    }
+}
+
+/* increment = the change of least norm in the metric of M^ by which the rows change by -x of the joints */
+void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = 0.0;
+    }
+    for (int i = 0; i < m->njoint; i++) {
+        jo_real *x = part_of(m, d, m->nbody + i);
+        for (int r = 0; r < m->joint[i].nrow; r++) x[r] = -d->joint[i].x[r];
+    }
+    solve(m, d);
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_real *x = part_of(m, d, i);
+        for (int j = 0; j < 6 + m->body[i].n; j++) increment[m->body[i].iv + j] = x[j];
+    }
+}

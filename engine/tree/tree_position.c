@@ -1,0 +1,373 @@
+/* tree_position.c - where a tree stands: its constants, its bodies by the joint coordinates, and these by the bodies. */
+#include "maximal/maximal.h"
+#include "tree/tree_links.h"
+#include <string.h>
+
+/* ---- constants --------------------------------------------------------------------------------- */
+
+static const jo_real NO_TURN[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+static const jo_real NOWHERE[3] = {0.0, 0.0, 0.0};
+
+static const jo_real *axes_of(const jo_model *m, int marker) { return marker < 0 ? NO_TURN : m->marker[marker].A0; }
+static const jo_real *origin_of(const jo_model *m, int marker) { return marker < 0 ? NOWHERE : m->marker[marker].u0; }
+
+/* y (by columns) = A^T B of matrices by rows */
+static void between(jo_real *y, const jo_real *A, const jo_real *B)
+{
+    for (int j = 0; j < 3; j++)
+        for (int i = 0; i < 3; i++) y[3 * j + i] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
+}
+
+/* a link that is fixed to a parent of others, and where these are on it: the same on the parent */
+static void place_beyond(const jo_link_constants *fixed, jo_link_constants *c)
+{
+    jo_real K[9], l[3];
+    for (int i = 0; i < 3; i++) {
+        l[i] = fixed->l[i];
+        for (int k = 0; k < 3; k++) l[i] += fixed->K[3 * k + i] * c->l[k];
+        for (int j = 0; j < 3; j++) {
+            K[3 * j + i] = jo_same(0.0);
+            for (int k = 0; k < 3; k++) K[3 * j + i] += fixed->K[3 * k + i] * c->K[3 * j + k];
+        }
+    }
+    for (int i = 0; i < 9; i++) c->K[i] = K[i];
+    jo_set3(c->l, l);
+}
+
+/* the link of the body that a link hangs on: its parent, or one that is fixed to it */
+static int below(const jo_model *m, int link)
+{
+    const jo_link *k = &m->link[link];
+    const int body = k->outer < 0 ? -1 : m->marker[k->outer].body;
+    if (body < 0 || (k->parent >= 0 && m->link[k->parent].body == body)) return k->parent;
+    int on = link - 1;
+    while (on > k->parent && m->link[on].body != body) on--;
+    return on;
+}
+
+/* orientation and origin at zero in the frame of the parent */
+static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constants *c)
+{
+    static const jo_real crossed[9] = {0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0};   /* by columns: y, z, x */
+    jo_real arm[3];
+    if (k->outer < 0) {
+        for (int j = 0; j < 9; j++) c->K[j] = k->crossed ? crossed[j] : NO_TURN[j];
+        jo_set3(c->l, NOWHERE);
+        return;
+    }
+    const int inner = c->on < 0 ? -1 : m->link[c->on].inner;   /* of the frame of that link, on the same body */
+    between(c->K, axes_of(m, inner), axes_of(m, k->outer));
+    jo_set3(arm, origin_of(m, k->outer));
+    jo_sub3(arm, origin_of(m, inner));
+    jo_mul3t(c->l, axes_of(m, inner), arm);
+    if (c->on != k->parent) place_beyond(c + (c->on - (k - m->link)), c);
+}
+
+/* mass, first moment and inertia of a fixed body are those of its parent, too */
+static void merge(const jo_link_constants *c, jo_link_constants *p)
+{
+    jo_real S[3], J[9] = {0.0}, T[9], R[9];   /* of it about its origin, in the axes of the parent; matrices by rows */
+    for (int i = 0; i < 3; i++) {
+        S[i] = c->K[i] * c->S[0] + c->K[3 + i] * c->S[1] + c->K[6 + i] * c->S[2];
+        for (int j = 0; j < 3; j++) R[3 * i + j] = c->K[3 * j + i];
+    }
+    jo_mul33(T, R, c->J);
+    jo_mul33(J, T, c->K);   /* by columns it is R^T */
+    jo_add_skew_skew(J, -1.0, S, c->l);
+    jo_add_skew_skew(J, -1.0, c->l, S);
+    jo_add_skew_skew(J, -c->mass, c->l, c->l);
+    p->all_mass += c->mass;
+    jo_add3(p->all_S, S);
+    jo_axpy3(p->all_S, c->mass, c->l);
+    for (int i = 0; i < 9; i++) p->all_J[i] += J[i];
+}
+
+/* mass, first moment and inertia about the origin of the link, in its axes */
+static void weigh(const jo_body *b, const jo_real *u, const jo_real *A, jo_link_constants *c)
+{
+    const jo_real *S = b->S0, *J = b->J0;
+    jo_real full[9] = {J[0], J[5], J[4], J[5], J[1], J[3], J[4], J[3], J[2]}, T[9], arm[3];
+    c->mass = b->mass[0];
+    jo_set3(arm, S);
+    jo_axpy3(arm, -c->mass, u);
+    jo_mul3t(c->S, A, arm);
+    jo_add_skew_skew(full, 1.0, S, u);
+    jo_add_skew_skew(full, 1.0, u, S);
+    jo_add_skew_skew(full, -c->mass, u, u);
+    jo_mul33(T, full, A);
+    between(c->J, A, T);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) c->C[3 * i + j] = A[3 * i + j];   /* columns of A^T */
+    jo_mul3t(c->c, A, u);
+    for (int i = 0; i < 3; i++) c->c[i] = -c->c[i];
+}
+
+static void weigh_links(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        jo_link_constants *c = &d->tree.constants[i];
+        const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
+        c->on = free ? -1 : below(m, i);
+        if (free) {
+            for (int j = 0; j < 9; j++) c->K[j] = NO_TURN[j];
+            jo_set3(c->l, NOWHERE);
+        } else {
+            place_on_parent(m, k, c);
+        }
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* of the latter only what is fixed to it joins in */
+        weigh(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
+        c->all_mass = c->mass;
+        for (int j = 0; j < 3; j++) c->all_S[j] = c->S[j];
+        for (int j = 0; j < 9; j++) c->all_J[j] = c->J[j];
+        if (k->type == JO_LINK_FIXED && k->parent >= 0) merge(c, &d->tree.constants[k->parent]);
+    }
+}
+
+/* ---- what forces need at every evaluation ------------------------------------------------------ */
+
+/* put i into a list of no repetitions; what is not there is left out */
+static void note(int *list, int *count, int i)
+{
+    if (i < 0) return;
+    for (int j = 0; j < *count; j++)
+        if (list[j] == i) return;
+    list[(*count)++] = i;
+}
+
+static void note_marker(const jo_model *m, jo_tree *t, int marker)
+{
+    if (t->kept && marker >= 0 && !t->away_marker[marker]) return;   /* placed anyway */
+    note(t->marker, &t->nmarker, marker);
+    if (marker >= 0) note(t->body, &t->nbody, m->marker[marker].body);
+}
+
+static void lay_ground(jo_link_work *ground)
+{
+    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_load(NO_TURN + 3 * i);
+    ground->p = ground->w = ground->v = ground->w0 = ground->av = ground->aw = jo_vec_zero();
+}
+
+void jo_tree_setup(const jo_model *m, jo_data *d)
+{
+    jo_tree *t = &d->tree;
+    lay_ground(t->link);
+    for (int i = 0; i < m->nlink; i++) {
+        const int type = m->link[i].type;
+        if (type == JO_LINK_BALL) t->x[m->link[i].x] = 1.0;
+        if (type == JO_LINK_FREE || type == JO_LINK_BODY) t->x[m->link[i].x + 3] = 1.0;
+    }
+    weigh_links(m, d);
+    t->nhinge = t->ndriven = 0;
+    for (int i = 0; i < m->nlink; i++) {
+        if (m->link[i].type == JO_LINK_HINGE) t->hinge[t->nhinge++] = i;
+        t->ndriven += m->link[i].driven >= 0;
+        const int parent = m->link[i].parent;
+        if (parent >= 0 && (parent != i - 1 || m->link[i].type == JO_LINK_FIXED)) t->constants[parent].gathers = 1;
+    }
+    for (int i = 0; i < m->nforce; i++) {
+        const jo_force *f = &m->force[i];
+        const int c = f->coordinate;
+        if (c >= 0 && m->coordinate[c].link >= 0) continue;
+        if (c < 0 || !t->kept || t->away_coordinate[c]) note(t->coordinate, &t->ncoordinate, c);
+        note_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
+        note_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
+        if (c < 0 && f->body >= 0 && (!t->kept || t->away_body[f->body])) note(t->body, &t->nbody, f->body);
+    }
+    for (int i = 0; i < m->nloop; i++) {   /* their lines need their coordinates; other rows the links only */
+        const jo_joint *k = &m->joint[m->loop[i].joint];
+        for (int l = 0; l < k->nline; l++)
+            for (int j = 0; j < m->line[k->line + l].count; j++)
+                note(t->coordinate, &t->ncoordinate, m->line[k->line + l].coordinate[j]);
+        for (int s = 0; k->nline && s < k->nside; s++) note_marker(m, t, k->side[s]);
+    }
+    t->direct = 1;
+    for (int i = 0; i < m->ncoordinate; i++)
+        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(t->kept && !t->away_coordinate[i])) t->direct = 0;
+}
+
+/* ---- positions and velocities by the joint coordinates ------------------------------------------ */
+
+/* A, l, p, w, v of all links */
+void jo_tree_kinematics(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_link_constants *c = &d->tree.constants[i];
+        const jo_link_work *p = &d->tree.link[k->parent + 1];
+        jo_link_work *w = &d->tree.link[i + 1];
+        const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
+        const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u, *e = free ? x + 3 : x;
+        jo_vec B[3], slid = jo_vec_zero();
+        for (int j = 0; j < 3; j++) B[j] = jo_vec_mix(p->A, c->K + 3 * j);
+        w->l = jo_vec_mix(p->A, c->l);
+        w->w = p->w;
+        for (int j = 0; j < 3; j++) w->A[j] = B[j];
+        if (k->type == JO_LINK_HINGE) {
+            const jo_real cosine = jo_cos(x[0]), sine = jo_sin(x[0]);
+            w->A[0] = jo_vec_with(jo_vec_scale(cosine, B[0]), sine, B[1]);
+            w->A[1] = jo_vec_less(jo_vec_scale(cosine, B[1]), jo_vec_scale(sine, B[0]));
+            w->w = jo_vec_with(p->w, u[0], B[2]);
+        } else if (k->type == JO_LINK_SLIDE) {
+            w->l = jo_vec_with(w->l, x[0], B[2]);
+            slid = jo_vec_scale(u[0], B[2]);
+        } else if (k->type == JO_LINK_BALL || free) {
+            jo_real R[9];
+            jo_rotation(R, e);
+            for (int j = 0; j < 3; j++) {
+                const jo_real column[3] = {R[j], R[3 + j], R[6 + j]};
+                w->A[j] = jo_vec_mix(B, column);
+            }
+            w->w = jo_vec_add(p->w, jo_vec_mix(w->A, free ? u + 3 : u));
+        }
+        if (free) {
+            w->l = jo_vec_load(x);
+            slid = jo_vec_load(u);
+        }
+        w->p = jo_vec_add(p->p, w->l);
+        w->v = jo_vec_add(jo_vec_add(p->v, slid), jo_vec_cross(p->w, w->l));
+    }
+}
+
+/* rates v (nv) of the bodies that belong to rates (nu) of the joints where the links stand now; their own are left alone */
+void jo_tree_spread(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v)
+{   /* in Uf and Ut, which nobody needs any more */
+    jo_link_work *link = d->tree.link;
+    link->Ut = link->Uf = jo_vec_zero();
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_link_constants *c = &d->tree.constants[i];
+        const jo_link_work *p = &link[k->parent + 1];
+        jo_link_work *w = &link[i + 1];
+        const jo_real *u = rate + k->u;
+        w->Ut = p->Ut;
+        w->Uf = jo_vec_add(p->Uf, jo_vec_cross(p->Ut, w->l));
+        if (k->type == JO_LINK_HINGE) w->Ut = jo_vec_with(w->Ut, u[0], w->A[2]);
+        if (k->type == JO_LINK_SLIDE) w->Uf = jo_vec_with(w->Uf, u[0], w->A[2]);
+        if (k->type == JO_LINK_BALL) w->Ut = jo_vec_add(w->Ut, jo_vec_mix(w->A, u));
+        if (k->type == JO_LINK_FREE) {
+            w->Uf = jo_vec_load(u);
+            w->Ut = jo_vec_mix(w->A, u + 3);
+        }
+        if (k->body < 0) continue;
+        jo_real *y = v + m->body[k->body].iv, local[3];
+        jo_vec_store(y, jo_vec_add(w->Uf, jo_vec_cross(w->Ut, jo_vec_mix(w->A, c->c))));
+        jo_vec_store(local, jo_vec_across(w->A, w->Ut));
+        jo_mul3(y + 3, axes_of(m, k->inner), local);
+    }
+}
+
+/* ---- the joint coordinates by positions and velocities ------------------------------------------- */
+
+/* a marker of a body or of the ground as q and v have it; matrices by rows */
+typedef struct { jo_real r[3], A[9], v[3], w[3]; } frame;
+
+static void frame_at(const jo_model *m, const jo_data *d, int body, int marker, frame *y)
+{
+    jo_real A[9], arm[3];
+    if (body < 0) {
+        for (int i = 0; i < 9; i++) y->A[i] = axes_of(m, marker)[i];
+        jo_set3(y->r, origin_of(m, marker));
+        jo_set3(y->v, NOWHERE);
+        jo_set3(y->w, NOWHERE);
+        return;
+    }
+    const jo_real *q = d->q + m->body[body].iq, *v = d->v + m->body[body].iv;
+    jo_rotation(A, q + 3);
+    jo_mul33(y->A, A, axes_of(m, marker));
+    jo_mul3(arm, A, origin_of(m, marker));
+    jo_set3(y->r, q);
+    jo_add3(y->r, arm);
+    jo_mul3(y->w, A, v + 3);
+    jo_cross(y->v, y->w, arm);
+    jo_add3(y->v, v);
+}
+
+/* a hinge angle, counted on from where its coordinate or itself was */
+static jo_real nearest(const jo_model *m, const jo_data *d, const jo_link *k, int link, jo_real angle)
+{
+    jo_real near = d->tree.x[k->x];
+    for (int i = 0; i < m->ncoordinate; i++)
+        if (m->coordinate[i].link == link && m->coordinate[i].turn >= 0) near = jo_link_sign(k) * d->turn[m->coordinate[i].turn];
+    return angle + 2.0 * JO_PI * jo_floor((near - angle) / (2.0 * JO_PI) + 0.5);
+}
+
+static void axis(jo_real *y, const jo_real *A, int i) { y[0] = A[i]; y[1] = A[3 + i]; y[2] = A[6 + i]; }
+
+/* angle about z of o at which its x has become `to`, and its rate at the relative angular velocity w */
+static void read_hinge(const jo_model *m, jo_data *d, int link, const jo_real *to, const frame *o, const jo_real *about, const jo_real *w)
+{
+    const jo_link *k = &m->link[link];
+    jo_real x[3], y[3];
+    axis(x, o->A, 0);
+    axis(y, o->A, 1);
+    d->tree.x[k->x] = nearest(m, d, k, link, jo_arc_tangent(jo_dot3(to, y), jo_dot3(to, x)));
+    d->tree.u[k->u] = jo_dot3(about, w);
+}
+
+static void read_ball(jo_real *x, jo_real *u, const frame *o, const frame *f, const jo_real *w)
+{
+    jo_real R[9], e[4];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) R[3 * i + j] = o->A[i] * f->A[j] + o->A[3 + i] * f->A[3 + j] + o->A[6 + i] * f->A[6 + j];
+    jo_quaternion(e, R);
+    jo_mul3t(u, f->A, w);
+    for (int i = 0; i < 4; i++) x[i] = e[i];
+}
+
+/* the motions of one joint between frames o and f: one link, or two where the first has no body */
+static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o, const frame *f)
+{
+    const jo_link *k = &m->link[first];
+    jo_real w[3], r[3], v[3], t[3], z[3], zf[3], xf[3];
+    jo_set3(w, f->w);
+    jo_sub3(w, o->w);
+    axis(z, o->A, 2);
+    axis(zf, f->A, 2);
+    axis(xf, f->A, 0);
+    if (k->type == JO_LINK_SLIDE) {
+        jo_set3(r, f->r);
+        jo_sub3(r, o->r);
+        jo_set3(v, f->v);
+        jo_sub3(v, o->v);
+        jo_cross(t, o->w, r);
+        jo_sub3(v, t);
+        d->tree.x[k->x] = jo_dot3(z, r);
+        d->tree.u[k->u] = jo_dot3(z, v);
+        if (k->body < 0) read_hinge(m, d, first + 1, xf, o, z, w);
+    } else if (k->type == JO_LINK_HINGE && k->body < 0) {   /* universal */
+        frame cross = *o;   /* whose x and y are y and z of the one between, with z of f */
+        read_hinge(m, d, first, zf, o, z, w);
+        jo_cross(t, z, zf);
+        for (int i = 0; i < 3; i++) {
+            cross.A[3 * i] = t[i];
+            cross.A[3 * i + 1] = z[i];
+            cross.A[3 * i + 2] = zf[i];
+        }
+        read_hinge(m, d, first + 1, xf, &cross, zf, w);
+    } else if (k->type == JO_LINK_HINGE) {
+        read_hinge(m, d, first, xf, o, z, w);
+    } else if (k->type == JO_LINK_BALL) {
+        read_ball(d->tree.x + k->x, d->tree.u + k->u, o, f, w);
+    }
+}
+
+void jo_tree_read(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nlink; i++) {
+        const jo_link *k = &m->link[i];
+        const jo_link *last = k->body < 0 ? &m->link[i + 1] : k;
+        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) {
+            const jo_body *b = &m->body[k->body];
+            for (int j = 0; j < 7 + b->n; j++) d->tree.x[k->x + j] = d->q[b->iq + j];
+            for (int j = 0; j < 6 + b->n; j++) d->tree.u[k->u + j] = d->v[b->iv + j];
+            continue;
+        }
+        if (k->type == JO_LINK_FIXED) continue;
+        frame o, f;
+        frame_at(m, d, m->marker[k->outer].body, k->outer, &o);
+        frame_at(m, d, last->body, last->inner, &f);
+        read_joint(m, d, i, &o, &f);
+        if (last != k) i++;
+    }
+}
