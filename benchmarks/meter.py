@@ -138,7 +138,16 @@ def instructions() -> None:
     with tempfile.TemporaryDirectory() as folder:
         source, program = Path(folder) / "count.c", Path(folder) / "count"
         source.write_text(PROGRAM, encoding="utf-8")
-        build = ["cc", "-O3", "-std=c99", f"-I{engine}", source, engine / "fatigue" / "damage_meter.c", "-o", program]
+        build = [
+            "cc",
+            "-O3",
+            "-std=c99",
+            f"-I{engine}",
+            source,
+            engine / "fatigue" / "damage_meter.c",
+            "-o",
+            program,
+        ]
         subprocess.run([*build, "-lm"], check=True)
 
         def count(*given: str) -> int:
