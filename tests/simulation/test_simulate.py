@@ -453,9 +453,9 @@ def test_loads_faster_than_the_step_are_pointed_out(rod):
     pivot = jo.Spherical("pivot", jo.ground["origin"], arm["start"])
     fast = jo.Force("hum", arm["end"], (0, 1, 0), signal=jo.Harmonic(frequency=1000.0))
     pulse = jo.Force("pulse", arm["end"], (0, 0, 1), signal=jo.Table((0, 2e-4, 4e-4), (0, 1, 0)))
-    with pytest.warns(jo.JoustoWarning, match="leave out 2.2 %"):
-        model = jo.compile(jo.Mechanism(arm, pivot, fast, pulse))
+    model = jo.compile(jo.Mechanism(arm, pivot, fast, pulse))
     with (
+        pytest.warns(jo.JoustoWarning, match="leave out 2.2 %"),
         pytest.warns(jo.JoustoWarning, match="'hum' oscillates with 1000 Hz"),
         pytest.warns(jo.JoustoWarning, match="'pulse' has table points 0.0002 s apart"),
         pytest.warns(jo.JoustoWarning, match="energy balance misses"),
