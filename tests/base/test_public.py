@@ -107,3 +107,10 @@ def test_a_name_that_never_was_is_not_there() -> None:
         with pytest.raises(AttributeError, match="has no attribute 'nonsense'"):
             thing.nonsense  # noqa: B018
     assert not hasattr(jo, "__wrapped__")
+
+
+def test_a_misspelt_name_suggests_the_nearest() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'Revolut'; did you mean 'Revolute'"):
+        jo.Revolut  # noqa: B018
+    with pytest.raises(AttributeError, match="'rainflo'; did you mean 'rainflow'"):
+        jo.fatigue.rainflo  # noqa: B018

@@ -28,6 +28,7 @@ class Room(ModuleType):
                 message = f"{self.__name__}.{name} is now {new}"
             else:
                 message = f"module {self.__name__!r} has no attribute {name!r}"
+                message += "" if name.startswith("_") else _nearest(name, self.__all__)
             raise AttributeError(message, name=name, obj=self)
         module, own = self._places[name]
         names = {} if module == self.__name__ else vars(import_module(module))
@@ -46,6 +47,12 @@ class Room(ModuleType):
     def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
         # functions that travel to other processes take the module that they name with them
         return import_module, (self.__name__,)
+
+
+def _nearest(name: str, known: list[str]) -> str:
+    from jousto.base.errors import suggest  # only where a name is wrong: imports stay quick
+
+    return suggest(name, known)
 
 
 def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
