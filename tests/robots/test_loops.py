@@ -11,8 +11,7 @@ import pytest
 import jousto as jo
 from jousto.base.rotations import euler_parameters, exp_rotation
 from jousto.model.native.native import Engine
-from jousto.robots import Tree, inverse_kinematics
-from jousto.robots.kinematics import state_at
+from jousto.robots import Tree, inverse_kinematics, state_at
 from robots.loops import (
     BASE,
     COUPLER,
