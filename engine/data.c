@@ -90,7 +90,7 @@ static void lay_bodies(const jo_model *m, arena *a, jo_data *d)
         w->extra = reals(a, np);
         w->Dd = reals(a, 6 * np);
         w->H = reals(a, 3 * np);
-        w->port = jo_bears(m, i) ? reals(a, 36) : 0;
+        w->carried = jo_bears(m, i) ? reals(a, 36) : 0;
         for (int s = 0; s < 2; s++) {
             w->set[s].weight = reals(a, np);
             w->set[s].I3w = reals(a, 3 * np);
@@ -179,22 +179,22 @@ static void lay_friction(const jo_model *m, arena *a, jo_data *d)
 static void lay_tree(const jo_model *m, arena *a, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    jo_real **along[4] = {&t->tau, &t->stiffness, &t->damping, &t->push};
+    jo_real **along[4] = {&t->tau, &t->stiffness, &t->damping, &t->added_tau};
     for (int i = 0; i < 4; i++) *along[i] = reals(a, m->nu);
-    t->pull = reals(a, m->nlink);
-    t->seen = reals(a, m->nlink ? m->nq + m->nv : 0);
+    t->drive_force = reals(a, m->nlink);
+    t->maximal_copy = reals(a, m->nlink ? m->nq + m->nv : 0);
     t->link = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_bytes() : 0);
-    t->change = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_change_bytes() : 0);
+    t->response = take(a, m->nlink ? (size_t)(m->nlink + 1) * jo_link_response_bytes() : 0);
     t->constants = take(a, (size_t)m->nlink * jo_link_constant_bytes());
     t->hinge = take(a, (size_t)m->nlink * sizeof(int));
     t->marker = take(a, m->nlink ? (size_t)m->nactive * sizeof(int) : 0);
     t->coordinate = take(a, m->nlink ? (size_t)m->ncoordinate * sizeof(int) : 0);
     t->body = take(a, m->nlink ? (size_t)m->nbody * sizeof(int) : 0);
     if (!jo_mixed(m)) return;
-    t->away_body = take(a, (size_t)m->nbody * sizeof(int));
-    t->away_marker = take(a, (size_t)m->nmarker * sizeof(int));
-    t->away_coordinate = take(a, (size_t)m->ncoordinate * sizeof(int));
-    t->away_joint = take(a, (size_t)m->njoint * sizeof(int));
+    t->inactive_body = take(a, (size_t)m->nbody * sizeof(int));
+    t->inactive_marker = take(a, (size_t)m->nmarker * sizeof(int));
+    t->inactive_coordinate = take(a, (size_t)m->ncoordinate * sizeof(int));
+    t->inactive_joint = take(a, (size_t)m->njoint * sizeof(int));
 }
 
 /* loops of a tree and the matrices of their rows */
@@ -203,7 +203,7 @@ static void lay_loops(const jo_model *m, arena *a, jo_data *d)
     jo_tree *t = &d->tree;
     t->loop = take(a, (size_t)m->nloop * jo_loop_bytes());
     t->reach = take(a, (size_t)m->nreach * jo_reach_bytes());
-    t->closing = take(a, (size_t)m->nloop * JO_MAX_SIDES * sizeof(int));
+    t->loop_marker = take(a, (size_t)m->nloop * JO_MAX_SIDES * sizeof(int));
     t->gram = take(a, (size_t)m->nloop * sizeof(jo_gram));
     t->ngroup = 0;
     for (int i = 0; i < m->nloop; i++) {
@@ -281,7 +281,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
     jo_use_core(m, d, 0);
-    if (jo_mixed(m)) jo_ports_setup(m, d);
+    if (jo_mixed(m)) jo_hybrid_setup(m, d);
     if (m->nlink) jo_tree_setup(m, d);
     if (m->nloop) jo_loop_setup(m, d);
     jo_beam_setup(m, d);

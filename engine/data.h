@@ -139,10 +139,10 @@ static inline int jo_absent(const jo_data *d, const jo_joint *k)
 }
 
 /* what the core in q and v leaves out now, because joint coordinates carry it */
-static inline int jo_body_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_body[i]; }
-static inline int jo_marker_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_marker[i]; }
-static inline int jo_coordinate_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_coordinate[i]; }
-static inline int jo_joint_away(const jo_data *d, int i) { return d->tree.narrow && d->tree.away_joint[i]; }
+static inline int jo_body_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_body[i]; }
+static inline int jo_marker_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_marker[i]; }
+static inline int jo_coordinate_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_coordinate[i]; }
+static inline int jo_joint_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_joint[i]; }
 
 /* whether rows of joints and joint coordinates run a model together */
 static inline int jo_mixed(const jo_model *m) { return m->nlink && m->link->type == JO_LINK_BODY; }

@@ -21,7 +21,7 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
 
 void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
-    if (d->tree.on) jo_tree_bears(m, d, f, 0, y);
+    if (d->tree.active) jo_tree_joint_reaction(m, d, f, 0, y);
     else jo_friction_reaction(m, d, f, d->lam, y);
 }
 
@@ -172,8 +172,8 @@ void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f,
 {
     const jo_joint *k = &m->joint[f->lock];
     y[1] = 0.0;
-    if (d->tree.on) {
-        jo_tree_held(m, d, f, y);
+    if (d->tree.active) {
+        jo_tree_sticking_force(m, d, f, y);
         return;
     }
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];

@@ -39,7 +39,7 @@ static int stop(const jo_model *m, jo_data *d)
     int status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_energy(m, d, &before);
-    if (d->tree.on) jo_tree_stop(m, d);
+    if (d->tree.active) jo_tree_stop_sticking(m, d);
     else jo_project(m, d, &jo_now);
     jo_energy(m, d, &after);
     d->work.friction += before.kinetic - after.kinetic;
@@ -54,7 +54,7 @@ static int pushed_back(const jo_model *m, const jo_data *d, int i)
     if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
     jo_friction_slip(m, d, f, s);
     if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
-    const jo_real second = d->tree.on ? jo_tree_second(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
+    const jo_real second = d->tree.active ? jo_tree_slip_acceleration(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
     return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
 }
 
@@ -79,7 +79,7 @@ static int release(const jo_model *m, jo_data *d)
         if (weakest >= 0) let_go(m, d, weakest);
         else if (back >= 0) hold(m, d, back);
         else break;
-        if (d->tree.on) jo_tree_hold(m, d);   /* at rest to round-off, now it stays there */
+        if (d->tree.active) jo_tree_hold_sticking(m, d);   /* at rest to round-off, now it stays there */
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
     }

@@ -54,7 +54,7 @@ static void bring_back(jo_data *d)
     d->fresh = k->fresh;
     d->restart = k->restart;
     d->current = 0;
-    d->tree.mirrored = JO_MIRROR_NONE;
+    d->tree.synced = JO_SYNC_NONE;
 }
 
 /* -- what is watched ------------------------------------------------------------------------ */

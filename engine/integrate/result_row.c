@@ -40,8 +40,8 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     int status = d->fresh ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_close_work(d);
-    jo_mirror_all(m, d);
-    if (m->nlink && !d->tree.on && !jo_tree_stands(m, d)) jo_tree_read(m, d);
+    jo_sync_all(m, d);
+    if (m->nlink && !d->tree.active && !jo_tree_matches_maximal_state(m, d)) jo_tree_read_maximal_state(m, d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
@@ -65,10 +65,10 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     d->current = d->fresh = 0;
-    int status = m->nlink && jo_tree_stands(m, d) ? jo_tree_enter(m, d) : JO_OK;
+    int status = m->nlink && jo_tree_matches_maximal_state(m, d) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && m->nlock) status = jo_friction_settle(m, d);
     if (status == JO_OK) status = jo_measure(m, d);
     if (status == JO_OK) status = jo_write_row(m, d, row);
-    jo_tree_leave(m, d);
+    jo_tree_to_maximal(m, d);
     return status;
 }

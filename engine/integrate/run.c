@@ -22,7 +22,7 @@ static void enter(jo_data *d)
 static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
-    return m->nlink && fits ? jo_tree_enter(m, d) : JO_OK;
+    return m->nlink && fits ? jo_tree_from_maximal(m, d) : JO_OK;
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -31,7 +31,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     int status = choose(m, d, s);
     if (status == JO_OK) status = step(m, d, s);
     if (status == JO_OK) status = jo_measure(m, d);
-    jo_tree_leave(m, d);
+    jo_tree_to_maximal(m, d);
     d->left = JO_COMMON(d->time[0]);
     return status;
 }
@@ -80,7 +80,7 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
     enter(d);
     int status = choose(m, d, s);
     if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
-    jo_tree_leave(m, d);
+    jo_tree_to_maximal(m, d);
     d->left = JO_COMMON(d->time[0]);
     d->grid.valid = status == JO_OK;
     d->grid.count = *count;

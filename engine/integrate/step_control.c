@@ -16,9 +16,9 @@
 /* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
 static int closed(const jo_model *m, jo_data *d)
 {
-    if (d->tree.on) {
-        jo_tree_drives(m, d);   /* interpolated they are off by the error of the method */
-        return jo_tree_close(m, d);
+    if (d->tree.active) {
+        jo_tree_prescribe_motion(m, d);   /* interpolated they are off by the error of the method */
+        return jo_tree_close_loops(m, d);
     }
     jo_project(m, d, &jo_now);
     return jo_most(jo_joint_residual(m, d)) <= JO_CLOSED * m->size
@@ -45,7 +45,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->v1[i];
-    d->tree.mirrored = JO_MIRROR_NONE;
+    d->tree.synced = JO_SYNC_NONE;
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
     d->work = work;
     d->time[0] = time;
@@ -99,7 +99,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_real *const defect[2] = {d->lag, d->sum};
-    if (d->tree.on) jo_tree_defects(m, d, defect[0], defect[1]);
+    if (d->tree.active) jo_tree_defects(m, d, defect[0], defect[1]);
     const double size = size_of(m), top = jo_larger(fastest(m, d), size / d->control.duration);
     double error = 0.0;
     for (int i = 0; i < m->nbody; i++) {
@@ -110,9 +110,9 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
             const int at = k * d->nw + b->iv;
-            e[3 * k] = d->tree.on ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
-            e[3 * k + 1] = d->tree.on ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
-            e[3 * k + 2] = d->tree.on ? 0.0 : jo_defect(d, at + 6, b->n);
+            e[3 * k] = d->tree.active ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
+            e[3 * k + 1] = d->tree.active ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
+            e[3 * k + 2] = d->tree.active ? 0.0 : jo_defect(d, at + 6, b->n);
         }
         scale[0] = jo_larger(s->tolerance * size, s->absolute);
         scale[1] = scale[0] / size;
@@ -184,7 +184,7 @@ static void withdraw(jo_data *d, double shorter)
 {
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i];
-    d->tree.mirrored = JO_MIRROR_NONE;
+    d->tree.synced = JO_SYNC_NONE;
     d->work = d->control.work;
     d->time[0] = d->control.from;
     jo_recall_stage(d, 0);
@@ -229,7 +229,7 @@ static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s
 static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
 {
     jo_control *c = &d->control;
-    if ((d->tree.on ? jo_tree_turned(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
+    if ((d->tree.active ? jo_tree_largest_rotation(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
         withdraw(d, 0.5 * x->h);
         return 0;
     }
@@ -266,9 +266,9 @@ static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x,
     if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
     if (x->broken) d->fresh = 0;
     d->counts.steps++;
-    if (m->nturn && d->tree.on) jo_tree_count_turns(m, d);
+    if (m->nturn && d->tree.active) jo_tree_count_turns(m, d);
     else if (m->nturn) jo_count_turns(m, d);
-    jo_mirror(m, d, JO_MIRROR_STATE);   /* an event may have shortened the step */
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* an event may have shortened the step */
     remember_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
     c->measured = 0;
@@ -287,7 +287,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     int status = d->fresh || c->known ? JO_OK : jo_accelerations(m, d);
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
-    jo_mirror(m, d, JO_MIRROR_STATE);
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     attempt x = attempted(m, d, s, end);
     status = jo_step_dopri(m, d, s, x.h, x.seen);
     if (status != JO_OK) {
@@ -295,7 +295,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
         withdraw(d, 0.25 * x.h);
         return JO_OK;
     }
-    jo_mirror(m, d, JO_MIRROR_STATE);
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     double error;
     return passes(m, d, s, &x, &error) ? finish(m, d, s, &x, error) : JO_OK;
 }
@@ -310,7 +310,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_mirror_all(m, d);
+    jo_sync_all(m, d);
     for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
     jo_state_nominals(m, d, (double)last * s->step);
     remember_extent(m, d);
@@ -375,10 +375,10 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
 {
     *written = 0;
     d->logged = 0;
-    int status = m->nlink && !jo_mixed(m) ? jo_tree_enter(m, d) : JO_OK;
+    int status = m->nlink && !jo_mixed(m) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
     if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
-    jo_tree_leave(m, d);
+    jo_tree_to_maximal(m, d);
     d->left = JO_RE(d->time[0]);
     return status;
 }

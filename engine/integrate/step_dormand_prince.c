@@ -47,7 +47,7 @@ double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_
         const jo_real *p0 = q0 + b->iq, *p = q + b->iq;
         jo_real *y = x + b->iv;
         for (int j = 0; j < 3; j++) y[j] = p[j] - p0[j];
-        jo_turn_between(y + 3, p0 + 3, p + 3);
+        jo_rotation_vector_between(y + 3, p0 + 3, p + 3);
         for (int j = 0; j < b->n; j++) y[6 + j] = p[7 + j] - p0[7 + j];
         turn = jo_larger(turn, jo_length(y + 3, 3));
     }
@@ -80,10 +80,10 @@ void jo_recall_stage(jo_data *d, int last)
 /* what is prescribed at the end of a step on a tree, its loops closed, and the increments that this makes */
 static void end_on_tree(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    jo_tree_drives_end(m, d);
+    jo_tree_prescribe_end_of_step(m, d);
     if (!m->nloop || !s->projection) return;
-    jo_tree_close(m, d);
-    jo_tree_increments(m, d->dq, d->q0, d->y);
+    jo_tree_close_loops(m, d);
+    jo_tree_increment_between(m, d->dq, d->q0, d->y);
 }
 
 /* one step of length h; forces that jump at its end are `seen` as they are at that time */
@@ -114,12 +114,12 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         if (k == JO_STAGES - 1) {   /* the new state */
             int status = jo_check(m, d);
             if (status != JO_OK) return status;
-            if (s->projection && !d->tree.on) {
+            if (s->projection && !d->tree.active) {
                 jo_project(m, d, &jo_now);
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
-            if (d->tree.on) end_on_tree(m, d, s);
+            if (d->tree.active) end_on_tree(m, d, s);
             else jo_increments(m, d->dq, d->q0, d->q);
         }
         const int status = jo_evaluate(m, d, &jo_now);
@@ -170,7 +170,7 @@ void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real 
     jo_real *const out[2] = {increment, velocity};
     for (int k = 0; k < 2; k++) {
         for (int i = 0; i < d->nw; i++) d->rate[i] = d->control.length * blend(d, ERROR, JO_STAGES, width(d), k * d->nw + i);
-        jo_tree_spread(m, d, d->rate, out[k]);
+        jo_tree_body_rates(m, d, d->rate, out[k]);
     }
 }
 

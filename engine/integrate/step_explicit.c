@@ -143,14 +143,14 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
         d->fresh = d->current = 0;
         if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
-        else if (status == JO_OK && d->tree.on) {   /* what is prescribed, and loops; nothing else has to be kept */
-            jo_tree_drives(m, d);
-            if (s->projection && d->tree.kept) jo_project(m, d, &stage);
-            else if (s->projection) jo_tree_close(m, d);
+        else if (status == JO_OK && d->tree.active) {   /* what is prescribed, and loops; nothing else has to be kept */
+            jo_tree_prescribe_motion(m, d);
+            if (s->projection && d->tree.nmaximal) jo_project(m, d, &stage);
+            else if (s->projection) jo_tree_close_loops(m, d);
         } else if (status == JO_OK && s->projection) jo_project(m, d, &stage);
     }
     if (status != JO_OK) return status;
-    if (d->tree.on) {
+    if (d->tree.active) {
         if (m->nturn) jo_tree_count_turns(m, d);
     } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);

@@ -159,7 +159,7 @@ size_t jo_link_constant_bytes(void)
 {
     return 0;
 }
-size_t jo_link_change_bytes(void)
+size_t jo_link_response_bytes(void)
 {
     return 0;
 }
@@ -180,7 +180,7 @@ void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-int jo_tree_close(const jo_model *m, jo_data *d)
+int jo_tree_close_loops(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return 1;
@@ -189,12 +189,12 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-int jo_tree_enter(const jo_model *m, jo_data *d)
+int jo_tree_from_maximal(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return JO_OK;
 }
-void jo_tree_leave(const jo_model *m, jo_data *d)
+void jo_tree_to_maximal(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
@@ -203,29 +203,29 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return JO_NO_CONVERGENCE;
 }
-void jo_ports_setup(const jo_model *m, jo_data *d)
+void jo_hybrid_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-void jo_ports_place(const jo_model *m, jo_data *d)
+void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-void jo_ports_accept(const jo_model *m, jo_data *d)
+void jo_hybrid_accept_state(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-int jo_ports_load(const jo_model *m, jo_data *d, const jo_stage *stage)
+int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     (void)m; (void)d; (void)stage;
     return JO_NO_CONVERGENCE;
 }
-int jo_ports_factor(const jo_body *b, jo_body_work *w)
+int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w)
 {
     (void)b; (void)w;
     return JO_NO_CONVERGENCE;
 }
-void jo_ports_follow(const jo_model *m, jo_data *d)
+void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
@@ -234,20 +234,20 @@ int jo_tree_accelerations(const jo_model *m, jo_data *d)
     (void)m; (void)d;
     return JO_NO_CONVERGENCE;
 }
-void jo_tree_drives(const jo_model *m, jo_data *d)
+void jo_tree_prescribe_motion(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-void jo_tree_read(const jo_model *m, jo_data *d)
+void jo_tree_read_maximal_state(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-int jo_tree_stands(const jo_model *m, jo_data *d)
+int jo_tree_matches_maximal_state(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return 0;
 }
-void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
+void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
 {
     (void)m; (void)x; (void)x0; (void)increment;
 }
@@ -255,7 +255,7 @@ void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, 
 {
     (void)m; (void)rate; (void)x; (void)u;
 }
-int jo_tree_check(const jo_model *m, jo_data *d)
+int jo_tree_check_state(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return JO_OK;
@@ -264,12 +264,12 @@ void jo_tree_count_turns(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
 }
-void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how)
+void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level how)
 {
     (void)m; (void)d; (void)how;
 }
 
-void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage)
+void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     (void)m; (void)d; (void)stage;
 }

@@ -70,7 +70,7 @@ static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int link = m->coordinate[coordinate].link;
-    if (!d->tree.on || link < 0) both_ends(m, d, coordinate, f, jo_push);
+    if (!d->tree.active || link < 0) both_ends(m, d, coordinate, f, jo_push);
     else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
 }
 

@@ -306,7 +306,7 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
             if (k < i) {
                 x[3 + k] = t * y[3 + k];
             } else {
-                if (jo_spoil(&t, JO_LESS(1e-14 * W[4 * i], t)))
+                if (jo_spoil(&t, JO_LESS(JO_MIN_PIVOT * W[4 * i], t)))
                     return isfinite(jo_most(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
                 x[3 + i] = 1.0 / jo_sqrt(t);
             }
@@ -315,7 +315,7 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
     return JO_OK;
 }
 
-int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->port ? factor(b, w, set) : w->status; }
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->carried ? factor(b, w, set) : w->status; }
 
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
 {

@@ -81,7 +81,7 @@ jo_real jo_joint_residual(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_away(d, i)) worst = jo_maximum(worst, gap(m, d, i));
+        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, gap(m, d, i));
     return worst;
 }
 
@@ -127,7 +127,7 @@ jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d)
     jo_real worst = {0.0};
     if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_away(d, i)) worst = jo_maximum(worst, gap_rate(m, d, i));
+        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, gap_rate(m, d, i));
     return worst;
 }
 
@@ -264,7 +264,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
-        if (jo_joint_away(d, i)) continue;
+        if (jo_joint_inactive(d, i)) continue;
         w->present = !jo_released(d, k->release);
         if (jo_absent(d, k)) continue;
         turn_axes(d, k, w);
@@ -369,7 +369,7 @@ jo_real jo_joint_power(const jo_model *m, const jo_data *d)
 {
     jo_real power = {0.0};
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_away(d, i)) power += jo_joint_drive(m, d, i, d->joint[i].x);
+        if (!jo_joint_inactive(d, i)) power += jo_joint_drive(m, d, i, d->joint[i].x);
     return power;
 }
 
@@ -380,7 +380,7 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
         jo_motion motion[JO_MAX_SIDES];
-        if (jo_joint_away(d, i)) continue;
+        if (jo_joint_inactive(d, i)) continue;
         if (jo_absent(d, k)) {
             clear(w->x, k->nrow);
             continue;
@@ -434,11 +434,11 @@ static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld
 void jo_joint_apply(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nbody; i++)
-        for (int j = 0; j < 6 && !jo_body_away(d, i); j++) d->body[i].y[j] = d->body[i].z[j];
+        for (int j = 0; j < 6 && !jo_body_inactive(d, i); j++) d->body[i].y[j] = d->body[i].z[j];
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_joint_work *w = &d->joint[i];
-        if (jo_joint_away(d, i) || jo_absent(d, k)) continue;
+        if (jo_joint_inactive(d, i) || jo_absent(d, k)) continue;
         for (int side = 0; side < k->nside; side++) {
             const jo_side_work *here = &w->side[side];
             if (!here->body) continue;
@@ -462,7 +462,7 @@ void jo_joint_apply(const jo_model *m, jo_data *d, int set)
     }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *bw = &d->body[i];
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         jo_body_backward(bw->L, bw->y);
         if (m->body[i].n) jo_body_modal(&m->body[i], bw, set);
     }

@@ -78,7 +78,7 @@ void jo_coordinate_place(const jo_model *m, jo_data *d, int i)
 void jo_coordinates(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
-        if (!jo_coordinate_away(d, i)) jo_coordinate_place(m, d, i);
+        if (!jo_coordinate_inactive(d, i)) jo_coordinate_place(m, d, i);
 }
 
 /* (u_a . h_b)'' without angular accelerations, u an axis of a: u'' . h + 2 u' . h' + u . h'' */
@@ -144,7 +144,7 @@ void jo_coordinate_move(const jo_model *m, jo_data *d, int i)
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
-        if (!jo_coordinate_away(d, i)) jo_coordinate_move(m, d, i);
+        if (!jo_coordinate_inactive(d, i)) jo_coordinate_move(m, d, i);
 }
 
 /* the present angles are accepted: later ones are counted from here */

@@ -23,7 +23,7 @@ static jo_real kinetic(const jo_body *b, const jo_body_work *w)
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
 {
     jo_real T = {0.0}, U = {0.0}, P = {0.0}, unused = {0.0};
-    jo_mirror(m, d, JO_MIRROR_STATE);
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_body_work *w = &d->body[i];

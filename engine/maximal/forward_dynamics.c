@@ -19,17 +19,17 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
 /* poses, velocities, inertia and forces at time, q, v */
 static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    if (d->tree.narrow) {
-        jo_ports_place(m, d);
+    if (d->tree.hybrid) {
+        jo_hybrid_update_bodies(m, d);
     } else if (!d->current) {
         jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     d->current = 0;
     for (int i = 0; i < m->nbody; i++)
-        if (!jo_body_away(d, i)) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
+        if (!jo_body_inactive(d, i)) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
-    if (d->tree.narrow) return jo_ports_load(m, d, stage);
+    if (d->tree.hybrid) return jo_hybrid_condense(m, d, stage);
     const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
     if (status != JO_OK || !m->nbeam) return status;
     return jo_beam_forces(m, d, stage->second ? d->base : 0);
@@ -39,9 +39,9 @@ static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
-        if (jo_body_away(d, i)) continue;
-        const int ported = d->tree.narrow && d->body[i].port;
-        const int status = ported ? jo_ports_factor(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
+        if (jo_body_inactive(d, i)) continue;
+        const int carries = d->tree.hybrid && d->body[i].carried;
+        const int status = carries ? jo_hybrid_factor_body(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
         if (status != JO_OK) {
             d->error_index = i;
             return status;
@@ -86,20 +86,20 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
     d->power.forces += d->drive;
     for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow && !jo_joint_away(d, i); r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
+        for (int r = 0; r < m->joint[i].nrow && !jo_joint_inactive(d, i); r++) d->lam[m->joint[i].row + r] = d->joint[i].x[r];
     if (jo_couples(m, stage)) return JO_OK;
     jo_joint_apply(m, d, stage->set);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
         jo_real *a = d->a + b->iv;
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         jo_mul3(a, w->A, w->y);
         jo_add3(a, m->gravity);   /* gravity is a frame acceleration */
         jo_set3(a + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
     }
-    if (d->tree.narrow) jo_ports_follow(m, d);
+    if (d->tree.hybrid) jo_hybrid_forward_pass_2(m, d);
     return JO_OK;
 }
 
@@ -107,29 +107,29 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
-    if (d->tree.on && !d->tree.kept) status = jo_tree_evaluate(m, d, stage);
+    if (d->tree.active && !d->tree.nmaximal) status = jo_tree_evaluate(m, d, stage);
     else {
-        d->tree.narrow = d->tree.on;
+        d->tree.hybrid = d->tree.active;
         status = evaluate(m, d, stage);
-        d->tree.narrow = 0;
+        d->tree.hybrid = 0;
     }
-    if (m->nstate && stage->set && d->tree.on && status == JO_OK) jo_tree_states(m, d, stage);
+    if (m->nstate && stage->set && d->tree.active && status == JO_OK) jo_tree_implicit_state_rates(m, d, stage);
     return status;
 }
 
 /* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
-void jo_mirror_all(const jo_model *m, jo_data *d)
+void jo_sync_all(const jo_model *m, jo_data *d)
 {
-    const int known = !d->tree.on || d->tree.mirrored == JO_MIRROR_ALL;
-    jo_mirror(m, d, JO_MIRROR_ALL);
-    if (known || !(m->nloop || d->tree.kept) || m->redundant <= 0) return;
+    const int known = !d->tree.active || d->tree.synced == JO_SYNC_ALL;
+    jo_sync_maximal_state(m, d, JO_SYNC_ALL);
+    if (known || !(m->nloop || d->tree.nmaximal) || m->redundant <= 0) return;
     const jo_work power = d->power;
     const jo_real drive = d->drive;
     const jo_counts counts = d->counts;
     const int current = d->current;
-    d->current = d->tree.on = 0;
+    d->current = d->tree.active = 0;
     jo_evaluate(m, d, &jo_now);
-    d->tree.on = 1;
+    d->tree.active = 1;
     d->power = power;
     d->drive = drive;
     d->counts = counts;
@@ -171,13 +171,13 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
         jo_close_work(d);
-    } else if (!d->current && !(demanding && d->tree.on)) {
+    } else if (!d->current && !(demanding && d->tree.active)) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
         d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
     }
-    if (demanding) jo_mirror_all(m, d);
-    else jo_mirror(m, d, JO_MIRROR_STATE);
+    if (demanding) jo_sync_all(m, d);
+    else jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     return JO_OK;
 }
 
@@ -190,7 +190,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
     }
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         for (int j = 0; j < 6; j++) w->z[j] = jo_same(0.0);
         for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
     }
@@ -200,7 +200,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
         const jo_body *b = &m->body[i];
         const jo_body_work *w = &d->body[i];
         jo_real *x = increment + b->iv;
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         jo_mul3(x, w->A, w->y);
         jo_set3(x + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];
@@ -220,7 +220,7 @@ static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int vel
 static void spoil_open(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
-        if (jo_joint_away(d, i)) continue;
+        if (jo_joint_inactive(d, i)) continue;
         const jo_mask closed = JO_LESS_OR_EQUAL(jo_joint_gap(m, d, i), jo_same(m->size));
         for (int s = 0; s < 2; s++) {
             const int body = m->marker[m->joint[i].side[s]].body;
@@ -236,8 +236,8 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
     const double small = JO_CLOSED * m->size;   /* m */
-    d->tree.narrow = d->tree.on;
-    if (d->tree.narrow) jo_ports_place(m, d);
+    d->tree.hybrid = d->tree.active;
+    if (d->tree.hybrid) jo_hybrid_update_bodies(m, d);
     else jo_refresh(m, d);
     jo_real residual = jo_joint_residual(m, d);
     jo_mask open = JO_ALL;
@@ -246,7 +246,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         newton(m, d, stage, 0);
         jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nbody; i++)
-            if (!jo_body_away(d, i)) jo_body_displace(&m->body[i], d->q, d->q, d->rate);
+            if (!jo_body_inactive(d, i)) jo_body_displace(&m->body[i], d->q, d->q, d->rate);
         jo_refresh(m, d);
         residual = jo_joint_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
@@ -262,7 +262,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nbody; i++) {
             const jo_body *b = &m->body[i];
-            if (jo_body_away(d, i)) continue;
+            if (jo_body_inactive(d, i)) continue;
             for (int j = b->iv; j < b->iv + 6 + b->n; j++) d->v[j] += d->rate[j];
             jo_body_twist(b, &d->body[i], d->v + b->iv);
         }
@@ -272,9 +272,9 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
     if (far) spoil_open(m, d);
     d->fresh = 0;
-    d->current = !d->tree.narrow;
-    if (d->tree.narrow) jo_ports_accept(m, d);
-    d->tree.narrow = 0;
+    d->current = !d->tree.hybrid;
+    if (d->tree.hybrid) jo_hybrid_accept_state(m, d);
+    d->tree.hybrid = 0;
 }
 
 /* of the position residuals: Newton's direction always lowers it */

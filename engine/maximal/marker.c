@@ -50,7 +50,7 @@ void jo_marker_setup(const jo_model *m, jo_data *d, int set)
         const jo_marker *k = &m->marker[i];
         if (k->body < 0) continue;
         if (!m->body[k->body].n) {
-            rigid_rows(k, d->body[k->body].port ? 0 : d->body[k->body].L, &d->marker[i]);
+            rigid_rows(k, d->body[k->body].carried ? 0 : d->body[k->body].L, &d->marker[i]);
             continue;
         }
         weigh(&m->body[k->body], d->body[k->body].set[set].weight, &d->marker[i], &d->marker[i].set[set]);
@@ -123,7 +123,7 @@ void jo_marker_position(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0 || jo_marker_away(d, i)) continue;   /* ground markers are set once */
+        if (k->body < 0 || jo_marker_inactive(d, i)) continue;   /* ground markers are set once */
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
         if (k->chi) shapes_at(b, k, bw->p, w->shapes);
@@ -153,7 +153,7 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0 || jo_marker_away(d, i)) continue;
+        if (k->body < 0 || jo_marker_inactive(d, i)) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         jo_real t[3];
@@ -178,7 +178,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0 || jo_marker_away(d, i)) continue;
+        if (k->body < 0 || jo_marker_inactive(d, i)) continue;
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
         jo_real t[3], c[3];
@@ -227,7 +227,7 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0 || jo_marker_away(d, i)) continue;
+        if (k->body < 0 || jo_marker_inactive(d, i)) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
         const jo_marker_set *s = &w->set[set];

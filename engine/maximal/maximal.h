@@ -4,6 +4,8 @@
 
 #include "data.h"
 
+#define JO_MIN_PIVOT 1e-14  /* smallest pivot of an inertia / its value before elimination; 45 units of round-off of a double */
+
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
@@ -98,7 +100,7 @@ void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that r
 
 /* forward_dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_mirror_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
+void jo_sync_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 #define JO_CLOSED 1e-12       /* of the size of a mechanism, or of its speed: residuals of closed joints, m and m/s */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */

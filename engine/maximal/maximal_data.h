@@ -27,7 +27,7 @@ typedef struct {
     int status;             /* rigid: of the factor, which is constant */
     int pushed;             /* y and yp hold a change of force, see friction_iteration.c */
     int modes;              /* place of the modal velocities in what is integrated */
-    jo_real *port;          /* (6 x 6) inertia with that of the trees it carries, see tree_on_flexible_bodies.c; 0: it carries none */
+    jo_real *carried;         /* (6 x 6) inertia with that of the trees it carries, see tree_on_flexible_bodies.c; 0: it carries none */
     jo_real *Dd, *H;        /* (6 x np) ED p', (3 x np) EB p'' for Newton's matrix */
     jo_real turn[9];        /* change of orientation (local) by a change of the increment of a step */
     jo_body_set set[2];

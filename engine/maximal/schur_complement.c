@@ -67,7 +67,7 @@ static void plan_sides(const jo_model *m, jo_data *d)
             const jo_marker *k = &m->marker[m->joint[i].side[s]];
             w->marker = &d->marker[m->joint[i].side[s]];
             w->body = k->body < 0 ? 0 : &d->body[k->body];
-            w->L = k->body < 0 || !(m->body[k->body].n || w->body->port) ? 0 : w->body->L;
+            w->L = k->body < 0 || !(m->body[k->body].n || w->body->carried) ? 0 : w->body->L;
             w->T = k->Psi ? w->marker->T : 0;
         }
 }
@@ -131,7 +131,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
     plan_pairs(m, d);
     jo_hub_plan(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
-        if (c == d->tree.column) d->tree.fill = d->nfill;
+        if (c == d->tree.first_column) d->tree.first_fill = d->nfill;
         const jo_column *col = &m->column[c];
         jo_joint_work *joint = &d->joint[col->joint];
         jo_column_plan *w = &d->columns[c];
@@ -309,11 +309,11 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
 }
 
 /* joints that run in joint coordinates have the first columns */
-static int first_column(const jo_data *d) { return d->tree.narrow ? d->tree.column : 0; }
+static int first_column(const jo_data *d) { return d->tree.hybrid ? d->tree.first_column : 0; }
 
 static void assemble(const jo_model *m, jo_data *d, int set)
 {
-    const int npair = d->tree.narrow ? d->tree.pair : m->npair;
+    const int npair = d->tree.hybrid ? d->tree.npair : m->npair;
     for (int i = 0; i < npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
         if (off(p->lock_k) || off(p->lock_l)) {
@@ -332,7 +332,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
     jo_hub_assemble(m, d);
-    for (int i = d->tree.narrow ? d->tree.fill : 0; i < d->nfill; i++)
+    for (int i = d->tree.hybrid ? d->tree.first_fill : 0; i < d->nfill; i++)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 

@@ -11,41 +11,41 @@
 void jo_use_core(const jo_model *m, jo_data *d, int tree)
 {
     const int nu = m->nu, nv = m->nv;
-    for (int i = 0; d->tree.on != tree && i < m->nstate; i++) {   /* the states go along */
+    for (int i = 0; d->tree.active != tree && i < m->nstate; i++) {   /* the states go along */
         const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
         *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
         *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
     }
-    d->tree.on = tree;
+    d->tree.active = tree;
     d->y = tree ? d->tree.x : d->q;
     d->w = tree ? d->tree.u : d->v;
     d->wd = tree ? d->tree.ud : d->a;
     d->ny = tree ? m->nx : m->nq;
     d->nw = (tree ? nu : nv) + m->nstate;
     for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
-    for (int i = 0; tree && i < d->tree.kept; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
+    for (int i = 0; tree && i < d->tree.nmaximal; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
 
 void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
 {
-    d->tree.mirrored = JO_MIRROR_NONE;
-    if (d->tree.on) jo_tree_displace(m, d->y, d->q0, increment);
+    d->tree.synced = JO_SYNC_NONE;
+    if (d->tree.active) jo_tree_add_increment(m, d->y, d->q0, increment);
     else jo_displace(m, d->q, d->q0, increment);
 }
 
 void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
 {
-    if (d->tree.on) jo_tree_increment_rate(m, rate, x, d->w);
+    if (d->tree.active) jo_tree_increment_rate(m, rate, x, d->w);
     else jo_increment_rate(m, rate, x, d->v);
 }
 
 /* poses and velocities of the bodies and positions of the markers at q, v */
 void jo_refresh(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.narrow) jo_mirror(m, d, JO_MIRROR_STATE);
+    if (!d->tree.hybrid) jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         jo_body_pose(b, &d->body[i], d->q + b->iq);
         jo_body_twist(b, &d->body[i], d->v + b->iv);
     }
@@ -59,7 +59,7 @@ jo_real jo_speed(const jo_model *m, const jo_data *d)
     jo_real fastest = {0.0};
     for (int i = 0; i < m->nbody; i++) {
         const jo_real *v = d->v + m->body[i].iv;
-        if (jo_body_away(d, i)) continue;
+        if (jo_body_inactive(d, i)) continue;
         for (int j = 0; j < 3; j++)
             fastest = jo_maximum(fastest, jo_maximum(jo_magnitude(v[j]), m->size * jo_magnitude(v[3 + j])));
     }
@@ -133,7 +133,7 @@ static int states_spoilt(const jo_model *m, jo_data *d)
 int jo_check(const jo_model *m, jo_data *d)
 {
     if (m->nstate && states_spoilt(m, d)) return JO_NOT_FINITE;
-    if (d->tree.on) return jo_tree_check(m, d);
+    if (d->tree.active) return jo_tree_check_state(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_real sum = {0.0};

@@ -1,126 +1,132 @@
-/* tree.c - accelerations of a tree of rigid bodies in joint coordinates, by articulated inertias.
+/* tree.c - joint accelerations of a tree of rigid bodies by the articulated-body algorithm.
  *
- * Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 7, here with vectors resolved in the world about the points of the
- * joints. Outward: positions, velocities, accelerations that velocities alone cause and the forces that these need. Inward: each
- * joint passes on what the inertia beyond it resists, less what the joint gives way to. Outward again: accelerations of the joints.
- * What is prescribed passes on all, its acceleration is one of those without joints.
+ * Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, with all vectors resolved in the world frame about the origins of the
+ * links (the points of their joints). The three passes, with S_i the motion subspace of joint i and lambda(i) the parent of link i:
+ *   forward pass 1   v_i = v_lambda(i) + S_i qd_i,  c_i = v_i x S_i qd_i
+ *   backward pass    U_i = I_i^A S_i,  D_i = S_i^T U_i,  u_i = tau_i - S_i^T p_i^A,
+ *                    I^a = I_i^A - U_i D_i^-1 U_i^T,  p^a = p_i^A + I^a c_i + U_i D_i^-1 u_i,  added to I^A and p^A of lambda(i)
+ *   forward pass 2   a' = a_lambda(i) + c_i,  qdd_i = D_i^-1 (u_i - U_i^T a'),  a_i = a' + S_i qdd_i
+ * Unlike in the table, the c_i are summed from the root into bias_alpha, bias_a in forward pass 1, the bias force p_i^A of a body contains
+ * its inertial force for these accelerations, and forward pass 2 computes alpha, a, the part of the accelerations due to the qdd_i only.
+ * The terms I^a c_i and c_i vanish then. Gravity is the acceleration -g of the ground. The prescribed acceleration of a driven joint is
+ * a part of c_i, and its I^a is I^A.
  */
 #include "friction/friction.h"
 #include "tree/tree_links.h"
 
-#define JO_LEAST 1e-14      /* of the inertia along a joint before it is reduced */
-
 size_t jo_link_bytes(void) { return sizeof(jo_link_work); }
 size_t jo_link_constant_bytes(void) { return sizeof(jo_link_constants); }
-size_t jo_link_change_bytes(void) { return sizeof(jo_link_change); }
+size_t jo_link_response_bytes(void) { return sizeof(jo_link_response); }
 
-/* ---- outward: motion and bias ------------------------------------------------------------------ */
+/* ---- forward pass 1: orientations, velocities, velocity-product accelerations ------------------- */
 
-/* orientation at zero of the link, then turned about z */
-static inline void turn(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real c, jo_real s)
+/* orientation of a hinged link: A_i = A_lambda(i) K R_z(angle), with cosine c and sine s of the angle */
+static inline void rotate_z(jo_link_work *w, const jo_link_work *p, const jo_real *K, jo_real c, jo_real s)
 {
-    const jo_vec x = jo_vec_mix(p->A, K), y = jo_vec_mix(p->A, K + 3);
-    w->A[0] = jo_vec_with(jo_vec_scale(c, x), s, y);
-    w->A[1] = jo_vec_less(jo_vec_scale(c, y), jo_vec_scale(s, x));
-    w->A[2] = jo_vec_mix(p->A, K + 6);
+    const jo_vec x = jo_vec_mat_mul(p->A, K), y = jo_vec_mat_mul(p->A, K + 3);
+    w->A[0] = jo_vec_axpy(jo_vec_scale(c, x), s, y);
+    w->A[1] = jo_vec_sub(jo_vec_scale(c, y), jo_vec_scale(s, x));
+    w->A[2] = jo_vec_mat_mul(p->A, K + 6);
 }
 
-/* orientation at zero times that of a quaternion */
-static inline void turn_freely(jo_link_work *w, const jo_link_work *p, const jo_real *K, const jo_real *e)
-{   /* (2 e0^2 - 1) E + 2 e e^T + 2 e0 e~ */
+/* orientation of a link on a ball or a free link: A_i = A_lambda(i) K R(e), e: unit quaternion */
+static inline void rotate_quaternion(jo_link_work *w, const jo_link_work *p, const jo_real *K, const jo_real *e)
+{   /* R = (2 e0^2 - 1) E + 2 e e^T + 2 e0 e~ */
     const jo_real twice = 2.0 * e[0], s = twice * e[0] - 1.0;
     jo_vec B[3], z;
-    for (int i = 0; i < 3; i++) B[i] = jo_vec_mix(p->A, K + 3 * i);
-    z = jo_vec_mix(B, e + 1);
+    for (int i = 0; i < 3; i++) B[i] = jo_vec_mat_mul(p->A, K + 3 * i);
+    z = jo_vec_mat_mul(B, e + 1);
     z = jo_vec_add(z, z);
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        const jo_vec x = jo_vec_with(jo_vec_scale(s, B[i]), e[1 + i], z);
-        w->A[i] = jo_vec_with(jo_vec_with(x, twice * e[1 + k], B[j]), -twice * e[1 + j], B[k]);
+        const jo_vec x = jo_vec_axpy(jo_vec_scale(s, B[i]), e[1 + i], z);
+        w->A[i] = jo_vec_axpy(jo_vec_axpy(x, twice * e[1 + k], B[j]), -twice * e[1 + j], B[k]);
     }
 }
 
-/* nothing beyond it, and no forces */
-static inline void unload(const jo_link_constants *c, jo_link_work *w)
+/* I_i^A = 0 and p_i^A = 0 before the children add to them, f_i^x = 0 before the forces are applied */
+static inline void reset_accumulators(const jo_link_constants *c, jo_link_work *w)
 {
     const jo_vec zero = jo_vec_zero();
-    w->own_f = w->own_t = zero;
-    if (!c->gathers) return;
+    w->joint_f = w->joint_t = zero;
+    if (!c->has_branch) return;
     for (int i = 0; i < 3; i++) w->M[i] = w->H[i] = w->J[i] = zero;
     w->f = w->t = zero;
 }
 
-/* motion of a link from that of its parent */
-static inline void move(const jo_model *m, jo_data *d, int i)
+/* A_i, l_i, angular velocity and bias accelerations of a link from those of the parent */
+static inline void link_kinematics(const jo_model *m, jo_data *d, int i)
 {
     const jo_link *k = &m->link[i];
     const jo_link_constants *c = &d->tree.constants[i];
     const jo_link_work *p = &d->tree.link[k->parent + 1];
     jo_link_work *w = &d->tree.link[i + 1];
     const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u;
-    const jo_real given = k->driven < 0 ? 0.0 : d->tree.ud[k->u];
-    w->l = jo_vec_mix(p->A, c->l);
+    const jo_real qdd = k->driven < 0 ? 0.0 : d->tree.ud[k->u];   /* prescribed joint acceleration */
+    w->l = jo_vec_mat_mul(p->A, c->l);
     w->w = p->w;
-    w->w0 = p->w0;
-    jo_vec extra = jo_vec_zero();
+    w->bias_alpha = p->bias_alpha;
+    jo_vec slide_a = jo_vec_zero();   /* part of c_i of a slide: S qdd + 2 w x S qd, m/s2 */
     switch (k->type) {
-    case JO_LINK_HINGE: {
-        turn(w, p, c->K, w->cosine, w->sine);
+    case JO_LINK_HINGE: {   /* w_i = w + S qd, alpha_i = alpha + w x S qd + S qdd */
+        rotate_z(w, p, c->K, w->cosine, w->sine);
         const jo_vec rate = jo_vec_scale(u[0], w->A[2]);
         w->w = jo_vec_add(p->w, rate);
-        w->w0 = jo_vec_add(p->w0, jo_vec_cross(p->w, rate));
-        if (k->driven >= 0) w->w0 = jo_vec_with(w->w0, given, w->A[2]);
+        w->bias_alpha = jo_vec_add(p->bias_alpha, jo_vec_cross(p->w, rate));
+        if (k->driven >= 0) w->bias_alpha = jo_vec_axpy(w->bias_alpha, qdd, w->A[2]);
         break;
     }
-    case JO_LINK_SLIDE:
-        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mix(p->A, c->K + 3 * j);
-        w->l = jo_vec_with(w->l, x[0], w->A[2]);
-        extra = jo_vec_with(jo_vec_scale(given, w->A[2]), 2.0 * u[0], jo_vec_cross(p->w, w->A[2]));
+    case JO_LINK_SLIDE:   /* l_i = l + S q, w_i = w */
+        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mat_mul(p->A, c->K + 3 * j);
+        w->l = jo_vec_axpy(w->l, x[0], w->A[2]);
+        slide_a = jo_vec_axpy(jo_vec_scale(qdd, w->A[2]), 2.0 * u[0], jo_vec_cross(p->w, w->A[2]));
         break;
-    case JO_LINK_BALL: {
-        turn_freely(w, p, c->K, x);
-        const jo_vec rate = jo_vec_mix(w->A, u);
+    case JO_LINK_BALL: {   /* w_i = w + A_i qd, alpha_i = alpha + w x A_i qd */
+        rotate_quaternion(w, p, c->K, x);
+        const jo_vec rate = jo_vec_mat_mul(w->A, u);
         w->w = jo_vec_add(p->w, rate);
-        w->w0 = jo_vec_add(p->w0, jo_vec_cross(p->w, rate));
+        w->bias_alpha = jo_vec_add(p->bias_alpha, jo_vec_cross(p->w, rate));
         break;
     }
-    case JO_LINK_FREE:
-        turn_freely(w, p, c->K, x + 3);
-        w->w = jo_vec_mix(w->A, u + 3);
+    case JO_LINK_FREE:   /* w_i = A_i qd; position and velocity in the world frame */
+        rotate_quaternion(w, p, c->K, x + 3);
+        w->w = jo_vec_mat_mul(w->A, u + 3);
         w->l = jo_vec_load(x);
         break;
     default:
-        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mix(p->A, c->K + 3 * j);
+        for (int j = 0; j < 3; j++) w->A[j] = jo_vec_mat_mul(p->A, c->K + 3 * j);
         break;
     }
-    w->v0 = p->v0;
+    w->bias_a = p->bias_a;
     if (k->type == JO_LINK_FREE) return;
-    const jo_vec carried = jo_vec_add(jo_vec_wedge(p->w0, w->l), jo_vec_wedge(p->w, jo_vec_cross(p->w, w->l)));
-    w->v0 = jo_vec_add(jo_vec_add(p->v0, extra), jo_vec_turn(carried));
+    /* a_i = a + c_i + alpha x l + w x (w x l), the last two with one shuffle */
+    const jo_vec rotation_a = jo_vec_add(jo_vec_cross_unshuffled(p->bias_alpha, w->l),
+                                         jo_vec_cross_unshuffled(p->w, jo_vec_cross(p->w, w->l)));
+    w->bias_a = jo_vec_add(jo_vec_add(p->bias_a, slide_a), jo_vec_shuffle_yzx(rotation_a));
 }
 
-static void outward(const jo_model *m, jo_data *d)
+static void forward_pass_1(const jo_model *m, jo_data *d)
 {
-    jo_tree_sines(m, d);
-    for (int i = d->tree.kept; i < m->nlink; i++) {
-        move(m, d, i);
-        unload(&d->tree.constants[i], &d->tree.link[i + 1]);
+    jo_tree_hinge_sines(m, d);
+    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
+        link_kinematics(m, d, i);
+        reset_accumulators(&d->tree.constants[i], &d->tree.link[i + 1]);
     }
 }
 
-/* ---- inward: articulated inertias ------------------------------------------------------------- */
+/* ---- backward pass: articulated inertias and bias forces ----------------------------------------- */
 
-/* An articulated inertia as in jo_link_work, on its way inward: where a link hangs on the one before it, what it passes on does not
- * go through memory. */
-typedef struct { jo_vec M[3], H[3], J[3], f, t; } load;
+/* I^A and p^A of the link in work, in registers: link i hands both over to a parent i - 1 without a store to memory. */
+typedef struct { jo_vec M[3], H[3], J[3], f, t; } articulated_inertia;
 
-static inline load no_load(void)
+static inline articulated_inertia zero_inertia(void)
 {
     const jo_vec o = jo_vec_zero();
-    return (load){{o, o, o}, {o, o, o}, {o, o, o}, o, o};
+    return (articulated_inertia){{o, o, o}, {o, o, o}, {o, o, o}, o, o};
 }
 
-static inline void put_down(const load *y, jo_link_work *w)
+/* I_i^A, p_i^A of the link = y */
+static inline void store(const articulated_inertia *y, jo_link_work *w)
 {
     for (int i = 0; i < 3; i++) {
         w->M[i] = y->M[i];
@@ -131,7 +137,8 @@ static inline void put_down(const load *y, jo_link_work *w)
     w->t = y->t;
 }
 
-static inline void pick_up(load *y, const jo_link_work *w)
+/* y += accumulated I^A, p^A of the link */
+static inline void accumulate(articulated_inertia *y, const jo_link_work *w)
 {
     for (int i = 0; i < 3; i++) {
         y->M[i] = jo_vec_add(y->M[i], w->M[i]);
@@ -142,255 +149,275 @@ static inline void pick_up(load *y, const jo_link_work *w)
     y->t = jo_vec_add(y->t, w->t);
 }
 
+/* p^A += (f, t) */
 static inline void add_force(jo_link_work *p, jo_vec f, jo_vec t)
 {
     p->f = jo_vec_add(p->f, f);
     p->t = jo_vec_add(p->t, t);
 }
 
-/* the body of a link and those fixed to it join what follows: their inertia, and the force for the accelerations w0, v0. Here and not outward:
- * beside the inward recursion, each step of which waits for that before, it costs next to nothing. */
-static inline void join(const jo_link_constants *c, const jo_link_work *w, load *y)
+/* I_i^A += I_i, p_i^A += I_i a_i + v_i x* I_i v_i of the body and of the bodies fixed to it, with the bias accelerations a_i.
+ * Placed in the backward pass because the dependency chain of its recursion leaves arithmetic units idle. */
+static inline void add_body_inertia(const jo_link_constants *c, const jo_link_work *w, articulated_inertia *y)
 {
     static const jo_real unit[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    jo_vec T[3], J[3];
-    const jo_vec S = jo_vec_mix(w->A, c->all_S);
-    for (int i = 0; i < 3; i++) T[i] = jo_vec_mix(w->A, c->all_J + 3 * i);
-    for (int i = 0; i < 3; i++) J[i] = jo_vec_on_row(T, w->A, i);
-    const jo_vec Jw = jo_vec_on(J, &w->w);
-    const jo_vec f = jo_vec_add(jo_vec_wedge(w->w0, S), jo_vec_wedge(w->w, jo_vec_cross(w->w, S)));
-    const jo_vec t = jo_vec_add(jo_vec_wedge(w->w, Jw), jo_vec_wedge(S, w->v0));
-    y->f = jo_vec_add(y->f, jo_vec_with(jo_vec_turn(f), c->all_mass, w->v0));
-    y->t = jo_vec_add(y->t, jo_vec_add(jo_vec_turn(t), jo_vec_on(J, &w->w0)));
+    jo_vec T[3], J[3];   /* J = A J_local A^T, S = A S_local */
+    const jo_vec S = jo_vec_mat_mul(w->A, c->total_S);
+    for (int i = 0; i < 3; i++) T[i] = jo_vec_mat_mul(w->A, c->total_J + 3 * i);
+    for (int i = 0; i < 3; i++) J[i] = jo_vec_mat_mul_row(T, w->A, i);
+    /* f = m a + alpha x S + w x (w x S); t = J alpha + w x J w + S x a */
+    const jo_vec Jw = jo_vec_mat_mul_at(J, &w->w);
+    const jo_vec f = jo_vec_add(jo_vec_cross_unshuffled(w->bias_alpha, S), jo_vec_cross_unshuffled(w->w, jo_vec_cross(w->w, S)));
+    const jo_vec t = jo_vec_add(jo_vec_cross_unshuffled(w->w, Jw), jo_vec_cross_unshuffled(S, w->bias_a));
+    y->f = jo_vec_add(y->f, jo_vec_axpy(jo_vec_shuffle_yzx(f), c->total_mass, w->bias_a));
+    y->t = jo_vec_add(y->t, jo_vec_add(jo_vec_shuffle_yzx(t), jo_vec_mat_mul_at(J, &w->bias_alpha)));
+    /* M += m E, J += J_i, H -= S~ */
     for (int i = 0; i < 3; i++) {
-        y->M[i] = jo_vec_with(y->M[i], c->all_mass, jo_vec_load(unit[i]));
+        y->M[i] = jo_vec_axpy(y->M[i], c->total_mass, jo_vec_load(unit[i]));
         y->J[i] = jo_vec_add(y->J[i], J[i]);
     }
-    jo_vec_less_skew(y->H, S);
+    jo_vec_sub_skew(y->H, S);
 }
 
-/* M l~ */
-static inline void on_lever(jo_vec *N, const jo_vec *M, const jo_vec *l)
+/* N = M l~ */
+static inline void mul_skew(jo_vec *N, const jo_vec *M, const jo_vec *l)
 {
-    const jo_real x = jo_vec_parts(l)[0], y = jo_vec_parts(l)[1], z = jo_vec_parts(l)[2];
-    N[0] = jo_vec_less(jo_vec_scale(z, M[1]), jo_vec_scale(y, M[2]));
-    N[1] = jo_vec_less(jo_vec_scale(x, M[2]), jo_vec_scale(z, M[0]));
-    N[2] = jo_vec_less(jo_vec_scale(y, M[0]), jo_vec_scale(x, M[1]));
+    const jo_real x = jo_vec_elements(l)[0], y = jo_vec_elements(l)[1], z = jo_vec_elements(l)[2];
+    N[0] = jo_vec_sub(jo_vec_scale(z, M[1]), jo_vec_scale(y, M[2]));
+    N[1] = jo_vec_sub(jo_vec_scale(x, M[2]), jo_vec_scale(z, M[0]));
+    N[2] = jo_vec_sub(jo_vec_scale(y, M[0]), jo_vec_scale(x, M[1]));
 }
 
-/* all of it as seen from the origin of the parent */
-static inline void pass_all(const jo_link_work *w, load *y)
+/* I^A and p^A from the origin of the link to the origin of the parent, X* I^A X^-1 (Featherstone, eq. 2.66):
+ * H' = H - M l~, J' = J + P + P^T with P = l~ (H - M l~ / 2), t' = t + l x f */
+static inline void shift_to_parent(const jo_link_work *w, articulated_inertia *y)
 {
     jo_vec N[3], P[3], Q[3];
-    on_lever(N, y->M, &w->l);
+    mul_skew(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
-        P[i] = jo_vec_cross(w->l, jo_vec_with(y->H[i], -0.5, N[i]));
-        y->H[i] = jo_vec_less(y->H[i], N[i]);
+        P[i] = jo_vec_cross(w->l, jo_vec_axpy(y->H[i], -0.5, N[i]));
+        y->H[i] = jo_vec_sub(y->H[i], N[i]);
     }
     jo_vec_transpose(Q, P);
     for (int i = 0; i < 3; i++) y->J[i] = jo_vec_add(y->J[i], jo_vec_add(P[i], Q[i]));
     y->t = jo_vec_add(y->t, jo_vec_cross(w->l, y->f));
 }
 
-/* what is left of it by a hinge or a slide, whose Uf, Ut, r and rest are known; the division comes in last */
-static inline void pass_one(const jo_link_work *w, load *y)
+/* I^a = I^A - U D^-1 U^T, p^a = p^A + U D^-1 u of a hinge or slide, at the origin of the parent. D^-1 multiplies last since the division
+ * has the longest latency. */
+static inline void eliminate_one_dof(const jo_link_work *w, articulated_inertia *y)
 {
-    const jo_real r = w->r, share = w->rest * r;
-    const jo_vec Uf = w->Uf, Us = w->Us;
-    pass_all(w, y);
+    const jo_real Dinv = w->Dinv, Dinv_u = w->u * Dinv;
+    const jo_vec Uf = w->Uf, Ut = w->Ut_parent;
+    shift_to_parent(w, y);
     for (int i = 0; i < 3; i++) {
-        const jo_real f = jo_vec_at(Uf, i), s = jo_vec_at(Us, i);
-        y->M[i] = jo_vec_with(y->M[i], -r, jo_vec_scale(f, Uf));
-        y->H[i] = jo_vec_with(y->H[i], -r, jo_vec_scale(s, Uf));
-        y->J[i] = jo_vec_with(y->J[i], -r, jo_vec_scale(s, Us));
+        const jo_real f = jo_vec_element(Uf, i), t = jo_vec_element(Ut, i);
+        y->M[i] = jo_vec_axpy(y->M[i], -Dinv, jo_vec_scale(f, Uf));
+        y->H[i] = jo_vec_axpy(y->H[i], -Dinv, jo_vec_scale(t, Uf));
+        y->J[i] = jo_vec_axpy(y->J[i], -Dinv, jo_vec_scale(t, Ut));
     }
-    y->f = jo_vec_with(y->f, share, Uf);
-    y->t = jo_vec_with(y->t, share, Us);
+    y->f = jo_vec_axpy(y->f, Dinv_u, Uf);
+    y->t = jo_vec_axpy(y->t, Dinv_u, Ut);
 }
 
-/* A ball gives way to all turns: M - H J^-1 H^T and f - H J^-1 t are left. The division comes in last. */
-static inline int free_turns(jo_link_work *w, load *y)
+/* Ball or free link, with S the three rotations, U = [H; J], D = J, u = -t: I^a = I^A - U D^-1 U^T has the block M - H J^-1 H^T only,
+ * p^a = p^A + U D^-1 u the force f - H J^-1 t only. J^-1 = adj J / det J, with the division last. Returns whether J is regular. */
+static inline int eliminate_ball(jo_link_work *w, articulated_inertia *y)
 {
-    jo_vec adjoint[3], Y[3];
-    const double scale = JO_RE(jo_vec_at(y->J[0], 0)) + JO_RE(jo_vec_at(y->J[1], 1)) + JO_RE(jo_vec_at(y->J[2], 2));
-    w->D = jo_vec_adjoint(adjoint, y->J);
+    jo_vec adj[3], Y[3];   /* adj J, H adj J */
+    const double trace = JO_RE(jo_vec_element(y->J[0], 0)) + JO_RE(jo_vec_element(y->J[1], 1)) + JO_RE(jo_vec_element(y->J[2], 2));
+    w->D = jo_vec_adjugate(adj, y->J);
     w->t = y->t;
-    const jo_real r = 1.0 / w->D;
-    for (int i = 0; i < 3; i++) Y[i] = jo_vec_times(y->H, adjoint[i]);
+    const jo_real Dinv = 1.0 / w->D;
+    for (int i = 0; i < 3; i++) Y[i] = jo_vec_mat_mul_lanes(y->H, adj[i]);
     for (int i = 0; i < 3; i++) {
-        y->M[i] = jo_vec_with(y->M[i], -r, jo_vec_on_row(Y, y->H, i));
-        w->X[i] = jo_vec_scale(r, Y[i]);
-        w->inverse[i] = jo_vec_scale(r, adjoint[i]);
+        y->M[i] = jo_vec_axpy(y->M[i], -Dinv, jo_vec_mat_mul_row(Y, y->H, i));
+        w->HJinv[i] = jo_vec_scale(Dinv, Y[i]);
+        w->Jinv[i] = jo_vec_scale(Dinv, adj[i]);
     }
-    y->f = jo_vec_with(y->f, -r, jo_vec_on(Y, &w->t));
-    return JO_RE(w->D) > JO_LEAST * scale * scale * scale;
+    y->f = jo_vec_axpy(y->f, -Dinv, jo_vec_mat_mul_at(Y, &w->t));
+    return JO_RE(w->D) > JO_MIN_PIVOT * trace * trace * trace;
 }
 
-/* M and f alone */
-static inline void pass_force(jo_link_work *w, load *y)
+/* I^a and p^a of a ball from the origin of the link to that of the parent, where only M and f are not 0 before:
+ * H' = -M l~, J' = -l~ M l~, t' = l x f */
+static inline void shift_force(jo_link_work *w, articulated_inertia *y)
 {
     jo_vec N[3];
-    on_lever(N, y->M, &w->l);
+    mul_skew(N, y->M, &w->l);
     for (int i = 0; i < 3; i++) {
-        w->Z[i] = jo_vec_cross(w->l, w->X[i]);
+        w->lHJinv[i] = jo_vec_cross(w->l, w->HJinv[i]);
         y->H[i] = jo_vec_scale(-1.0, N[i]);
         y->J[i] = jo_vec_scale(-1.0, jo_vec_cross(w->l, N[i]));
     }
     y->t = jo_vec_cross(w->l, y->f);
 }
 
-/* inertia along a hinge or a slide and the force that is left to accelerate it; 0 where there is none */
-static inline int along(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w, const load *y)
+/* Hinge or slide: U = I^A S, D = S^T U, u = tau - S^T p^A, with S = [0; z] or [z; 0]. ROS2 and other W-methods have
+ * D + g h (damping + g h stiffness), the diagonal of their matrix. Returns whether D is positive. */
+static inline int joint_space_inertia(const jo_data *d, const jo_stage *stage, const jo_link *k, jo_link_work *w,
+                                      const articulated_inertia *y)
 {
-    const jo_vec *a = &w->A[2];
+    const jo_vec *z = &w->A[2];   /* axis of the joint */
     if (k->type == JO_LINK_HINGE) {
-        w->Uf = jo_vec_on(y->H, a);
-        w->Ut = jo_vec_on(y->J, a);
-        w->D = jo_vec_dot(*a, w->Ut);
-        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, y->t);
+        w->Uf = jo_vec_mat_mul_at(y->H, z);
+        w->Ut = jo_vec_mat_mul_at(y->J, z);
+        w->D = jo_vec_dot(*z, w->Ut);
+        w->u = d->tree.tau[k->u] - jo_vec_dot(*z, y->t);
     } else {
-        w->Uf = jo_vec_on(y->M, a);
-        w->Ut = jo_vec_across(y->H, *a);
-        w->D = jo_vec_dot(*a, w->Uf);
-        w->rest = d->tree.tau[k->u] - jo_vec_dot(*a, y->f);
+        w->Uf = jo_vec_mat_mul_at(y->M, z);
+        w->Ut = jo_vec_mat_tmul(y->H, *z);
+        w->D = jo_vec_dot(*z, w->Uf);
+        w->u = d->tree.tau[k->u] - jo_vec_dot(*z, y->f);
     }
     if (stage->set) w->D += stage->gh * (d->tree.damping[k->u] + stage->gh * d->tree.stiffness[k->u]);
-    w->r = 1.0 / w->D;
-    w->Us = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
+    w->Dinv = 1.0 / w->D;
+    /* U about the origin of the parent: t + l x f */
+    w->Ut_parent = jo_vec_add(w->Ut, jo_vec_cross(w->l, w->Uf));
     return JO_RE(w->D) > 0.0;
 }
 
-/* a link with all that follows it in y, which is then what it passes on; 0: it has no inertia along its joint */
-static inline int give_way(const jo_data *d, const jo_stage *stage, const jo_link *k, int kept, jo_link_work *w, load *y)
+/* y: I_i^A, p_i^A on entry, I^a, p^a at the origin of the parent on return. Returns whether D_i is regular. */
+static inline int eliminate_joint(const jo_data *d, const jo_stage *stage, const jo_link *k, int store_all, jo_link_work *w,
+                                  articulated_inertia *y)
 {
-    int sound = 1;
-    if (jo_link_given(d, k)) {
-        put_down(y, w);
-        if (k->parent >= 0) pass_all(w, y);
+    int regular = 1;
+    if (jo_link_is_prescribed(d, k)) {   /* I^a = I^A, p^a = p^A, with the prescribed acceleration in c_i */
+        store(y, w);
+        if (k->parent >= 0) shift_to_parent(w, y);
     } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
-        sound = along(d, stage, k, w, y);
-        if (kept) put_down(y, w);
-        if (k->parent >= 0) pass_one(w, y);
+        regular = joint_space_inertia(d, stage, k, w, y);
+        if (store_all) store(y, w);
+        if (k->parent >= 0) eliminate_one_dof(w, y);
     } else {
-        sound = free_turns(w, y);
-        if (kept || k->type == JO_LINK_FREE) put_down(y, w);
-        if (k->parent >= 0) pass_force(w, y);
+        regular = eliminate_ball(w, y);
+        if (store_all || k->type == JO_LINK_FREE) store(y, w);
+        if (k->parent >= 0) shift_force(w, y);
     }
-    return sound;
+    return regular;
 }
 
-static int inward(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* I_i^A, p_i^A, U_i, D_i, u_i of all links from the last one to the first */
+static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const int kept = m->nfriction || m->nloop, pushed = d->tree.nbody > 0;   /* somebody reads what links bear */
-    load y = no_load();
+    const int store_all = m->nfriction || m->nloop, has_body_forces = d->tree.nbody > 0;   /* reactions need I^A, p^A of all links */
+    articulated_inertia y = zero_inertia();
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
         const jo_link_constants *c = &d->tree.constants[i];
         jo_link_work *w = &d->tree.link[i + 1], *p = &d->tree.link[k->parent + 1];
-        if (k->type == JO_LINK_FIXED) {   /* its inertia is in that of the parent, its forces are not */
-            if (pushed && k->parent >= 0) add_force(p, w->own_f, jo_vec_add(w->own_t, jo_vec_cross(w->l, w->own_f)));
+        if (k->type == JO_LINK_FIXED) {   /* total_mass ... of the parent contain the inertia of a fixed body; p^A -= f^x */
+            if (has_body_forces && k->parent >= 0) add_force(p, w->joint_f, jo_vec_add(w->joint_t, jo_vec_cross(w->l, w->joint_f)));
             continue;
         }
-        if (k->type == JO_LINK_BODY && !d->body[k->body].port) continue;
-        if (c->gathers) pick_up(&y, w);
-        if (k->body >= 0) join(c, w, &y);
-        if (k->type == JO_LINK_BODY) {
-            put_down(&y, w);
-            y = no_load();
+        if (k->type == JO_LINK_BODY && !d->body[k->body].carried) continue;
+        /* I^A += I^a, p^A += p^a of the children, then I_i and v_i x* I_i v_i of the body */
+        if (c->has_branch) accumulate(&y, w);
+        if (k->body >= 0) add_body_inertia(c, w, &y);
+        if (k->type == JO_LINK_BODY) {   /* body in maximal coordinates: jo_hybrid_condense reads its I^A, p^A */
+            store(&y, w);
+            y = zero_inertia();
             continue;
         }
-        if (pushed) {
-            y.f = jo_vec_add(y.f, w->own_f);
-            y.t = jo_vec_add(y.t, w->own_t);
+        if (has_body_forces) {   /* p^A -= f^x */
+            y.f = jo_vec_add(y.f, w->joint_f);
+            y.t = jo_vec_add(y.t, w->joint_t);
         }
-        if (!give_way(d, stage, k, kept, w, &y)) {
+        /* U, D, u; I^a, p^a */
+        if (!eliminate_joint(d, stage, k, store_all, w, &y)) {
             d->error_index = k->body >= 0 ? k->body : m->link[i + 1].body;
             return JO_RE(w->D) == JO_RE(w->D) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
         }
+        /* hand I^a, p^a over to a parent i - 1 in registers, to any other parent through its accumulator */
         if (k->parent >= 0 && k->parent == i - 1) continue;
         if (k->parent >= 0) {
-            pick_up(&y, p);
-            put_down(&y, p);
+            accumulate(&y, p);
+            store(&y, p);
         }
-        if (i) y = no_load();
+        if (i) y = zero_inertia();
     }
     return JO_OK;
 }
 
-/* ---- outward: accelerations ---------------------------------------------------------------------- */
+/* ---- forward pass 2: accelerations ---------------------------------------------------------------- */
 
-/* Each waits for the parent: what it has comes in last, and where that is the link before it does not go through memory. */
-void jo_tree_follow(const jo_model *m, jo_data *d)
+/* qdd_i = D_i^-1 (u_i - U_i^T a_lambda(i)), a_i = a_lambda(i) + S_i qdd_i, where alpha, a are the accelerations due to the qdd only.
+ * The dependency chain runs through the acceleration of the parent: this acceleration enters each expression last, and from a parent
+ * i - 1 in registers. */
+void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
 {
-    jo_vec aw = jo_vec_zero(), av = jo_vec_zero();
-    int last = -2;   /* the link that moves with these */
-    for (int i = d->tree.kept; i < m->nlink; i++) {
+    jo_vec alpha = jo_vec_zero(), a = jo_vec_zero();
+    int last = -2;   /* link whose accelerations are in alpha, a */
+    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
         jo_real *ud = d->tree.ud + k->u;
-        const jo_vec aw0 = k->parent == last ? aw : p->aw, av0 = k->parent == last ? av : p->av;
-        aw = aw0;
-        av = jo_vec_add(av0, jo_vec_cross(aw0, w->l));
-        if (k->type == JO_LINK_BALL) {
-            aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_both(w->X, av0, w->Z, aw0)));
-            jo_vec_store(ud, jo_vec_across(w->A, jo_vec_less(aw, aw0)));
-        } else if (k->type == JO_LINK_FREE) {
-            jo_vec inverse[3];
-            jo_vec_invert(inverse, w->M);
-            av = jo_vec_scale(-1.0, jo_vec_times(inverse, w->f));
-            aw = jo_vec_scale(-1.0, jo_vec_add(jo_vec_times(w->inverse, w->t), jo_vec_across(w->X, av)));
-            jo_vec_store(ud, av);
-            jo_vec_store(ud + 3, jo_vec_across(w->A, aw));
+        const jo_vec alpha_parent = k->parent == last ? alpha : p->alpha, a_parent = k->parent == last ? a : p->a;
+        /* at the origin of link i: a + alpha x l */
+        alpha = alpha_parent;
+        a = jo_vec_add(a_parent, jo_vec_cross(alpha_parent, w->l));
+        if (k->type == JO_LINK_BALL) {   /* alpha = -J^-1 (t + H^T a), a = a_parent - l~ alpha_parent */
+            alpha = jo_vec_scale(-1.0, jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t),
+                                                  jo_vec_mat_tmul_sum(w->HJinv, a_parent, w->lHJinv, alpha_parent)));
+            jo_vec_store(ud, jo_vec_mat_tmul(w->A, jo_vec_sub(alpha, alpha_parent)));
+        } else if (k->type == JO_LINK_FREE) {   /* a = -M^-1 f with M, f after elimination of the rotations; alpha = -J^-1 (t + H^T a) */
+            jo_vec Minv[3];
+            jo_vec_invert(Minv, w->M);
+            a = jo_vec_scale(-1.0, jo_vec_mat_mul_lanes(Minv, w->f));
+            alpha = jo_vec_scale(-1.0, jo_vec_add(jo_vec_mat_mul_lanes(w->Jinv, w->t), jo_vec_mat_tmul(w->HJinv, a)));
+            jo_vec_store(ud, a);
+            jo_vec_store(ud + 3, jo_vec_mat_tmul(w->A, alpha));
         } else if (k->driven < 0 && k->type != JO_LINK_FIXED) {
-            ud[0] = jo_link_held(d, k) ? 0.0 : w->r * (w->rest - jo_vec_dots(w->Uf, av0, w->Us, aw0));
-            if (k->type == JO_LINK_HINGE) aw = jo_vec_with(aw, ud[0], w->A[2]);
-            else av = jo_vec_with(av, ud[0], w->A[2]);
+            ud[0] = jo_link_is_locked(d, k) ? 0.0 : w->Dinv * (w->u - jo_vec_dot_sum(w->Uf, a_parent, w->Ut_parent, alpha_parent));
+            if (k->type == JO_LINK_HINGE) alpha = jo_vec_axpy(alpha, ud[0], w->A[2]);
+            else a = jo_vec_axpy(a, ud[0], w->A[2]);
         }
-        w->aw = aw;
-        w->av = av;
+        w->alpha = alpha;
+        w->a = a;
         last = i;
     }
 }
 
-/* the forces of what is prescribed, from all that it passes on, and their power */
-jo_real jo_tree_drive(const jo_model *m, jo_data *d)
+/* tau_i = S_i^T (I_i^A a_i + p_i^A) of the driven joints; returns the power of the drives, W */
+jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d)
 {
     jo_real power = m->nloop ? jo_loop_power(m, d) : 0.0;
     for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->driven < 0) continue;
-        d->tree.pull[i] = jo_link_pull(d, k, w);
-        power += d->tree.pull[i] * d->tree.u[k->u];
+        d->tree.drive_force[i] = jo_link_drive_force(d, k, w);
+        power += d->tree.drive_force[i] * d->tree.u[k->u];
     }
     return power;
 }
 
-int jo_tree_load(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* forward pass 1, forces of the stage, backward pass: I^A, p^A, U, D, u of all links at time, x, u */
+int jo_tree_articulated_inertias(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    d->tree.summed = 0;
-    d->tree.link->v0 = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* the ground's; the rest of it stays, see jo_tree_setup */
-    jo_tree_drives(m, d);
-    outward(m, d);
-    const int status = jo_tree_forces(m, d, stage);
-    return status == JO_OK ? inward(m, d, stage) : status;
+    d->tree.has_joint_forces = 0;
+    d->tree.link->bias_a = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* a_0 = -g; jo_tree_setup sets the other values of the ground */
+    jo_tree_prescribe_motion(m, d);
+    forward_pass_1(m, d);
+    const int status = jo_tree_apply_forces(m, d, stage);
+    return status == JO_OK ? backward_pass(m, d, stage) : status;
 }
 
-/* accelerations of the joints at time, x, u */
+/* joint accelerations ud at time, x, u: tree without loops, then multipliers of the loops, then dry friction */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
     d->power = none;
     d->counts.evaluations++;
     d->current = 0;
-    d->tree.mirrored = JO_MIRROR_NONE;
-    int status = jo_tree_load(m, d, stage);
+    d->tree.synced = JO_SYNC_NONE;
+    int status = jo_tree_articulated_inertias(m, d, stage);
     if (status == JO_OK && m->nloop) status = jo_loop_evaluate(m, d, stage);
     if (status != JO_OK) return status;
-    jo_tree_follow(m, d);
+    jo_tree_forward_pass_2(m, d);
     if (m->nfriction) status = jo_friction_solve(m, d, stage);
-    d->drive = jo_tree_drive(m, d);
+    d->drive = jo_tree_drive_forces(m, d);
     d->power.forces += d->drive;
     return status;
 }

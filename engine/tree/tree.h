@@ -1,84 +1,83 @@
-/* tree.h - rigid trees in joint coordinates: what other rooms may use. */
+/* tree.h - rigid trees in joint coordinates: functions for other rooms. */
 #ifndef JO_TREE_H
 #define JO_TREE_H
 
 #include "data.h"
 
 /* tree_force_response.c */
-void jo_tree_respond_clear(const jo_model *m, jo_data *d);
-void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate);   /* (nu) changes of the joints' accelerations */
+void jo_tree_clear_added_forces(const jo_model *m, jo_data *d);
+void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate);   /* rate (nu): change of qdd by the added forces */
 
 /* tree_friction.c */
-void jo_tree_slips(const jo_model *m, jo_data *d);    /* coordinates along which frictions slide, and their rates */
-jo_real jo_tree_second(const jo_model *m, const jo_data *d, int coordinate);   /* and its acceleration */
-void jo_tree_bears(const jo_model *m, const jo_data *d, const jo_friction *f, int change, jo_real *y);
-void jo_tree_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);
-void jo_tree_locks(const jo_model *m, jo_data *d);
-void jo_tree_hold(const jo_model *m, jo_data *d);
-void jo_tree_friction_respond(const jo_model *m, jo_data *d, const jo_real *f);
-void jo_tree_friction_act(const jo_model *m, jo_data *d);
-void jo_tree_stop(const jo_model *m, jo_data *d);     /* what is held comes to rest */
+void jo_tree_update_slips(const jo_model *m, jo_data *d);   /* value and rate of the coordinates with friction */
+jo_real jo_tree_slip_acceleration(const jo_model *m, const jo_data *d, int coordinate);
+void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, int change, jo_real *y);
+void jo_tree_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);
+void jo_tree_lock_sticking(const jo_model *m, jo_data *d);   /* multipliers of the rows that lock sticking joints */
+void jo_tree_hold_sticking(const jo_model *m, jo_data *d);   /* coordinates of sticking joints at their locked values, rates 0 */
+void jo_tree_friction_response(const jo_model *m, jo_data *d, const jo_real *f);
+void jo_tree_apply_friction(const jo_model *m, jo_data *d);
+void jo_tree_stop_sticking(const jo_model *m, jo_data *d);   /* impulses that stop the sticking joints */
 
 /* tree_position.c */
 void jo_tree_setup(const jo_model *m, jo_data *d);
 void jo_tree_kinematics(const jo_model *m, jo_data *d);
-void jo_tree_read(const jo_model *m, jo_data *d);     /* x and u from q and v */
-void jo_tree_spread(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v);   /* (nv) of the bodies at (nu) of the joints */
+void jo_tree_read_maximal_state(const jo_model *m, jo_data *d);   /* x and u from q and v */
+void jo_tree_body_rates(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v);   /* v (nv) of the bodies from joint rates (nu) */
 
 /* tree_to_maximal.c */
-int jo_tree_stands(const jo_model *m, jo_data *d);    /* whether q and v are those of x and u, to the last digit */
-void jo_mirror(const jo_model *m, jo_data *d, jo_mirrored how);
+int jo_tree_matches_maximal_state(const jo_model *m, jo_data *d);   /* whether q and v equal those of x and u bit for bit */
+void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level level);
 
 /* tree_integrate_position.c */
-void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
+void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment);
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u);
-void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* below half a turn, in the frame of e0 */
-void jo_tree_drives(const jo_model *m, jo_data *d);   /* what is prescribed has its value and rate of this time */
-int jo_tree_check(const jo_model *m, jo_data *d);
-double jo_tree_turned(const jo_model *m, jo_data *d);   /* largest turn of a body by the increments dq, about */
+void jo_rotation_vector_between(jo_real *theta, const jo_real *e0, const jo_real *e);   /* theta (3), |theta| < pi, in the frame of e0 */
+void jo_tree_prescribe_motion(const jo_model *m, jo_data *d);   /* coordinate, rate and acceleration of drives at the present time */
+int jo_tree_check_state(const jo_model *m, jo_data *d);
+double jo_tree_largest_rotation(const jo_model *m, jo_data *d);   /* estimate of the largest rotation of a body by the increments dq, rad */
 
 /* tree_forces.c */
-void jo_tree_bodies(const jo_model *m, jo_data *d);    /* the bodies of all links, as jo_refresh leaves them */
-void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count);   /* the same of markers, with their velocities */
-int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage);   /* rates of states that answer to the accelerations */
+void jo_tree_update_bodies(const jo_model *m, jo_data *d);   /* pose and velocity of the bodies of all links, as after jo_refresh */
+void jo_tree_update_markers(const jo_model *m, jo_data *d, const int *list, int count);   /* pose and velocity of the markers in list */
+int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
+void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* state rates of the W-method */
 
 /* tree_loop_closure.c */
 size_t jo_loop_bytes(void);
 size_t jo_reach_bytes(void);
-int jo_loop_rows(const jo_model *m, int i);   /* of the group of the loop, if it is the last one in it; else 0 */
+int jo_loop_rows(const jo_model *m, int i);   /* rows of the group of loop i if i is the last loop of the group, else 0 */
 void jo_loop_setup(const jo_model *m, jo_data *d);
-int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);   /* multipliers, and the links bear them */
-void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers of the right-hand sides, with the factors of that */
-void jo_loop_push(const jo_model *m, jo_data *d);    /* they act in jo_tree_respond */
-jo_real jo_loop_power(const jo_model *m, const jo_data *d);
+int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);   /* multipliers, and their forces on the links */
+void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers for the right-hand sides x, with the last factors */
+void jo_loop_add_multiplier_forces(const jo_model *m, jo_data *d);   /* forces of the multipliers as added forces */
+jo_real jo_loop_power(const jo_model *m, const jo_data *d);   /* power of drives in loops, W */
 
 /* tree.c */
 size_t jo_link_bytes(void);
 size_t jo_link_constant_bytes(void);
-size_t jo_link_change_bytes(void);
-int jo_tree_load(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forces and articulated inertias */
-void jo_tree_follow(const jo_model *m, jo_data *d);   /* accelerations of the joints after that */
-jo_real jo_tree_drive(const jo_model *m, jo_data *d); /* forces of what is prescribed; their power */
+size_t jo_link_response_bytes(void);
+int jo_tree_articulated_inertias(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forward pass 1, forces, backward pass */
+void jo_tree_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations of joints and links */
+jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d);   /* forces of drives; returns their power, W */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 
 /* tree_on_flexible_bodies.c */
-void jo_ports_setup(const jo_model *m, jo_data *d);
-void jo_ports_place(const jo_model *m, jo_data *d);   /* bodies that run by rows and their markers are at x and u */
-void jo_ports_accept(const jo_model *m, jo_data *d);  /* x and u of these are q and v, where the markers are */
-int jo_ports_load(const jo_model *m, jo_data *d, const jo_stage *stage);   /* all forces, and the inertia of what is carried */
-int jo_ports_factor(const jo_body *b, jo_body_work *w);
-void jo_ports_follow(const jo_model *m, jo_data *d);  /* accelerations of what is carried */
+void jo_hybrid_setup(const jo_model *m, jo_data *d);
+void jo_hybrid_update_bodies(const jo_model *m, jo_data *d);   /* bodies in maximal coordinates and their markers from x and u */
+void jo_hybrid_accept_state(const jo_model *m, jo_data *d);   /* x and u of these bodies from q and v */
+int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forces, and inertia of the carried trees */
+int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w);
+void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations of the carried trees */
 
 /* tree_loop_projection.c */
-/* Loops are closed in the metric of the masses, with the factors of the last evaluation; whether they are then. */
-int jo_tree_close(const jo_model *m, jo_data *d);
-void jo_tree_increments(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
+int jo_tree_close_loops(const jo_model *m, jo_data *d);   /* returns whether the loops are closed afterwards */
+void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
 
 /* tree_from_maximal.c */
-int jo_tree_enter(const jo_model *m, jo_data *d);     /* the state of the caller becomes x and u */
-void jo_tree_leave(const jo_model *m, jo_data *d);    /* and is the caller's again */
+int jo_tree_from_maximal(const jo_model *m, jo_data *d);   /* convert q, v to joint coordinates */
+void jo_tree_to_maximal(const jo_model *m, jo_data *d);    /* convert back */
 void jo_tree_count_turns(const jo_model *m, jo_data *d);
-void jo_tree_drives_end(const jo_model *m, jo_data *d);   /* what is prescribed at the end of a step, and dq */
+void jo_tree_prescribe_end_of_step(const jo_model *m, jo_data *d);   /* drives at the end of a step, and their increments dq */
 
 #endif

@@ -1,46 +1,47 @@
-/* tree_data.h - what the files of this room keep; other rooms reach it by the functions of tree.h. */
+/* tree_data.h - state and work arrays of trees in joint coordinates; other rooms access them through the functions of tree.h. */
 #ifndef JO_TREE_DATA_H
 #define JO_TREE_DATA_H
 
 #include "maximal/maximal_data.h"
 
-/* Rigid trees in joint coordinates, see tree.c. While `on` the state is x and u; q and v, then also a and lam, follow when somebody
- * needs them. */
 typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
-typedef struct jo_link_change jo_link_change;
-typedef enum { JO_MIRROR_NONE = 0, JO_MIRROR_PART = 1,   /* PART: the bodies that run by rows, with their markers */
-               JO_MIRROR_STATE = 2, JO_MIRROR_ALL = 3 } jo_mirrored;
+typedef struct jo_link_response jo_link_response;
 typedef struct jo_loop_work jo_loop_work;
 typedef struct jo_reach_work jo_reach_work;
 
+/* How much of the maximal coordinates agrees with the joint coordinates x, u: nothing; the bodies of hybrid mode and their markers;
+ * q and v; q, v, accelerations a and multipliers lam. */
+typedef enum { JO_SYNC_NONE = 0, JO_SYNC_HYBRID = 1, JO_SYNC_STATE = 2, JO_SYNC_ALL = 3 } jo_sync_level;
+
+/* Trees in joint coordinates, see tree.c. While `active` is set, x and u are the state; q, v, a and lam are updated on demand. */
 typedef struct {
-    int on;
-    jo_mirrored mirrored;
-    int summed;             /* the links have all accelerations and loads of the last evaluation */
-    jo_real *x, *u, *ud;    /* (nx), (nu) coordinates, rates, accelerations */
-    jo_real *tau;           /* (nu) force along each of them */
-    jo_real *stiffness, *damping;   /* (nu) that are implicit in ROS2 */
-    jo_real *pull;          /* (nlink) force of each drive */
+    int active;
+    jo_sync_level synced;
+    int has_joint_forces;   /* whether the links contain total accelerations and joint forces of the last evaluation */
+    jo_real *x, *u, *ud;    /* (nx), (nu), (nu) joint coordinates, velocities, accelerations */
+    jo_real *tau;           /* (nu) force along each joint coordinate, N or N m */
+    jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of ROS2 */
+    jo_real *drive_force;   /* (nlink) force of the drive of each link, N or N m */
     jo_link_work *link;     /* (nlink + 1), the ground first */
     jo_link_constants *constants;   /* (nlink) */
-    jo_link_change *change; /* (nlink + 1) by further forces */
-    jo_real *push;          /* (nu) further forces along the coordinates */
-    int *marker, *coordinate, *body;   /* that forces need at every evaluation */
+    jo_link_response *response;   /* (nlink + 1) response to added forces */
+    jo_real *added_tau;     /* (nu) added forces along the joint coordinates, N or N m */
+    int *marker, *coordinate, *body;   /* markers, coordinates and bodies that force laws read at every evaluation */
     int nmarker, ncoordinate, nbody;
-    int *hinge, nhinge;     /* links that are hinges */
-    int ndriven;            /* links whose motion is prescribed by a drive */
-    jo_real *seen;          /* (nq + nv) what q and v are by x and u */
-    int direct;             /* all counted angles are joint coordinates */
+    int *hinge, nhinge;     /* links with a hinge */
+    int ndriven;            /* number of links with a drive */
+    jo_real *maximal_copy;  /* (nq + nv) q and v computed from x and u, for comparison */
+    int counts_joint_angles;   /* whether all counted angles are joint coordinates */
     jo_loop_work *loop;     /* (nloop) */
     jo_reach_work *reach;   /* (nreach) */
-    jo_gram *gram;          /* (ngroup) */
+    jo_gram *gram;          /* (ngroup) Schur complements J H^-1 J^T, one for each group of coupled loops */
     int ngroup;
-    int *closing, nclosing; /* markers of the loops */
-    int kept;               /* bodies that run by the rows of their joints, the first links; 0: the links have all */
-    int narrow;             /* the core in q and v works on these alone */
-    int *away_body, *away_marker, *away_coordinate, *away_joint;   /* what it leaves out then */
-    int column, pair, fill; /* where its columns and fills begin and its pairs end */
+    int *loop_marker, nloop_marker;   /* markers of the joints that close loops */
+    int nmaximal;           /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
+    int hybrid;             /* hybrid mode: the maximal-coordinate solver works on the bodies outside the trees only */
+    int *inactive_body, *inactive_marker, *inactive_coordinate, *inactive_joint;   /* (each count) in the trees, skipped in hybrid mode */
+    int first_column, npair, first_fill;   /* hybrid mode: range of columns, pairs and fill-ins of the block Cholesky */
 } jo_tree;
 
 #endif

@@ -1,70 +1,72 @@
-/* tree_force_response.c - what further forces change in the accelerations of a tree, with the factors of its last evaluation.
+/* tree_force_response.c - change of the accelerations of a tree by added forces, with the factors of the last evaluation.
  *
- * The second and third sweep of tree.c with another right-hand side: `change` of the links and `push` of the coordinates hold the
- * forces that are added; afterwards `change` has the accelerations of the links that follow and `rate` those of the joints.
+ * Backward pass and forward pass 2 of tree.c for another right-hand side, with I^A, U and D^-1 unchanged. Input: response.f, response.t at
+ * the links and added_tau along the joints. Output: response.alpha, response.a of the links and the change `rate` of qdd.
  */
 #include "tree/tree_links.h"
 
-void jo_tree_respond_clear(const jo_model *m, jo_data *d)
+void jo_tree_clear_added_forces(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i <= m->nlink; i++) d->tree.change[i].f = d->tree.change[i].t = jo_vec_zero();
-    for (int i = 0; i < m->nu; i++) d->tree.push[i] = 0.0;
+    for (int i = 0; i <= m->nlink; i++) d->tree.response[i].f = d->tree.response[i].t = jo_vec_zero();
+    for (int i = 0; i < m->nu; i++) d->tree.added_tau[i] = 0.0;
 }
 
-/* inward: forces that pass a joint, less what it gives way to */
-static void pass(const jo_model *m, jo_data *d)
+/* f^a = f^A - U D^-1 u, added to the parent, with u = added_tau + S^T f^A */
+static void backward_pass(const jo_model *m, jo_data *d)
 {
     for (int i = m->nlink - 1; i >= 0; i--) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
-        jo_link_change *c = &d->tree.change[i + 1], *p = &d->tree.change[k->parent + 1];
+        jo_link_response *c = &d->tree.response[i + 1], *p = &d->tree.response[k->parent + 1];
         jo_vec f = c->f, t = c->t;
         if (k->type == JO_LINK_FREE) continue;
-        if (k->type == JO_LINK_BALL) {
-            f = jo_vec_less(f, jo_vec_times(w->X, t));
+        if (k->type == JO_LINK_BALL) {   /* f - H J^-1 t; no moment is left */
+            f = jo_vec_sub(f, jo_vec_mat_mul_lanes(w->HJinv, t));
             t = jo_vec_cross(w->l, f);
         } else {
             t = jo_vec_add(t, jo_vec_cross(w->l, f));
         }
-        if (jo_link_gives(d, k)) {
-            c->rest = d->tree.push[k->u] + jo_vec_dot(w->A[2], k->type == JO_LINK_HINGE ? c->t : c->f);
-            const jo_real share = -c->rest * w->r;
-            f = jo_vec_with(f, share, w->Uf);
-            t = jo_vec_with(t, share, w->Us);
+        if (jo_link_has_one_dof(d, k)) {   /* u = added_tau + S^T f; f - U D^-1 u */
+            c->u = d->tree.added_tau[k->u] + jo_vec_dot(w->A[2], k->type == JO_LINK_HINGE ? c->t : c->f);
+            const jo_real Dinv_u = -c->u * w->Dinv;
+            f = jo_vec_axpy(f, Dinv_u, w->Uf);
+            t = jo_vec_axpy(t, Dinv_u, w->Ut_parent);
         }
         p->f = jo_vec_add(p->f, f);
         p->t = jo_vec_add(p->t, t);
     }
 }
 
-void jo_tree_respond(const jo_model *m, jo_data *d, jo_real *rate)
+/* forward pass 2: qdd = D^-1 (u - U^T a'), a = a' + S qdd with a' = a_lambda + alpha_lambda x l */
+void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate)
 {
-    pass(m, d);
-    d->tree.change[0].av = d->tree.change[0].aw = jo_vec_zero();
+    backward_pass(m, d);
+    d->tree.response[0].a = d->tree.response[0].alpha = jo_vec_zero();
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
-        const jo_link_change *p = &d->tree.change[k->parent + 1];
-        jo_link_change *c = &d->tree.change[i + 1];
+        const jo_link_response *p = &d->tree.response[k->parent + 1];
+        jo_link_response *c = &d->tree.response[i + 1];
         jo_real *y = rate + k->u;
-        c->aw = p->aw;
-        c->av = jo_vec_add(p->av, jo_vec_cross(p->aw, w->l));
-        if (jo_link_gives(d, k)) {
-            y[0] = w->r * (c->rest - jo_vec_dots(w->Uf, p->av, w->Us, p->aw));
-            if (k->type == JO_LINK_HINGE) c->aw = jo_vec_with(c->aw, y[0], w->A[2]);
-            else c->av = jo_vec_with(c->av, y[0], w->A[2]);
+        c->alpha = p->alpha;
+        c->a = jo_vec_add(p->a, jo_vec_cross(p->alpha, w->l));
+        if (jo_link_has_one_dof(d, k)) {
+            y[0] = w->Dinv * (c->u - jo_vec_dot_sum(w->Uf, p->a, w->Ut_parent, p->alpha));
+            if (k->type == JO_LINK_HINGE) c->alpha = jo_vec_axpy(c->alpha, y[0], w->A[2]);
+            else c->a = jo_vec_axpy(c->a, y[0], w->A[2]);
         } else if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) {
             y[0] = 0.0;
         } else if (k->type == JO_LINK_BALL || k->type == JO_LINK_FREE) {
-            if (k->type == JO_LINK_FREE) {   /* what of the force its turns do not take moves it */
-                jo_vec inverse[3];
-                jo_vec_invert(inverse, w->M);
-                c->av = jo_vec_times(inverse, jo_vec_less(c->f, jo_vec_times(w->X, c->t)));
-                jo_vec_store(y, c->av);
+            if (k->type == JO_LINK_FREE) {   /* a = M^-1 (f - H J^-1 t), M after elimination of the rotations */
+                jo_vec Minv[3];
+                jo_vec_invert(Minv, w->M);
+                c->a = jo_vec_mat_mul_lanes(Minv, jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)));
+                jo_vec_store(y, c->a);
                 y += 3;
             }
-            c->aw = jo_vec_less(jo_vec_times(w->inverse, c->t), jo_vec_across(w->X, c->av));
-            jo_vec_store(y, jo_vec_across(w->A, k->type == JO_LINK_FREE ? c->aw : jo_vec_less(c->aw, p->aw)));
+            /* alpha = J^-1 (t - H^T a) */
+            c->alpha = jo_vec_sub(jo_vec_mat_mul_lanes(w->Jinv, c->t), jo_vec_mat_tmul(w->HJinv, c->a));
+            jo_vec_store(y, jo_vec_mat_tmul(w->A, k->type == JO_LINK_FREE ? c->alpha : jo_vec_sub(c->alpha, p->alpha)));
         }
     }
 }

@@ -1,19 +1,27 @@
-/* tree_forces.c - forces on a tree: along its joint coordinates, or on the bodies as everywhere. */
+/* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and what ROS2 adds to both.
+ *
+ * ROS2, a W-method with the matrix 1 - g h A (step_explicit.c), has for q' = v, M v' = F with K = -dF/dq, D = -dF/dv the stages
+ *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
+ *   k_q2 = v1 - 2 g h a1 + g h a2, (M + g h D + (g h)^2 K) a2 = F1 + g h (K (2 v0 - v1 + 4 g h a1) + 2 D a1)
+ * where k_q is eliminated from the second row. On a tree K and D are diagonal, of springs and dampers along joint coordinates: they
+ * enter D_i = S_i^T U_i of tree.c, the terms on the right enter tau.
+ */
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "tree/tree_links.h"
 
-/* the bodies that forces act on or depend on, as jo_refresh leaves them */
-void jo_tree_bodies(const jo_model *m, jo_data *d)
+/* positions p and velocities v of the links; orientation, velocity and origin of their bodies; zero body forces fr */
+void jo_tree_update_bodies(const jo_model *m, jo_data *d)
 {
     const jo_tree *t = &d->tree;
-    for (int i = 0; i < m->nlink; i++) {   /* the rest of jo_tree_kinematics */
+    /* p = p_lambda + l, v = v_lambda + w_lambda x l + S qd, which forward pass 1 leaves out */
+    for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &t->link[k->parent + 1];
         jo_link_work *w = &t->link[i + 1];
         w->p = jo_vec_add(p->p, w->l);
         w->v = jo_vec_add(p->v, jo_vec_cross(p->w, w->l));
-        if (k->type == JO_LINK_SLIDE) w->v = jo_vec_with(w->v, t->u[k->u], w->A[2]);
+        if (k->type == JO_LINK_SLIDE) w->v = jo_vec_axpy(w->v, t->u[k->u], w->A[2]);
         if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) w->v = jo_vec_load(t->u + k->u);
     }
     for (int i = 0; i < m->nlink; i++) {
@@ -23,23 +31,26 @@ void jo_tree_bodies(const jo_model *m, jo_data *d)
         if (k->body < 0 || k->type == JO_LINK_BODY) continue;
         jo_body_work *b = &d->body[k->body];
         jo_real v[3], om[3];
+        /* A_body = A C, by rows */
         for (int j = 0; j < 3; j++) {
             jo_real column[3];
-            jo_vec_store(column, jo_vec_mix(w->A, c->C + 3 * j));
+            jo_vec_store(column, jo_vec_mat_mul(w->A, c->C + 3 * j));
             for (int r = 0; r < 3; r++) b->A[3 * r + j] = column[r];
         }
-        const jo_vec arm = jo_vec_mix(w->A, c->c);
+        /* V = A_body^T (v + w x A c), w local = A_body^T w */
+        const jo_vec arm = jo_vec_mat_mul(w->A, c->c);
         jo_vec_store(v, jo_vec_add(w->v, jo_vec_cross(w->w, arm)));
         jo_vec_store(om, w->w);
         jo_mul3t(b->V, b->A, v);
         jo_mul3t(b->w, b->A, om);
         for (int j = 0; j < 6; j++) b->fr[j] = 0.0;
-        /* the origin, where jo_marker_position looks for it */
+        /* r = p + A c in q, which jo_tree_update_markers reads */
         jo_vec_store(d->q + m->body[k->body].iq, jo_vec_add(w->p, arm));
     }
 }
 
-void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count)
+/* r = r_body + A u, A_marker = A A0, local velocity V + w x u and angular velocity of the markers in list */
+void jo_tree_update_markers(const jo_model *m, jo_data *d, const int *list, int count)
 {
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[list[i]];
@@ -56,8 +67,8 @@ void jo_tree_markers(const jo_model *m, jo_data *d, const int *list, int count)
     }
 }
 
-/* coordinates of forces: those of joints directly, the others by their markers */
-static void place_coordinates(const jo_model *m, jo_data *d)
+/* value and rate of the coordinates of force laws: from x and u for joint coordinates, from the markers for others */
+static void update_coordinates(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nforce; i++) {
         const int c = m->force[i].coordinate;
@@ -72,17 +83,16 @@ static void place_coordinates(const jo_model *m, jo_data *d)
     }
 }
 
-/* whether ROS2 has a force with states in its matrix: it acts along a joint coordinate that is free to move */
+/* link of a force with states that ROS2 treats implicitly: one along a joint coordinate whose motion is not prescribed; else 0 */
 static const jo_link *implicit_link(const jo_model *m, const jo_data *d, const jo_force *f)
 {
     const int link = f->state >= 0 && m->nstate ? m->coordinate[f->coordinate].link : -1;
-    if (link < 0 || jo_link_given(d, &m->link[link]) || jo_released(d, f->release)) return 0;
+    if (link < 0 || jo_link_is_prescribed(d, &m->link[link]) || jo_released(d, f->release)) return 0;
     return &m->link[link];
 }
 
-/* Forces with states x' = f in the W-method: the rows of the states are eliminated from those of the joints. With c = dF/dx /
- * (1 + g h decay) the stiffness becomes K - g h c df/ds, the damping D - g h c df/ds', and the force has g h c f more, in the
- * second stage g h c (f - 2 k) with the rate k of the first. */
+/* Condensation of the states x' = f(x, s, s') of a force F(x, s, s') out of the W-method, with decay = -df/dx, c = dF/dx / (1 + g h decay):
+ *   stiffness K - g h c df/ds, damping D - g h c df/ds', force + g h c f in stage 1, + g h c (f - 2 k) in stage 2 (k: rate of stage 1). */
 static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;
@@ -108,9 +118,9 @@ static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stag
     }
 }
 
-/* The rates of these states with what the accelerations of the joints add to them: (1 + g h decay) k = f + g h (df/ds s' + df/ds' s'')
- * with the rates s', s'' of the stage, in the second one less twice those of the first. */
-void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* Back substitution for the rates k of these states: (1 + g h decay) k = f + g h (df/ds k_s + df/ds' k_s'), where k_s, k_s' are the
+ * rates of s, s' of the stage, in stage 2 minus twice those of stage 1: k_s = u1 - 2 g h a1 + g h a2 - 2 (u0 + g h a1), k_s' = a2 - 2 a1. */
+void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
     const int second = stage->lead < 0.0;
@@ -119,22 +129,22 @@ void jo_tree_states(const jo_model *m, jo_data *d, const jo_stage *stage)
         const jo_link *k = implicit_link(m, d, f);
         if (!k) continue;
         const jo_real sign = jo_same(jo_link_sign(k)), *first = d->acc + d->nw - m->nstate;
-        jo_real *rate = jo_state_rates(m, d), move = d->tree.u[k->u], a = d->tree.ud[k->u];
-        if (second) {   /* s' = u1 - 2 g h a1 + g h a2 - 2 (u0 + g h a1) */
+        jo_real *rate = jo_state_rates(m, d), rate_s = d->tree.u[k->u], a = d->tree.ud[k->u];
+        if (second) {
             const jo_real a1 = d->acc[k->u];
-            move += gh * a - 4.0 * gh * a1 - 2.0 * d->v0[k->u];
+            rate_s += gh * a - 4.0 * gh * a1 - 2.0 * d->v0[k->u];
             a -= 2.0 * a1;
-        } else move += gh * a;
+        } else rate_s += gh * a;
         for (int j = f->state; j < f->state + f->states; j++) {
             const jo_slopes_of_state *s = &d->slopes[j];
-            jo_real y = rate[j] + gh * sign * (s->value * move + s->rate * a);
+            jo_real y = rate[j] + gh * sign * (s->value * rate_s + s->rate * a);
             if (second) y += 2.0 * gh * s->decay * first[j];
             rate[j] = y / (1.0 + gh * s->decay);
         }
     }
 }
 
-/* stiffness and damping of springs along joint coordinates, which ROS2 takes in its matrix: that of its first stage serves for both */
+/* K and D of springs and dampers along joint coordinates for the matrix of ROS2, in stage 1; stage 2 uses the same matrix */
 static void gather_stiffness(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
@@ -146,14 +156,14 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
         const jo_along_data *x = (const jo_along_data *)f->data;
         const jo_link *k = &m->link[m->coordinate[c].link];
         const int u = k->u;
-        if (jo_link_given(d, k)) continue;
+        if (jo_link_is_prescribed(d, k)) continue;
         if (JO_RE(x->limit) > 0.0 && fabs(JO_RE(d->force[i].y[0])) >= JO_RE(x->limit)) continue;
         if (JO_RE(x->stiffness) > 0.0) t->stiffness[u] += x->stiffness;
         if (JO_RE(x->damping) > 0.0) t->damping[u] += x->damping;
     }
 }
 
-/* what the W-method adds to the forces, see step_ros2 */
+/* right-hand side of ROS2: tau -= g h K v in stage 1, tau += g h (K (2 v0 - v + 4 g h a1) + 2 D a1) in stage 2 */
 static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;
@@ -167,8 +177,8 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
-/* the forces on the bodies are no longer needed by the joints */
-static void relieve(const jo_model *m, jo_data *d)
+/* minus the external force and moment on each body, about the origin of the link: -f^x of the backward pass */
+static void set_body_forces(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
@@ -178,30 +188,31 @@ static void relieve(const jo_model *m, jo_data *d)
         jo_real F[3], T[3];
         jo_mul3(F, b->A, b->fr);
         jo_mul3(T, b->A, b->fr + 3);
-        const jo_vec f = jo_vec_load(F), t = jo_vec_add(jo_vec_load(T), jo_vec_cross(jo_vec_mix(w->A, d->tree.constants[i].c), f));
-        w->own_f = jo_vec_scale(-1.0, f);
-        w->own_t = jo_vec_scale(-1.0, t);
+        const jo_vec f = jo_vec_load(F), t = jo_vec_add(jo_vec_load(T), jo_vec_cross(jo_vec_mat_mul(w->A, d->tree.constants[i].c), f));
+        w->joint_f = jo_vec_scale(-1.0, f);
+        w->joint_t = jo_vec_scale(-1.0, t);
     }
 }
 
-int jo_tree_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* tau of the joints and f^x of the bodies by all force laws at time, x, u */
+int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const int pushed = d->tree.nbody > 0;
+    const int has_body_forces = d->tree.nbody > 0;
     const jo_lanes none = {0.0};
     JO_EACH(i, m->nu) JO_STORE(d->tree.tau + i) = none;
-    if (!m->nforce && !pushed) {
+    if (!m->nforce && !has_body_forces) {
         if (stage->set)
             for (int i = 0; i < m->nu; i++) d->tree.stiffness[i] = d->tree.damping[i] = 0.0;
         return JO_OK;
     }
-    if (pushed) {
-        jo_tree_bodies(m, d);
-        jo_tree_markers(m, d, d->tree.marker, d->tree.nmarker);
+    if (has_body_forces) {
+        jo_tree_update_bodies(m, d);
+        jo_tree_update_markers(m, d, d->tree.marker, d->tree.nmarker);
     }
-    place_coordinates(m, d);
+    update_coordinates(m, d);
     const int status = jo_apply_forces(m, d, stage);
     if (status != JO_OK) return status;
-    if (pushed) relieve(m, d);
+    if (has_body_forces) set_body_forces(m, d);
     if (stage->set) add_implicit(m, d, stage);
     return JO_OK;
 }

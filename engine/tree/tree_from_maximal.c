@@ -1,12 +1,12 @@
-/* tree_from_maximal.c - into joint coordinates and out of them: the caller knows q and v. */
+/* tree_from_maximal.c - conversion between the maximal coordinates q, v of the caller and the joint coordinates x, u of a run. */
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-#define JO_OPEN 1e-9        /* of the size of the mechanism: joints that are open by more are closed before they are read */
-#define JO_OPENING 1e-7     /* of the speed of the mechanism: the same of their velocities */
+#define JO_OPEN_POSITION 1e-9   /* position residual of the joints / size of the mechanism above which q is projected before conversion */
+#define JO_OPEN_RATE 1e-7       /* velocity residual / speed of the mechanism above which v is projected before conversion */
 
-/* joint angles as many turns on as the counted ones of their coordinates */
-static void follow_turns(const jo_model *m, jo_data *d)
+/* joint angles += the multiple of 2 pi that brings them next to the counted angles of their coordinates */
+static void match_turns(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->ncoordinate; i++) {
         const jo_coordinate *c = &m->coordinate[i];
@@ -17,69 +17,73 @@ static void follow_turns(const jo_model *m, jo_data *d)
     }
 }
 
-/* Joints that the caller has left open are closed as the method in q and v would: in the metric of the masses. */
+/* project q and v onto the constraints in the norm of the mass matrix if their residuals exceed the limits above */
 static int close_gaps(const jo_model *m, jo_data *d)
 {
     jo_real open[2];
     jo_residuals(m, d, open);
-    if (JO_RE(open[0]) <= JO_OPEN * m->size && JO_RE(open[1]) <= JO_OPENING * JO_RE(jo_speed(m, d))) return JO_OK;
+    if (JO_RE(open[0]) <= JO_OPEN_POSITION * m->size && JO_RE(open[1]) <= JO_OPEN_RATE * JO_RE(jo_speed(m, d))) return JO_OK;
     d->current = 0;
     const int status = jo_evaluate(m, d, &jo_now);
     if (status == JO_OK) jo_project(m, d, &jo_now);
     return status;
 }
 
-int jo_tree_enter(const jo_model *m, jo_data *d)
+/* x, u from q, v; x and u of the last run are kept if q and v still equal them bit for bit */
+int jo_tree_from_maximal(const jo_model *m, jo_data *d)
 {
-    if (d->tree.on) return JO_OK;
-    if (!jo_tree_stands(m, d)) {
+    if (d->tree.active) return JO_OK;
+    if (!jo_tree_matches_maximal_state(m, d)) {
         const int status = close_gaps(m, d);
         if (status != JO_OK) return status;
-        jo_tree_read(m, d);
-        jo_tree_hold(m, d);
+        jo_tree_read_maximal_state(m, d);
+        jo_tree_hold_sticking(m, d);
         d->fresh = d->control.known = 0;
     }
-    follow_turns(m, d);
+    match_turns(m, d);
     jo_use_core(m, d, 1);
-    d->tree.mirrored = JO_MIRROR_NONE;
+    d->tree.synced = JO_SYNC_NONE;
     d->current = 0;
     return JO_OK;
 }
 
-void jo_tree_leave(const jo_model *m, jo_data *d)
+/* q, v from x, u; a and lam as well if the last evaluation belongs to this state */
+void jo_tree_to_maximal(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.on) return;
-    if (d->fresh) jo_mirror_all(m, d);
-    else jo_mirror(m, d, JO_MIRROR_STATE);
+    if (!d->tree.active) return;
+    if (d->fresh) jo_sync_all(m, d);
+    else jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     jo_use_core(m, d, 0);
 }
 
-/* the angles where it stands are accepted */
+/* counted angles of the coordinates at the accepted state */
 void jo_tree_count_turns(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.direct) jo_refresh(m, d);
-    else if (d->tree.kept) jo_ports_place(m, d);
-    if (!d->tree.direct || d->tree.kept) jo_count_turns(m, d);
+    if (!d->tree.counts_joint_angles) jo_refresh(m, d);
+    else if (d->tree.nmaximal) jo_hybrid_update_bodies(m, d);
+    if (!d->tree.counts_joint_angles || d->tree.nmaximal) jo_count_turns(m, d);
     for (int i = 0; i < m->ncoordinate; i++) {
         const jo_coordinate *c = &m->coordinate[i];
         if (c->turn >= 0 && c->link >= 0) d->turn[c->turn] = jo_link_sign(&m->link[c->link]) * d->tree.x[m->link[c->link].x];
     }
 }
 
-void jo_tree_drives_end(const jo_model *m, jo_data *d)
+/* x, u, ud of drives at the present time, and their increments dq from the start of the step */
+void jo_tree_prescribe_end_of_step(const jo_model *m, jo_data *d)
 {
-    jo_tree_drives(m, d);
+    jo_tree_prescribe_motion(m, d);
     for (int i = 0; i < m->nlink; i++)
         if (m->link[i].driven >= 0) d->dq[m->link[i].u] = d->tree.x[m->link[i].x] - d->q0[m->link[i].x];
 }
 
+/* accelerations and multipliers at the state q, v of the caller, computed in joint coordinates */
 int jo_tree_accelerations(const jo_model *m, jo_data *d)
 {
     d->fresh = d->current = 0;
-    int status = jo_tree_enter(m, d);
+    int status = jo_tree_from_maximal(m, d);
     if (status != JO_OK) return status;
     status = jo_evaluate(m, d, &jo_now);
     d->fresh = status == JO_OK;
-    jo_tree_leave(m, d);
+    jo_tree_to_maximal(m, d);
     return status;
 }

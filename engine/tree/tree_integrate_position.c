@@ -1,19 +1,21 @@
-/* tree_integrate_position.c - the state of a tree in joint coordinates is moved, and watched. */
+/* tree_integrate_position.c - increments of joint coordinates, prescribed motion, and the check that the state is finite. */
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "tree/tree_links.h"
 
-#define JO_LARGEST 1e15     /* as in state.c */
+#define JO_MAX_STATE 1e15   /* Euclidean norm of [x, u] above which the run stops as not finite, as in state.c */
+#define JO_SMALL_SINE2 1e-5 /* sin^2 of half an angle below which the series of 2 asin(s) / s is used; its next term is 6e-22 */
 
-/* neither balls nor free bodies: coordinates and rates are one for one */
-static int plain(const jo_model *m) { return m->nx == m->nu; }
+/* whether x' = u: no balls and no free links */
+static int is_vector_space(const jo_model *m) { return m->nx == m->nu; }
 
-void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
+/* x = x0 o increment: sum, and e0 o exp(theta) for quaternions */
+void jo_tree_add_increment(const jo_model *m, jo_real *x, const jo_real *x0, const jo_real *increment)
 {
-    if (plain(m)) {
+    if (is_vector_space(m)) {
         int i = 0;
         for (; i + JO_WIDTH <= m->nu; i += JO_WIDTH) JO_STORE(x + i) = JO_LOAD(x0 + i) + JO_LOAD(increment + i);
-        for (; i < m->nu; i++) x[i] = x0[i] + increment[i];   /* rates follow in memory */
+        for (; i < m->nu; i++) x[i] = x0[i] + increment[i];   /* not padded: the rates follow in memory */
         return;
     }
     for (int i = 0; i < m->nlink; i++) {
@@ -31,16 +33,17 @@ void jo_tree_displace(const jo_model *m, jo_real *x, const jo_real *x0, const jo
             to += 3, from += 3, by += 3;
             /* fall through */
         case JO_LINK_BALL:
-            jo_turn_on(to, from, by);
+            jo_compose_rotation(to, from, by);
             break;
         default: break;
         }
     }
 }
 
+/* rate (nu) of the increment from the start of the step: u, and the inverse tangent operator times w for rotations */
 void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *u)
 {
-    if (plain(m)) {
+    if (is_vector_space(m)) {
         JO_EACH(i, m->nu) JO_STORE(rate + i) = JO_LOAD(u + i);
         return;
     }
@@ -63,8 +66,8 @@ void jo_tree_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, 
     }
 }
 
-/* rotation vector of the turn from e0 to e, below half a turn, in the frame of e0 */
-void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
+/* theta = 2 atan2(|s|, c) s / |s| with [c, s] = e0^-1 o e: rotation vector from e0 to e in the frame of e0, |theta| < pi */
+void jo_rotation_vector_between(jo_real *theta, const jo_real *e0, const jo_real *e)
 {
     const jo_real c = e0[0] * e[0] + e0[1] * e[1] + e0[2] * e[2] + e0[3] * e[3];
     jo_real x[3];
@@ -72,14 +75,14 @@ void jo_turn_between(jo_real *theta, const jo_real *e0, const jo_real *e)
     x[1] = e0[0] * e[2] - e0[2] * e[0] - e0[3] * e[1] + e0[1] * e[3];
     x[2] = e0[0] * e[3] - e0[3] * e[0] - e0[1] * e[2] + e0[2] * e[1];
     const jo_real s = jo_dot3(x, x), sine = jo_sqrt(s);
-    /* 2 asin(u) / u for small angles */
-    const jo_real f = JO_RE(s) < 1e-5 ? 2.0 + s * (1.0 / 3.0 + s * (3.0 / 20.0 + s * (5.0 / 56.0)))
+    /* f = 2 asin(|s|) / |s|, by its series for small angles */
+    const jo_real f = JO_RE(s) < JO_SMALL_SINE2 ? 2.0 + s * (1.0 / 3.0 + s * (3.0 / 20.0 + s * (5.0 / 56.0)))
                                       : 2.0 * jo_arc_tangent(sine, c) / sine;
     for (int i = 0; i < 3; i++) theta[i] = f * x[i];
 }
 
-/* what is prescribed has its value and rate of this time, and its acceleration */
-void jo_tree_drives(const jo_model *m, jo_data *d)
+/* x = (signal + offset) / factor, u and ud likewise, of driven joints at the present time */
+void jo_tree_prescribe_motion(const jo_model *m, jo_data *d)
 {
     for (int i = 0; d->tree.ndriven && i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
@@ -93,7 +96,8 @@ void jo_tree_drives(const jo_model *m, jo_data *d)
     }
 }
 
-int jo_tree_check(const jo_model *m, jo_data *d)
+/* JO_NOT_FINITE with the body in error_index if |[x, u]| is not below JO_MAX_STATE */
+int jo_tree_check_state(const jo_model *m, jo_data *d)
 {
     const jo_real *x = d->tree.x;   /* and u behind it */
     const int n = m->nx + m->nu;
@@ -102,24 +106,26 @@ int jo_tree_check(const jo_model *m, jo_data *d)
     int at = 0;
     for (; at + JO_WIDTH <= n; at += JO_WIDTH) squares += JO_LOAD(x + at) * JO_LOAD(x + at);
     for (; at < n; at++) sum += JO_RE(x[at] * x[at]);
-    if (sum + JO_RE(jo_sum(squares)) < JO_LARGEST * JO_LARGEST) return JO_OK;
-    sum = 0.0;   /* which link */
+    if (sum + JO_RE(jo_sum(squares)) < JO_MAX_STATE * JO_MAX_STATE) return JO_OK;
+    /* first link at which the sum of magnitudes exceeds the limit */
+    sum = 0.0;
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const int next_x = i + 1 < m->nlink ? k[1].x : m->nx, next_u = i + 1 < m->nlink ? k[1].u : m->nu;
         for (int j = k->x; j < next_x; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
         for (int j = k->u; j < next_u; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
-        if (sum < JO_LARGEST && i + 1 < m->nlink) continue;
+        if (sum < JO_MAX_STATE && i + 1 < m->nlink) continue;
         d->error_index = k->body >= 0 ? k->body : k[1].body;
         return JO_NOT_FINITE;
     }
     return JO_OK;
 }
 
-double jo_tree_turned(const jo_model *m, jo_data *d)
+/* largest rotation of a body by the increments dq at the present orientations, rad */
+double jo_tree_largest_rotation(const jo_model *m, jo_data *d)
 {
     double turn = 0.0;
-    jo_tree_spread(m, d, d->dq, d->lag);
+    jo_tree_body_rates(m, d, d->dq, d->lag);
     for (int i = 0; i < m->nbody; i++) turn = jo_larger(turn, jo_length(d->lag + m->body[i].iv + 3, 3));
     return turn;
 }

@@ -1,16 +1,20 @@
-/* tree_loop_projection.c - loops of a tree are closed after a step, as joints of bodies are by jo_project. */
+/* tree_loop_projection.c - projection of x and u onto the loop constraints after a step, as jo_project does for q and v.
+ *
+ * Newton iteration with the factors of the last evaluation: (J H^-1 J^T) lambda = c, x -= H^-1 J^T lambda, then the same for u with c'.
+ */
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-enum { JO_CORRECTIONS = 4 };
-#define JO_UNTOUCHED 0.01       /* of these: so small a gap is left as it is */
+enum { JO_MAX_CORRECTIONS = 4 };   /* corrections of x and of u in one projection */
+#define JO_SKIP_RATIO 0.01      /* residual / tolerance below which the first correction is skipped */
+#define JO_MIN_REDUCTION 0.5    /* residual / residual before above which the iteration for x ends */
 
-/* bodies and markers of the loops where x and u are */
-static void place(const jo_model *m, jo_data *d)
+/* links, bodies, markers and coordinates of the loops at x and u */
+static void update_loops(const jo_model *m, jo_data *d)
 {
     jo_tree_kinematics(m, d);
-    jo_tree_bodies(m, d);
-    jo_tree_markers(m, d, d->tree.closing, d->tree.nclosing);
+    jo_tree_update_bodies(m, d);
+    jo_tree_update_markers(m, d, d->tree.loop_marker, d->tree.nloop_marker);
     for (int i = 0; i < m->nloop; i++) {
         const jo_joint *k = &m->joint[m->loop[i].joint];
         for (int l = 0; l < k->nline; l++)
@@ -21,7 +25,8 @@ static void place(const jo_model *m, jo_data *d)
     }
 }
 
-static double gap(const jo_model *m, jo_data *d, int velocity)
+/* largest residual of the loops: of the positions, m, or of the velocities, m/s */
+static double largest_residual(const jo_model *m, jo_data *d, int velocity)
 {
     double worst = 0.0;
     for (int i = 0; i < m->nloop; i++) {
@@ -32,7 +37,7 @@ static double gap(const jo_model *m, jo_data *d, int velocity)
     return worst;
 }
 
-/* m/s, the largest of the joints, as jo_speed of the bodies */
+/* largest joint rate, m/s, with angular rates times the size of the mechanism */
 static double speed(const jo_model *m, const jo_data *d)
 {
     double fastest = 0.0;
@@ -46,52 +51,55 @@ static double speed(const jo_model *m, const jo_data *d)
     return fastest;
 }
 
-/* change of x or of u that closes the residuals, into d->rate */
-static void correct(const jo_model *m, jo_data *d, int velocity)
+/* d->rate = -H^-1 J^T (J H^-1 J^T)^-1 c: correction of x, or of u with c' */
+static void solve_correction(const jo_model *m, jo_data *d, int velocity)
 {
     for (int i = 0; i < m->nloop; i++) {
         const jo_joint_work *w = &d->joint[m->loop[i].joint];
         for (int r = 0; r < d->tree.loop[i].rows; r++) d->tree.loop[i].x[r] = velocity ? w->cdot[r] : w->c[r];
     }
     jo_loop_solve(m, d);
-    jo_tree_respond_clear(m, d);
-    jo_loop_push(m, d);
-    jo_tree_respond(m, d, d->rate);
-    d->tree.mirrored = JO_MIRROR_NONE;
+    jo_tree_clear_added_forces(m, d);
+    jo_loop_add_multiplier_forces(m, d);
+    jo_tree_force_response(m, d, d->rate);
+    d->tree.synced = JO_SYNC_NONE;
 }
 
-/* derivatives converge behind the values: the complex build corrects once in any case */
-static int untouched(double residual, double small, int k)
+/* whether the residual needs no correction k. The complex build always does the first one: derivatives converge one iteration later. */
+static int is_closed(double residual, double small, int k)
 {
 #ifdef JO_COMPLEX
     if (!k) return 0;
 #endif
-    return residual <= (k ? 1.0 : JO_UNTOUCHED) * small;
+    return residual <= (k ? 1.0 : JO_SKIP_RATIO) * small;
 }
 
-int jo_tree_close(const jo_model *m, jo_data *d)
+/* project x, then u; returns whether both residuals are within the tolerance JO_CLOSED */
+int jo_tree_close_loops(const jo_model *m, jo_data *d)
 {
     if (!m->nloop) return 1;
     const double small = JO_CLOSED * m->size, small_rate = JO_CLOSED * speed(m, d);
-    place(m, d);
-    double residual = gap(m, d, 0), before = HUGE_VAL;
-    for (int k = 0; k < JO_CORRECTIONS && !untouched(residual, small, k) && residual < 0.5 * before; k++) {
+    /* positions: x -= H^-1 J^T lambda */
+    update_loops(m, d);
+    double residual = largest_residual(m, d, 0), before = HUGE_VAL;
+    for (int k = 0; k < JO_MAX_CORRECTIONS && !is_closed(residual, small, k) && residual < JO_MIN_REDUCTION * before; k++) {
         before = residual;
-        correct(m, d, 0);
-        jo_tree_displace(m, d->tree.x, d->tree.x, d->rate);
-        place(m, d);
-        residual = gap(m, d, 0);
+        solve_correction(m, d, 0);
+        jo_tree_add_increment(m, d->tree.x, d->tree.x, d->rate);
+        update_loops(m, d);
+        residual = largest_residual(m, d, 0);
     }
-    double rate = gap(m, d, 1);
-    for (int k = 0; k < JO_CORRECTIONS && !untouched(rate, small_rate, k); k++) {
+    /* velocities: u -= H^-1 J^T lambda */
+    double rate = largest_residual(m, d, 1);
+    for (int k = 0; k < JO_MAX_CORRECTIONS && !is_closed(rate, small_rate, k); k++) {
         before = rate;
-        correct(m, d, 1);
+        solve_correction(m, d, 1);
         for (int i = 0; i < m->nu; i++) d->tree.u[i] += d->rate[i];
-        place(m, d);
-        rate = gap(m, d, 1);
+        update_loops(m, d);
+        rate = largest_residual(m, d, 1);
         if (rate < before) continue;
-        for (int i = 0; i < m->nu; i++) d->tree.u[i] -= d->rate[i];   /* the factors are those of another place */
-        place(m, d);
+        for (int i = 0; i < m->nu; i++) d->tree.u[i] -= d->rate[i];   /* undo: the factors belong to another position */
+        update_loops(m, d);
         rate = before;
         break;
     }
@@ -99,13 +107,14 @@ int jo_tree_close(const jo_model *m, jo_data *d)
     return residual <= small && rate <= small_rate;
 }
 
-void jo_tree_increments(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x)
+/* increment dq (nu) with x = x0 o dq: differences, and rotation vectors of balls and free links */
+void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x)
 {
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const int ball = k->type == JO_LINK_BALL || k->type == JO_LINK_FREE, moves = k->type == JO_LINK_FREE ? 3 : 0;
         if (k->type == JO_LINK_HINGE || k->type == JO_LINK_SLIDE) dq[k->u] = x[k->x] - x0[k->x];
         for (int j = 0; j < moves; j++) dq[k->u + j] = x[k->x + j] - x0[k->x + j];
-        if (ball) jo_turn_between(dq + k->u + moves, x0 + k->x + moves, x + k->x + moves);
+        if (ball) jo_rotation_vector_between(dq + k->u + moves, x0 + k->x + moves, x + k->x + moves);
     }
 }

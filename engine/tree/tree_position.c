@@ -1,25 +1,25 @@
-/* tree_position.c - where a tree stands: its constants, its bodies by the joint coordinates, and these by the bodies. */
+/* tree_position.c - constants of the links, kinematics from joint coordinates to bodies, and joint coordinates from q and v. */
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 #include <string.h>
 
 /* ---- constants --------------------------------------------------------------------------------- */
 
-static const jo_real NO_TURN[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
-static const jo_real NOWHERE[3] = {0.0, 0.0, 0.0};
+static const jo_real IDENTITY[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+static const jo_real ORIGIN[3] = {0.0, 0.0, 0.0};
 
-static const jo_real *axes_of(const jo_model *m, int marker) { return marker < 0 ? NO_TURN : m->marker[marker].A0; }
-static const jo_real *origin_of(const jo_model *m, int marker) { return marker < 0 ? NOWHERE : m->marker[marker].u0; }
+static const jo_real *axes_of(const jo_model *m, int marker) { return marker < 0 ? IDENTITY : m->marker[marker].A0; }
+static const jo_real *origin_of(const jo_model *m, int marker) { return marker < 0 ? ORIGIN : m->marker[marker].u0; }
 
 /* y (by columns) = A^T B of matrices by rows */
-static void between(jo_real *y, const jo_real *A, const jo_real *B)
+static void mat_tmul33(jo_real *y, const jo_real *A, const jo_real *B)
 {
     for (int j = 0; j < 3; j++)
         for (int i = 0; i < 3; i++) y[3 * j + i] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
 }
 
-/* a link that is fixed to a parent of others, and where these are on it: the same on the parent */
-static void place_beyond(const jo_link_constants *fixed, jo_link_constants *c)
+/* K, l of a child on a fixed link, from the frame of the fixed link to the frame of its parent: K' = K_f K, l' = l_f + K_f l */
+static void compose_fixed(const jo_link_constants *fixed, jo_link_constants *c)
 {
     jo_real K[9], l[3];
     for (int i = 0; i < 3; i++) {
@@ -34,8 +34,8 @@ static void place_beyond(const jo_link_constants *fixed, jo_link_constants *c)
     jo_set3(c->l, l);
 }
 
-/* the link of the body that a link hangs on: its parent, or one that is fixed to it */
-static int below(const jo_model *m, int link)
+/* link of the body that has the outer marker of a link: the parent or a link fixed to the parent */
+static int find_carrier_link(const jo_model *m, int link)
 {
     const jo_link *k = &m->link[link];
     const int body = k->outer < 0 ? -1 : m->marker[k->outer].body;
@@ -45,45 +45,47 @@ static int below(const jo_model *m, int link)
     return on;
 }
 
-/* orientation and origin at zero in the frame of the parent */
+/* K = A_inner^T A_outer and l = A_inner^T (u_outer - u_inner) of a link, in the frame of the parent */
 static void place_on_parent(const jo_model *m, const jo_link *k, jo_link_constants *c)
 {
-    static const jo_real crossed[9] = {0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0};   /* by columns: y, z, x */
+    static const jo_real crossed[9] = {0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0};   /* columns y, z, x: universal joint */
     jo_real arm[3];
     if (k->outer < 0) {
-        for (int j = 0; j < 9; j++) c->K[j] = k->crossed ? crossed[j] : NO_TURN[j];
-        jo_set3(c->l, NOWHERE);
+        for (int j = 0; j < 9; j++) c->K[j] = k->crossed ? crossed[j] : IDENTITY[j];
+        jo_set3(c->l, ORIGIN);
         return;
     }
-    const int inner = c->on < 0 ? -1 : m->link[c->on].inner;   /* of the frame of that link, on the same body */
-    between(c->K, axes_of(m, inner), axes_of(m, k->outer));
+    const int inner = c->carrier_link < 0 ? -1 : m->link[c->carrier_link].inner;   /* marker of the carrier link's frame */
+    mat_tmul33(c->K, axes_of(m, inner), axes_of(m, k->outer));
     jo_set3(arm, origin_of(m, k->outer));
     jo_sub3(arm, origin_of(m, inner));
     jo_mul3t(c->l, axes_of(m, inner), arm);
-    if (c->on != k->parent) place_beyond(c + (c->on - (k - m->link)), c);
+    if (c->carrier_link != k->parent) compose_fixed(c + (c->carrier_link - (k - m->link)), c);
 }
 
-/* mass, first moment and inertia of a fixed body are those of its parent, too */
-static void merge(const jo_link_constants *c, jo_link_constants *p)
+/* total_mass, total_S, total_J of the parent += mass, first moment and inertia of a fixed body:
+ * S_p += K S + m l, J_p += K J K^T - (K S)~ l~ - l~ (K S)~ - m l~ l~ */
+static void add_fixed_body(const jo_link_constants *c, jo_link_constants *p)
 {
-    jo_real S[3], J[9] = {0.0}, T[9], R[9];   /* of it about its origin, in the axes of the parent; matrices by rows */
+    jo_real S[3], J[9] = {0.0}, T[9], R[9];   /* of the fixed body about its origin, in the axes of the parent; matrices by rows */
     for (int i = 0; i < 3; i++) {
         S[i] = c->K[i] * c->S[0] + c->K[3 + i] * c->S[1] + c->K[6 + i] * c->S[2];
         for (int j = 0; j < 3; j++) R[3 * i + j] = c->K[3 * j + i];
     }
     jo_mul33(T, R, c->J);
-    jo_mul33(J, T, c->K);   /* by columns it is R^T */
+    jo_mul33(J, T, c->K);   /* c->K is stored by columns: R^T by rows */
     jo_add_skew_skew(J, -1.0, S, c->l);
     jo_add_skew_skew(J, -1.0, c->l, S);
     jo_add_skew_skew(J, -c->mass, c->l, c->l);
-    p->all_mass += c->mass;
-    jo_add3(p->all_S, S);
-    jo_axpy3(p->all_S, c->mass, c->l);
-    for (int i = 0; i < 9; i++) p->all_J[i] += J[i];
+    p->total_mass += c->mass;
+    jo_add3(p->total_S, S);
+    jo_axpy3(p->total_S, c->mass, c->l);
+    for (int i = 0; i < 9; i++) p->total_J[i] += J[i];
 }
 
-/* mass, first moment and inertia about the origin of the link, in its axes */
-static void weigh(const jo_body *b, const jo_real *u, const jo_real *A, jo_link_constants *c)
+/* mass, first moment S = A^T (S0 - m u) and inertia J = A^T (J0 + S0~ u~ + u~ S0~ - m u~ u~) A about the origin u of the link in its
+ * axes A; C = A^T, c = -A^T u */
+static void body_inertia_in_link_frame(const jo_body *b, const jo_real *u, const jo_real *A, jo_link_constants *c)
 {
     const jo_real *S = b->S0, *J = b->J0;
     jo_real full[9] = {J[0], J[5], J[4], J[5], J[1], J[3], J[4], J[3], J[2]}, T[9], arm[3];
@@ -95,39 +97,40 @@ static void weigh(const jo_body *b, const jo_real *u, const jo_real *A, jo_link_
     jo_add_skew_skew(full, 1.0, u, S);
     jo_add_skew_skew(full, -c->mass, u, u);
     jo_mul33(T, full, A);
-    between(c->J, A, T);
+    mat_tmul33(c->J, A, T);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) c->C[3 * i + j] = A[3 * i + j];   /* columns of A^T */
     jo_mul3t(c->c, A, u);
     for (int i = 0; i < 3; i++) c->c[i] = -c->c[i];
 }
 
-static void weigh_links(const jo_model *m, jo_data *d)
+/* K, l, mass, S, J, totals and carrier of all links */
+static void set_link_constants(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         jo_link_constants *c = &d->tree.constants[i];
         const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
-        c->on = free ? -1 : below(m, i);
+        c->carrier_link = free ? -1 : find_carrier_link(m, i);
         if (free) {
-            for (int j = 0; j < 9; j++) c->K[j] = NO_TURN[j];
-            jo_set3(c->l, NOWHERE);
+            for (int j = 0; j < 9; j++) c->K[j] = IDENTITY[j];
+            jo_set3(c->l, ORIGIN);
         } else {
             place_on_parent(m, k, c);
         }
-        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* of the latter only what is fixed to it joins in */
-        weigh(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
-        c->all_mass = c->mass;
-        for (int j = 0; j < 3; j++) c->all_S[j] = c->S[j];
-        for (int j = 0; j < 9; j++) c->all_J[j] = c->J[j];
-        if (k->type == JO_LINK_FIXED && k->parent >= 0) merge(c, &d->tree.constants[k->parent]);
+        if (k->body < 0 || k->type == JO_LINK_BODY) continue;   /* JO_LINK_BODY: totals contain the bodies fixed to it only */
+        body_inertia_in_link_frame(&m->body[k->body], origin_of(m, k->inner), axes_of(m, k->inner), c);
+        c->total_mass = c->mass;
+        for (int j = 0; j < 3; j++) c->total_S[j] = c->S[j];
+        for (int j = 0; j < 9; j++) c->total_J[j] = c->J[j];
+        if (k->type == JO_LINK_FIXED && k->parent >= 0) add_fixed_body(c, &d->tree.constants[k->parent]);
     }
 }
 
-/* ---- what forces need at every evaluation ------------------------------------------------------ */
+/* ---- lists of markers, coordinates and bodies that force laws read ------------------------------ */
 
-/* put i into a list of no repetitions; what is not there is left out */
-static void note(int *list, int *count, int i)
+/* append i to the list unless i is -1 or in the list already */
+static void add_unique(int *list, int *count, int i)
 {
     if (i < 0) return;
     for (int j = 0; j < *count; j++)
@@ -135,60 +138,68 @@ static void note(int *list, int *count, int i)
     list[(*count)++] = i;
 }
 
-static void note_marker(const jo_model *m, jo_tree *t, int marker)
+/* marker and its body into the lists */
+static void add_marker(const jo_model *m, jo_tree *t, int marker)
 {
-    if (t->kept && marker >= 0 && !t->away_marker[marker]) return;   /* placed anyway */
-    note(t->marker, &t->nmarker, marker);
-    if (marker >= 0) note(t->body, &t->nbody, m->marker[marker].body);
+    if (t->nmaximal && marker >= 0 && !t->inactive_marker[marker]) return;   /* the maximal-coordinate solver updates it */
+    add_unique(t->marker, &t->nmarker, marker);
+    if (marker >= 0) add_unique(t->body, &t->nbody, m->marker[marker].body);
 }
 
-static void lay_ground(jo_link_work *ground)
+/* axes, position, velocity and acceleration of the ground */
+static void set_ground(jo_link_work *ground)
 {
-    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_load(NO_TURN + 3 * i);
-    ground->p = ground->w = ground->v = ground->w0 = ground->av = ground->aw = jo_vec_zero();
+    for (int i = 0; i < 3; i++) ground->A[i] = jo_vec_load(IDENTITY + 3 * i);
+    ground->p = ground->w = ground->v = ground->bias_alpha = ground->a = ground->alpha = jo_vec_zero();
 }
 
+/* constants of the links, unit quaternions, and the lists of hinges, forces and loops */
 void jo_tree_setup(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    lay_ground(t->link);
+    set_ground(t->link);
     for (int i = 0; i < m->nlink; i++) {
         const int type = m->link[i].type;
         if (type == JO_LINK_BALL) t->x[m->link[i].x] = 1.0;
         if (type == JO_LINK_FREE || type == JO_LINK_BODY) t->x[m->link[i].x + 3] = 1.0;
     }
-    weigh_links(m, d);
+    set_link_constants(m, d);
+    /* hinges, driven links, links with other children than i + 1 */
     t->nhinge = t->ndriven = 0;
     for (int i = 0; i < m->nlink; i++) {
         if (m->link[i].type == JO_LINK_HINGE) t->hinge[t->nhinge++] = i;
         t->ndriven += m->link[i].driven >= 0;
         const int parent = m->link[i].parent;
-        if (parent >= 0 && (parent != i - 1 || m->link[i].type == JO_LINK_FIXED)) t->constants[parent].gathers = 1;
+        if (parent >= 0 && (parent != i - 1 || m->link[i].type == JO_LINK_FIXED)) t->constants[parent].has_branch = 1;
     }
+    /* coordinates and markers of force laws, except joint coordinates */
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         const int c = f->coordinate;
         if (c >= 0 && m->coordinate[c].link >= 0) continue;
-        if (c < 0 || !t->kept || t->away_coordinate[c]) note(t->coordinate, &t->ncoordinate, c);
-        note_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
-        note_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
-        if (c < 0 && f->body >= 0 && (!t->kept || t->away_body[f->body])) note(t->body, &t->nbody, f->body);
+        if (c < 0 || !t->nmaximal || t->inactive_coordinate[c]) add_unique(t->coordinate, &t->ncoordinate, c);
+        add_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
+        add_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
+        if (c < 0 && f->body >= 0 && (!t->nmaximal || t->inactive_body[f->body])) add_unique(t->body, &t->nbody, f->body);
     }
-    for (int i = 0; i < m->nloop; i++) {   /* their lines need their coordinates; other rows the links only */
+    /* loops: rows that are linear in coordinates read these; other rows read the links only */
+    for (int i = 0; i < m->nloop; i++) {
         const jo_joint *k = &m->joint[m->loop[i].joint];
         for (int l = 0; l < k->nline; l++)
             for (int j = 0; j < m->line[k->line + l].count; j++)
-                note(t->coordinate, &t->ncoordinate, m->line[k->line + l].coordinate[j]);
-        for (int s = 0; k->nline && s < k->nside; s++) note_marker(m, t, k->side[s]);
+                add_unique(t->coordinate, &t->ncoordinate, m->line[k->line + l].coordinate[j]);
+        for (int s = 0; k->nline && s < k->nside; s++) add_marker(m, t, k->side[s]);
     }
-    t->direct = 1;
+    t->counts_joint_angles = 1;
     for (int i = 0; i < m->ncoordinate; i++)
-        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(t->kept && !t->away_coordinate[i])) t->direct = 0;
+        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(t->nmaximal && !t->inactive_coordinate[i]))
+            t->counts_joint_angles = 0;
 }
 
-/* ---- positions and velocities by the joint coordinates ------------------------------------------ */
+/* ---- positions and velocities from joint coordinates --------------------------------------------- */
 
-/* A, l, p, w, v of all links */
+/* orientation A, vector l, position p, angular velocity w, velocity v of all links:
+ * p = p_lambda + l, w = w_lambda + S qd, v = v_lambda + S qd + w_lambda x l */
 void jo_tree_kinematics(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nlink; i++) {
@@ -198,40 +209,40 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
         jo_link_work *w = &d->tree.link[i + 1];
         const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
         const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u, *e = free ? x + 3 : x;
-        jo_vec B[3], slid = jo_vec_zero();
-        for (int j = 0; j < 3; j++) B[j] = jo_vec_mix(p->A, c->K + 3 * j);
-        w->l = jo_vec_mix(p->A, c->l);
+        jo_vec B[3], slide_rate = jo_vec_zero();
+        for (int j = 0; j < 3; j++) B[j] = jo_vec_mat_mul(p->A, c->K + 3 * j);
+        w->l = jo_vec_mat_mul(p->A, c->l);
         w->w = p->w;
         for (int j = 0; j < 3; j++) w->A[j] = B[j];
         if (k->type == JO_LINK_HINGE) {
             const jo_real cosine = jo_cos(x[0]), sine = jo_sin(x[0]);
-            w->A[0] = jo_vec_with(jo_vec_scale(cosine, B[0]), sine, B[1]);
-            w->A[1] = jo_vec_less(jo_vec_scale(cosine, B[1]), jo_vec_scale(sine, B[0]));
-            w->w = jo_vec_with(p->w, u[0], B[2]);
+            w->A[0] = jo_vec_axpy(jo_vec_scale(cosine, B[0]), sine, B[1]);
+            w->A[1] = jo_vec_sub(jo_vec_scale(cosine, B[1]), jo_vec_scale(sine, B[0]));
+            w->w = jo_vec_axpy(p->w, u[0], B[2]);
         } else if (k->type == JO_LINK_SLIDE) {
-            w->l = jo_vec_with(w->l, x[0], B[2]);
-            slid = jo_vec_scale(u[0], B[2]);
+            w->l = jo_vec_axpy(w->l, x[0], B[2]);
+            slide_rate = jo_vec_scale(u[0], B[2]);
         } else if (k->type == JO_LINK_BALL || free) {
             jo_real R[9];
             jo_rotation(R, e);
             for (int j = 0; j < 3; j++) {
                 const jo_real column[3] = {R[j], R[3 + j], R[6 + j]};
-                w->A[j] = jo_vec_mix(B, column);
+                w->A[j] = jo_vec_mat_mul(B, column);
             }
-            w->w = jo_vec_add(p->w, jo_vec_mix(w->A, free ? u + 3 : u));
+            w->w = jo_vec_add(p->w, jo_vec_mat_mul(w->A, free ? u + 3 : u));
         }
         if (free) {
             w->l = jo_vec_load(x);
-            slid = jo_vec_load(u);
+            slide_rate = jo_vec_load(u);
         }
         w->p = jo_vec_add(p->p, w->l);
-        w->v = jo_vec_add(jo_vec_add(p->v, slid), jo_vec_cross(p->w, w->l));
+        w->v = jo_vec_add(jo_vec_add(p->v, slide_rate), jo_vec_cross(p->w, w->l));
     }
 }
 
-/* rates v (nv) of the bodies that belong to rates (nu) of the joints where the links stand now; their own are left alone */
-void jo_tree_spread(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v)
-{   /* in Uf and Ut, which nobody needs any more */
+/* velocities v (nv) of the bodies at joint rates `rate` (nu) and the present orientations; the velocities of the links do not change */
+void jo_tree_body_rates(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v)
+{   /* Uf, Ut are free after an evaluation: work space for velocity and angular velocity */
     jo_link_work *link = d->tree.link;
     link->Ut = link->Uf = jo_vec_zero();
     for (int i = 0; i < m->nlink; i++) {
@@ -242,34 +253,34 @@ void jo_tree_spread(const jo_model *m, jo_data *d, const jo_real *rate, jo_real 
         const jo_real *u = rate + k->u;
         w->Ut = p->Ut;
         w->Uf = jo_vec_add(p->Uf, jo_vec_cross(p->Ut, w->l));
-        if (k->type == JO_LINK_HINGE) w->Ut = jo_vec_with(w->Ut, u[0], w->A[2]);
-        if (k->type == JO_LINK_SLIDE) w->Uf = jo_vec_with(w->Uf, u[0], w->A[2]);
-        if (k->type == JO_LINK_BALL) w->Ut = jo_vec_add(w->Ut, jo_vec_mix(w->A, u));
+        if (k->type == JO_LINK_HINGE) w->Ut = jo_vec_axpy(w->Ut, u[0], w->A[2]);
+        if (k->type == JO_LINK_SLIDE) w->Uf = jo_vec_axpy(w->Uf, u[0], w->A[2]);
+        if (k->type == JO_LINK_BALL) w->Ut = jo_vec_add(w->Ut, jo_vec_mat_mul(w->A, u));
         if (k->type == JO_LINK_FREE) {
             w->Uf = jo_vec_load(u);
-            w->Ut = jo_vec_mix(w->A, u + 3);
+            w->Ut = jo_vec_mat_mul(w->A, u + 3);
         }
         if (k->body < 0) continue;
         jo_real *y = v + m->body[k->body].iv, local[3];
-        jo_vec_store(y, jo_vec_add(w->Uf, jo_vec_cross(w->Ut, jo_vec_mix(w->A, c->c))));
-        jo_vec_store(local, jo_vec_across(w->A, w->Ut));
+        jo_vec_store(y, jo_vec_add(w->Uf, jo_vec_cross(w->Ut, jo_vec_mat_mul(w->A, c->c))));
+        jo_vec_store(local, jo_vec_mat_tmul(w->A, w->Ut));
         jo_mul3(y + 3, axes_of(m, k->inner), local);
     }
 }
 
-/* ---- the joint coordinates by positions and velocities ------------------------------------------- */
+/* ---- joint coordinates from positions and velocities --------------------------------------------- */
 
-/* a marker of a body or of the ground as q and v have it; matrices by rows */
+/* position, orientation (by rows), velocity and angular velocity of a marker from q and v, world frame */
 typedef struct { jo_real r[3], A[9], v[3], w[3]; } frame;
 
-static void frame_at(const jo_model *m, const jo_data *d, int body, int marker, frame *y)
+static void marker_frame(const jo_model *m, const jo_data *d, int body, int marker, frame *y)
 {
     jo_real A[9], arm[3];
     if (body < 0) {
         for (int i = 0; i < 9; i++) y->A[i] = axes_of(m, marker)[i];
         jo_set3(y->r, origin_of(m, marker));
-        jo_set3(y->v, NOWHERE);
-        jo_set3(y->w, NOWHERE);
+        jo_set3(y->v, ORIGIN);
+        jo_set3(y->w, ORIGIN);
         return;
     }
     const jo_real *q = d->q + m->body[body].iq, *v = d->v + m->body[body].iv;
@@ -283,8 +294,8 @@ static void frame_at(const jo_model *m, const jo_data *d, int body, int marker, 
     jo_add3(y->v, v);
 }
 
-/* a hinge angle, counted on from where its coordinate or itself was */
-static jo_real nearest(const jo_model *m, const jo_data *d, const jo_link *k, int link, jo_real angle)
+/* hinge angle + multiple of 2 pi, nearest to the counted angle of its coordinate or to the present joint coordinate, rad */
+static jo_real nearest_angle(const jo_model *m, const jo_data *d, const jo_link *k, int link, jo_real angle)
 {
     jo_real near = d->tree.x[k->x];
     for (int i = 0; i < m->ncoordinate; i++)
@@ -292,19 +303,21 @@ static jo_real nearest(const jo_model *m, const jo_data *d, const jo_link *k, in
     return angle + 2.0 * JO_PI * jo_floor((near - angle) / (2.0 * JO_PI) + 0.5);
 }
 
+/* column i of a matrix by rows */
 static void axis(jo_real *y, const jo_real *A, int i) { y[0] = A[i]; y[1] = A[3 + i]; y[2] = A[6 + i]; }
 
-/* angle about z of o at which its x has become `to`, and its rate at the relative angular velocity w */
+/* hinge: angle about z of o from x of o to the axis `to`, and rate = about . w with the relative angular velocity w */
 static void read_hinge(const jo_model *m, jo_data *d, int link, const jo_real *to, const frame *o, const jo_real *about, const jo_real *w)
 {
     const jo_link *k = &m->link[link];
     jo_real x[3], y[3];
     axis(x, o->A, 0);
     axis(y, o->A, 1);
-    d->tree.x[k->x] = nearest(m, d, k, link, jo_arc_tangent(jo_dot3(to, y), jo_dot3(to, x)));
+    d->tree.x[k->x] = nearest_angle(m, d, k, link, jo_arc_tangent(jo_dot3(to, y), jo_dot3(to, x)));
     d->tree.u[k->u] = jo_dot3(about, w);
 }
 
+/* ball: quaternion x of R = A_o^T A_f, rates u = A_f^T w */
 static void read_ball(jo_real *x, jo_real *u, const frame *o, const frame *f, const jo_real *w)
 {
     jo_real R[9], e[4];
@@ -315,7 +328,7 @@ static void read_ball(jo_real *x, jo_real *u, const frame *o, const frame *f, co
     for (int i = 0; i < 4; i++) x[i] = e[i];
 }
 
-/* the motions of one joint between frames o and f: one link, or two where the first has no body */
+/* coordinates and rates of one joint between frames o and f: one link, or two if the first has no body (cylindrical, universal) */
 static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o, const frame *f)
 {
     const jo_link *k = &m->link[first];
@@ -325,7 +338,7 @@ static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o,
     axis(z, o->A, 2);
     axis(zf, f->A, 2);
     axis(xf, f->A, 0);
-    if (k->type == JO_LINK_SLIDE) {
+    if (k->type == JO_LINK_SLIDE) {   /* x = z . r, u = z . (v - w_o x r); cylindrical: then the angle about z */
         jo_set3(r, f->r);
         jo_sub3(r, o->r);
         jo_set3(v, f->v);
@@ -336,7 +349,7 @@ static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o,
         d->tree.u[k->u] = jo_dot3(z, v);
         if (k->body < 0) read_hinge(m, d, first + 1, xf, o, z, w);
     } else if (k->type == JO_LINK_HINGE && k->body < 0) {   /* universal */
-        frame cross = *o;   /* whose x and y are y and z of the one between, with z of f */
+        frame cross = *o;   /* x = z_o x z_f, y = z_o, z = z_f: axes of the link between */
         read_hinge(m, d, first, zf, o, z, w);
         jo_cross(t, z, zf);
         for (int i = 0; i < 3; i++) {
@@ -352,7 +365,8 @@ static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o,
     }
 }
 
-void jo_tree_read(const jo_model *m, jo_data *d)
+/* x, u of all links from q, v */
+void jo_tree_read_maximal_state(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
@@ -365,8 +379,8 @@ void jo_tree_read(const jo_model *m, jo_data *d)
         }
         if (k->type == JO_LINK_FIXED) continue;
         frame o, f;
-        frame_at(m, d, m->marker[k->outer].body, k->outer, &o);
-        frame_at(m, d, last->body, last->inner, &f);
+        marker_frame(m, d, m->marker[k->outer].body, k->outer, &o);
+        marker_frame(m, d, last->body, last->inner, &f);
         read_joint(m, d, i, &o, &f);
         if (last != k) i++;
     }
