@@ -2,6 +2,7 @@
 #ifndef JO_DATA_H
 #define JO_DATA_H
 
+#include "valid_data.h"
 #include "maximal/maximal_data.h"
 #include "newton/newton_data.h"
 #include "force/force_data.h"
@@ -12,6 +13,8 @@
 #include <stddef.h>
 
 struct jo_data {
+    jo_valid valid;
+    jo_split split;
     jo_real time[1];
     jo_work work, power;    /* so far, and the rates at the last evaluation */
     jo_work power0;         /* rates at the start of the last step, whose half is not yet in work */
@@ -47,7 +50,6 @@ struct jo_data {
 
     char *state;            /* q .. happened and what methods remember, one block of state_bytes */
     size_t state_bytes;
-    int restart;            /* forces jumped: methods with a memory start anew, and set it to 0 */
     jo_kept kept;
     jo_model metered;       /* the model with the metered sensors only */
     jo_real *reading;       /* (nout) their values */
@@ -58,13 +60,12 @@ struct jo_data {
     double *level, *below, *above, *trial, *scale;   /* (jo_watched) value less threshold, margin: at the start of the step, at the ends
                                                       * of the interval in which a crossing lies, between; change in the step */
     int *side;              /* (jo_watched) sign of the value, 0: starts at the threshold */
-    int watching, demanding;   /* level and side are valid; watched sensors need accelerations */
+    int demanding;          /* watched sensors need accelerations */
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
     double left;            /* time at the end of the last call */
-    struct { jo_real start; double step; long long count; int valid; } grid;   /* of the instants of jo_run, and its last call */
+    struct { jo_real start; double step; long long count; } grid;   /* of the instants of jo_run, and its last call */
     jo_counts counts;
-    int regular;            /* S is regularised */
     jo_pair_plan *pairs;
     jo_pull_plan *pulls;
     jo_real **hubs;         /* (nhub) diagonal blocks of the hubs */
@@ -78,22 +79,16 @@ struct jo_data {
     jo_real *gram[2];       /* (npair x 36) */
     double gh;              /* g h of set 1 */
     jo_weights weights;     /* with which an implicit step factored N */
-    int factored;           /* N holds factors */
-    int softened;           /* those of the matrix with jo_joint_work.soft */
     double aged;            /* rad, by which a body has turned since then, at most */
     jo_real *base, *base_lam;   /* (nv), (nrow) accelerations and multipliers that coupled_mass.c starts from */
     jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping of beams that ROS2 keeps */
     jo_real *lag, *sum;     /* (nv) what beams lag behind in an implicit stage; scratch */
-    int *started;           /* (1) implicit method: the arrays below belong to the state end_q, end_v */
     jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. at the end of its step */
     jo_real *end_time;      /* (1) */
     jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     int *pivot;             /* (nv + nrow) */
     double *unit, *unit_of_row;   /* (nv + nrow) of the unknowns of N, and as the rows of a node lie while they are exchanged */
-    int current;            /* bodies and active markers stand at the present q, v */
-    int fresh;              /* a and lam belong to the present time, q, v and set 0 */
-    int again;              /* they did before the caller could change the state */
     int error_index;
     void *arena;
 };
@@ -137,12 +132,6 @@ static inline int jo_absent(const jo_data *d, const jo_joint *k)
 {
     return (k->lock >= 0 && !d->locked[k->lock]) || jo_released(d, k->release);
 }
-
-/* what the core in q and v leaves out now, because joint coordinates carry it */
-static inline int jo_body_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_body[i]; }
-static inline int jo_marker_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_marker[i]; }
-static inline int jo_coordinate_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_coordinate[i]; }
-static inline int jo_joint_inactive(const jo_data *d, int i) { return d->tree.hybrid && d->tree.inactive_joint[i]; }
 
 /* whether rows of joints and joint coordinates run a model together */
 static inline int jo_mixed(const jo_model *m) { return m->nlink && m->link->type == JO_LINK_BODY; }

@@ -1,4 +1,5 @@
 /* force_table.c - the table of forces: what the file of each kind defines; see force.h. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
 
@@ -64,7 +65,7 @@ void jo_start_states(const jo_model *m, jo_data *d)
     jo_real unused[2];
     jo_residuals(m, d, unused);   /* markers and coordinates stand and move as q and v say */
     jo_coordinates_rate(m, d, m->ncoordinate);
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         if (f->state >= 0) table[f->type]->start(m, d, f, jo_states(m, d) + f->state);

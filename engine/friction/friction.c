@@ -4,6 +4,7 @@
  * that f and the multipliers are found together. Sticking: the coordinate is held by a row of a joint of its own, whose
  * multiplier is the force of the static friction, limited by mu_static N (eq. S39-S40).
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction_law.h"
 #include "tree/tree.h"
@@ -21,7 +22,7 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
 
 void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
-    if (d->tree.active) jo_tree_joint_reaction(m, d, f, 0, y);
+    if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, f, 0, y);
     else jo_friction_reaction(m, d, f, d->lam, y);
 }
 
@@ -172,7 +173,7 @@ void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f,
 {
     const jo_joint *k = &m->joint[f->lock];
     y[1] = 0.0;
-    if (d->tree.active) {
+    if (jo_tree_active(d)) {
         jo_tree_sticking_force(m, d, f, y);
         return;
     }

@@ -3,6 +3,7 @@
  * The multipliers are linear in the forces, so that with a few of them what a unit of each adds to the reactions is worked
  * out once, and an iteration costs some products; with more the factors solve for each change of all forces.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "friction/friction_law.h"
@@ -72,7 +73,7 @@ static void free_change(const jo_model *m, const jo_data *d, int set, int joint,
 /* joint[].x = the change of the multipliers by the change f of the friction; on a tree the links have it */
 static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
-    if (d->tree.active) {
+    if (jo_tree_active(d)) {
         jo_tree_friction_response(m, d, f);
         return;
     }
@@ -94,7 +95,7 @@ static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const 
 /* lam += the change in joint[].x, or = */
 static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 {
-    if (d->tree.active) return;
+    if (jo_tree_active(d)) return;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++, lam++) *lam = d->joint[i].x[r] + (add ? *lam : 0.0);
 }
@@ -102,7 +103,7 @@ static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 /* the reaction of a slider's joint that belongs to the last response, whose multipliers are lam */
 static void change_of(const jo_model *m, const jo_data *d, const jo_slider *s, const jo_real *lam, jo_real *y)
 {
-    if (d->tree.active) jo_tree_joint_reaction(m, d, &m->friction[s->friction], 1, y);
+    if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, &m->friction[s->friction], 1, y);
     else jo_friction_reaction(m, d, &m->friction[s->friction], lam, y);
 }
 
@@ -112,7 +113,7 @@ static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_mixing *w = &d->mixing;
     w->sliders = w->n = 0;
     take(m, d, d->lam, 0);
-    if (d->tree.active) jo_tree_update_slips(m, d);
+    if (jo_tree_active(d)) jo_tree_update_slips(m, d);
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
         jo_slider *s = &w->slider[w->sliders];
@@ -160,7 +161,7 @@ static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, c
         jo_real before[6];
         for (int j = 0; j < 6; j++) before[j] = s->y[j];
         change_of(m, d, s, d->lam, s->y);
-        for (int j = 0; j < 6 && d->tree.active; j++) s->y[j] += before[j];   /* lam has the sum already */
+        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* lam has the sum already */
     }
 }
 
@@ -285,7 +286,7 @@ static int failed(jo_data *d)
 static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_mixing *w = &d->mixing;
-    if (d->tree.active) {
+    if (jo_tree_active(d)) {
         jo_tree_apply_friction(m, d);
         return;
     }

@@ -1,4 +1,5 @@
 /* friction_switch.c - frictions that begin and end to stick: what cannot hold lets go, what comes to rest holds if it can. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction_law.h"
 #include "tree/tree.h"
@@ -18,7 +19,7 @@ static void let_go(const jo_model *m, jo_data *d, int i)
     for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
     d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
     *lock_of(m, d, f) = 0;
-    d->restart = 1;
+    jo_forces_jumped(d);
 }
 
 /* friction i holds its coordinates where they are */
@@ -29,7 +30,7 @@ static void hold(const jo_model *m, jo_data *d, int i)
         d->held[2 * m->joint[f->lock].lock + k] = d->coordinate[jo_slip_of(f, k)].value;
     *lock_of(m, d, f) = 1;
     d->slip[i] = 0;
-    d->restart = 1;
+    jo_forces_jumped(d);
 }
 
 /* the velocities obey the rows that hold now; what they lose is lost to friction */
@@ -39,7 +40,7 @@ static int stop(const jo_model *m, jo_data *d)
     int status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_energy(m, d, &before);
-    if (d->tree.active) jo_tree_stop_sticking(m, d);
+    if (jo_tree_active(d)) jo_tree_stop_sticking(m, d);
     else jo_project(m, d, &jo_now);
     jo_energy(m, d, &after);
     d->work.friction += before.kinetic - after.kinetic;
@@ -54,7 +55,7 @@ static int pushed_back(const jo_model *m, const jo_data *d, int i)
     if (!f->law || jo_sticks(m, d, f) || !d->slip[i] || jo_slips(f) == 2) return 0;
     jo_friction_slip(m, d, f, s);
     if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
-    const jo_real second = d->tree.active ? jo_tree_slip_acceleration(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
+    const jo_real second = jo_tree_active(d) ? jo_tree_slip_acceleration(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
     return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
 }
 
@@ -79,7 +80,7 @@ static int release(const jo_model *m, jo_data *d)
         if (weakest >= 0) let_go(m, d, weakest);
         else if (back >= 0) hold(m, d, back);
         else break;
-        if (d->tree.active) jo_tree_hold_sticking(m, d);   /* at rest to round-off, now it stays there */
+        if (jo_tree_active(d)) jo_tree_hold_sticking(m, d);   /* at rest to round-off, now it stays there */
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
     }
@@ -101,7 +102,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         const jo_real speed = jo_length2(e[0], e[1]);
         if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSES * m->size) {   /* it turned past rest without coming to rest */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
-            d->restart = 1;
+            jo_forces_jumped(d);
             return jo_accelerations(m, d);
         }
         hold(m, d, i);

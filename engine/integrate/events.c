@@ -2,6 +2,7 @@
  *
  * Watched are first the events, sensor values less thresholds, then the margins within which frictions keep their state.
  * `side` tells on which side of zero each is; a margin is positive. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
 #include "integrate/integrate.h"
@@ -37,8 +38,7 @@ static void keep(jo_data *d)
     k->power0 = d->power0;
     k->drive = d->drive;
     k->waiting = d->waiting;
-    k->fresh = d->fresh;
-    k->restart = d->restart;
+    k->valid = jo_valid_now(d);
 }
 
 static void bring_back(jo_data *d)
@@ -51,10 +51,7 @@ static void bring_back(jo_data *d)
     d->power0 = k->power0;
     d->drive = k->drive;
     d->waiting = k->waiting;
-    d->fresh = k->fresh;
-    d->restart = k->restart;
-    d->current = 0;
-    d->tree.synced = JO_SYNC_NONE;
+    jo_step_repeated(d, &k->valid);
 }
 
 /* -- what is watched ------------------------------------------------------------------------ */
@@ -228,8 +225,8 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
             if (m->event[i].stop && *stop < 0) *stop = i;
         }
         if (d->logged == before) break;
-        d->fresh = d->current = 0;   /* forces are others now */
-        d->restart = 1;
+        jo_state_changed(d);   /* forces are others now */
+        jo_forces_jumped(d);
         memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
         const int status = values(m, d, d->above);
         if (status != JO_OK) return status;
@@ -253,7 +250,7 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
             last = i;
         }
     if (last < 0 || status != JO_OK) return status;
-    d->restart = 1;
+    jo_forces_jumped(d);
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
         if (d->slip[k] != before[k]) status = note(m, d, m->nevent + k, d->slip[k], chain);
     if (d->logged == logged && status == JO_OK && ++*chain > most(m)) {   /* back in its state, again and again */
@@ -268,7 +265,7 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     *stop = -1;
     /* the power until here, before forces jump */
-    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
+    int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_close_work(d);
     status = events_happen(m, d, stop, chain);
@@ -287,7 +284,7 @@ static int start(const jo_model *m, jo_data *d)
 {
     const int status = values(m, d, d->level);
     for (int i = 0; i < jo_watched(m); i++) d->side[i] = is_event(m, i) ? sign(d->level[i]) : 1;
-    d->watching = 1;
+    jo_levels_measured(d);
     return status;
 }
 
@@ -302,7 +299,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double end = s->step;
     double done = 0.0;
-    int chain = 0, first = !d->watching;
+    int chain = 0, first = !jo_levels_valid(d);
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
     if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > instant(d)) {
@@ -336,7 +333,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_event_keep(const jo_model *m, jo_data *d)
 {
-    const int status = d->watching ? JO_OK : start(m, d);
+    const int status = jo_levels_valid(d) ? JO_OK : start(m, d);
     keep(d);
     return status;
 }

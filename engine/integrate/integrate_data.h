@@ -3,13 +3,14 @@
 #define JO_INTEGRATE_DATA_H
 
 #include "small.h"
+#include "valid_data.h"
 
 /* What the start of a step was, to repeat it. */
 typedef struct {
     jo_real time, drive;
     jo_work work, power, power0;
     double waiting;
-    int fresh, restart;
+    jo_valid valid;
     char *state;            /* copy of the arrays */
 } jo_kept;
 
@@ -23,10 +24,8 @@ typedef struct {
     jo_work work;           /* at the start of the last step */
     long long tries;        /* since the last row */
     int shortened;          /* the last try was rejected */
-    int known;              /* a and power belong to the present state though it is not fresh */
     int found;              /* the last step ends at an event */
     int first;              /* no step yet: values at a threshold may leave it either way */
-    int measured;           /* the damage meters know the present state */
     int chain;              /* events since the last step without one */
     int status;             /* why it could not be evaluated, or JO_OK */
     int worst;              /* body with the largest error */

@@ -1,4 +1,5 @@
 /* result_row.c - one row of results: the state, its energies and residuals, counts, sensors and what methods remember. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
@@ -37,11 +38,11 @@ static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
 
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
-    int status = d->fresh ? JO_OK : jo_accelerations(m, d);
+    int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_close_work(d);
     jo_sync_all(m, d);
-    if (m->nlink && !d->tree.active && !jo_tree_matches_maximal_state(m, d)) jo_tree_read_maximal_state(m, d);
+    if (m->nlink && !jo_tree_active(d) && !jo_tree_matches_maximal_state(m, d)) jo_tree_read_maximal_state(m, d);
     *row++ = d->time[0];
     for (int i = 0; i < m->nq; i++) *row++ = d->q[i];
     for (int i = 0; i < m->nv; i++) *row++ = d->v[i];
@@ -64,7 +65,7 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 
 int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
-    d->current = d->fresh = 0;
+    jo_state_changed(d);
     int status = m->nlink && jo_tree_matches_maximal_state(m, d) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && m->nlock) status = jo_friction_settle(m, d);
     if (status == JO_OK) status = jo_measure(m, d);

@@ -1,4 +1,5 @@
 /* run.c - many steps of a fixed length, with the events on the way and the rows that are asked for. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
@@ -12,8 +13,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 /* the caller may have changed the state: what hangs on it is computed again */
 static void enter(jo_data *d)
 {
-    d->again = d->fresh;
-    d->current = d->fresh = 0;
+    jo_call_begins(d);
     d->logged = 0;
     if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
 }
@@ -47,7 +47,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
                long long *count, int *written, jo_real *rows)
 {
     const size_t size = (size_t)jo_row_size(m);
-    if (!d->grid.valid || d->grid.count != *count || d->grid.step != s->step)
+    if (!jo_grid_valid(d) || d->grid.count != *count || d->grid.step != s->step)
         d->grid.start = d->time[0] - instant(*count, s->step);
     for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
@@ -82,7 +82,7 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
     if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
     jo_tree_to_maximal(m, d);
     d->left = JO_COMMON(d->time[0]);
-    d->grid.valid = status == JO_OK;
+    jo_grid_left(d, status == JO_OK);
     d->grid.count = *count;
     d->grid.step = s->step;
     return status;

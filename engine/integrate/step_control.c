@@ -2,6 +2,7 @@
  *
  * Control as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "beam/beam.h"
@@ -16,7 +17,7 @@
 /* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
 static int closed(const jo_model *m, jo_data *d)
 {
-    if (d->tree.active) {
+    if (jo_tree_active(d)) {
         jo_tree_prescribe_motion(m, d);   /* interpolated they are off by the error of the method */
         return jo_tree_close_loops(m, d);
     }
@@ -28,7 +29,7 @@ static int closed(const jo_model *m, jo_data *d)
 /* a row at a time within the last step; the state stays at its end */
 static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
 {
-    const int known = d->fresh || d->control.known;
+    const int known = jo_accelerations_known(d);
     const jo_real time = d->time[0];
     const jo_work work = d->work;
     for (int i = 0; i < d->ny; i++) d->q1[i] = d->y[i];
@@ -36,7 +37,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     for (int i = 0; i < m->nrow; i++) d->lam1[i] = d->lam[i];
     jo_interpolate(m, d, (t - d->control.from) / d->control.length);
     d->time[0] = t;
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     int status = JO_OK;
     if (s->projection && m->njoint && !closed(m, d)) {
         status = jo_accelerations(m, d);
@@ -45,12 +46,12 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->v1[i];
-    d->tree.synced = JO_SYNC_NONE;
+    jo_positions_moved(d);
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
     d->work = work;
     d->time[0] = time;
     jo_recall_stage(d, 1);
-    d->control.known = known;
+    jo_stage_recalled(d, known);
     return status;
 }
 
@@ -99,7 +100,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_real *const defect[2] = {d->lag, d->sum};
-    if (d->tree.active) jo_tree_defects(m, d, defect[0], defect[1]);
+    if (jo_tree_active(d)) jo_tree_defects(m, d, defect[0], defect[1]);
     const double size = size_of(m), top = jo_larger(fastest(m, d), size / d->control.duration);
     double error = 0.0;
     for (int i = 0; i < m->nbody; i++) {
@@ -110,9 +111,9 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
             const int at = k * d->nw + b->iv;
-            e[3 * k] = d->tree.active ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
-            e[3 * k + 1] = d->tree.active ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
-            e[3 * k + 2] = d->tree.active ? 0.0 : jo_defect(d, at + 6, b->n);
+            e[3 * k] = jo_tree_active(d) ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
+            e[3 * k + 1] = jo_tree_active(d) ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
+            e[3 * k + 2] = jo_tree_active(d) ? 0.0 : jo_defect(d, at + 6, b->n);
         }
         scale[0] = jo_larger(s->tolerance * size, s->absolute);
         scale[1] = scale[0] / size;
@@ -184,7 +185,7 @@ static void withdraw(jo_data *d, double shorter)
 {
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i];
-    d->tree.synced = JO_SYNC_NONE;
+    jo_positions_moved(d);
     d->work = d->control.work;
     d->time[0] = d->control.from;
     jo_recall_stage(d, 0);
@@ -229,7 +230,7 @@ static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s
 static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
 {
     jo_control *c = &d->control;
-    if ((d->tree.active ? jo_tree_largest_rotation(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
+    if ((jo_tree_active(d) ? jo_tree_largest_rotation(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
         withdraw(d, 0.5 * x->h);
         return 0;
     }
@@ -264,14 +265,14 @@ static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x,
     c->shortened = 0;
     c->status = JO_OK;
     if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
-    if (x->broken) d->fresh = 0;
+    if (x->broken) jo_forces_break(d);
     d->counts.steps++;
-    if (m->nturn && d->tree.active) jo_tree_count_turns(m, d);
+    if (m->nturn && jo_tree_active(d)) jo_tree_count_turns(m, d);
     else if (m->nturn) jo_count_turns(m, d);
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* an event may have shortened the step */
     remember_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
-    c->measured = 0;
+    jo_damage_outdated(d);
     c->found = found;
     if (!found) c->chain = 0;
     return JO_OK;
@@ -284,7 +285,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
         return give_up(d);
     c->tries++;
-    int status = d->fresh || c->known ? JO_OK : jo_accelerations(m, d);
+    int status = jo_accelerations_known(d) ? JO_OK : jo_accelerations(m, d);
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
@@ -305,10 +306,10 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     static const jo_control clean = {0};
     jo_control *c = &d->control;
     *c = clean;
-    d->fresh = 0;
+    jo_control_begins(d);
     jo_restart(d);
     int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
-    if (status == JO_OK && !d->fresh) status = jo_accelerations(m, d);
+    if (status == JO_OK && !jo_accelerations_valid(d)) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_sync_all(m, d);
     for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
@@ -329,16 +330,17 @@ static int arrive(const jo_model *m, jo_data *d)
     const int found = c->found;
     c->found = 0;
     if (found) {
-        d->fresh = d->current = c->known = 0;   /* rows were written */
+        jo_state_changed(d);
+        jo_stage_forgotten(d);   /* rows were written */
         const int status = jo_event_happen(m, d, &c->chain);
         if (status != JO_OK && status != JO_EVENT) return status;
         const int event = d->error_index, failed = jo_measure(m, d);
-        c->measured = 1;
+        jo_damage_counted(d);
         d->error_index = failed == JO_OK ? event : d->error_index;
         return failed == JO_OK ? status : failed;
     }
-    if (c->measured) return JO_OK;
-    c->measured = 1;
+    if (jo_damage_valid(d)) return JO_OK;
+    jo_damage_counted(d);
     return jo_measure(m, d);
 }
 

@@ -5,6 +5,7 @@
  * group. A step is projected before its last stage is evaluated there: what the error is estimated with is the
  * first stage of the next step.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
@@ -73,8 +74,7 @@ void jo_recall_stage(jo_data *d, int last)
     jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(d);
     for (int i = 0; i < d->nw; i++) d->wd[i] = x[d->nw + i];
     d->power = *work_of(d, x);
-    d->fresh = d->current = 0;
-    d->control.known = 1;
+    jo_stage_recalled(d, 1);
 }
 
 /* what is prescribed at the end of a step on a tree, its loops closed, and the increments that this makes */
@@ -92,11 +92,11 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     const int nv = d->nw, nk = width(d);
     const jo_real t0 = d->time[0];
     jo_control *c = &d->control;
-    if (!d->fresh && !c->known) {
+    if (!jo_accelerations_known(d)) {
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
     }
-    c->known = 0;
+    jo_stage_forgotten(d);
     for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
     for (int i = 0; i < nv; i++) d->v0[i] = d->w[i];
     c->work = d->work;
@@ -110,16 +110,16 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         }
         jo_move(m, d, d->dq);
         d->time[0] = k < 5 ? t0 + NODE[k] * h : seen + (t0 - JO_RE(t0));
-        d->fresh = d->current = 0;
+        jo_state_changed(d);
         if (k == JO_STAGES - 1) {   /* the new state */
             int status = jo_check(m, d);
             if (status != JO_OK) return status;
-            if (s->projection && !d->tree.active) {
+            if (s->projection && !jo_tree_active(d)) {
                 jo_project(m, d, &jo_now);
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
-            if (d->tree.active) end_on_tree(m, d, s);
+            if (jo_tree_active(d)) end_on_tree(m, d, s);
             else jo_increments(m, d->dq, d->q0, d->q);
         }
         const int status = jo_evaluate(m, d, &jo_now);
@@ -136,7 +136,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     *work_of(d, d->change) = d->work;
     jo_add_work(work_of(d, d->change), -1.0, &c->work);
     d->time[0] = t0 + h;
-    d->fresh = 1;
+    jo_accelerations_found(d, 1);
     return JO_OK;
 }
 

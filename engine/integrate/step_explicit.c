@@ -2,6 +2,7 @@
  *
  * Positions move by increments [R' h, theta, p' h] from the start of the step; orientations are e o exp(theta).
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "tree/tree.h"
@@ -36,12 +37,12 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
             jo_move(m, d, d->rate);
             d->time[0] = t0 + node[k] * h;
         }
-        if (k || !d->fresh || baumgarte) {
+        if (k || !jo_accelerations_valid(d) || baumgarte) {
             int status = jo_evaluate(m, d, stage);
             if (status != JO_OK) return status;
-            if (!k && d->again && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
+            if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
-        d->again = 0;
+        jo_first_stage_done(d);
         if (k) jo_move_rate(m, d, d->rate, d->rate);
         gather(d, k, weight[k] * h, k < 3 ? node[k + 1] * h : 0.0);
         jo_add_work(&d->work, weight[k] * h, &d->power);
@@ -134,23 +135,23 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     int status;
     d->counts.steps++;
-    d->control.known = 0;
+    jo_stage_forgotten(d);
     d->control.length = s->step;
     if (s->method == JO_DOPRI) status = jo_step_dopri(m, d, s, s->step, JO_COMMON(d->time[0]) + s->step);
     else {
         const int implicit = s->method == JO_ALPHA;
         jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
         status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
-        d->fresh = d->current = 0;
-        if (implicit) d->fresh = status == JO_OK && m->redundant <= 0;   /* it knows a and lam, but not those of least norm */
-        else if (status == JO_OK && d->tree.active) {   /* what is prescribed, and loops; nothing else has to be kept */
+        jo_state_changed(d);
+        if (implicit) jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);   /* it knows a and lam, but not those of least norm */
+        else if (status == JO_OK && jo_tree_active(d)) {   /* what is prescribed, and loops; nothing else has to be kept */
             jo_tree_prescribe_motion(m, d);
-            if (s->projection && d->tree.nmaximal) jo_project(m, d, &stage);
+            if (s->projection && jo_nmaximal(d)) jo_project(m, d, &stage);
             else if (s->projection) jo_tree_close_loops(m, d);
         } else if (status == JO_OK && s->projection) jo_project(m, d, &stage);
     }
     if (status != JO_OK) return status;
-    if (d->tree.active) {
+    if (jo_tree_active(d)) {
         if (m->nturn) jo_tree_count_turns(m, d);
     } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);

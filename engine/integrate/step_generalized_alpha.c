@@ -9,6 +9,7 @@
  * Newton's unknowns are changes of a1 and lam1; scaled so, no term of the matrix grows as the step shrinks
  * (Bottasso, Bauchau and Cardona 2007).
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "beam/beam.h"
@@ -81,7 +82,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double shift = s->alpha_m - s->alpha_f, ahead = fabs(shift) * s->step;
     const jo_real t0 = d->time[0];
-    d->current = 0;
+    jo_kinematics_used(d);
     int status = jo_evaluate(m, d, &jo_now);
     if (status != JO_OK) return status;
     d->power0 = d->power;
@@ -120,7 +121,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
 /* whether the state is the one that the last step left */
 static int continues(const jo_model *m, const jo_data *d, double h)
 {
-    if (!*d->started || d->restart || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
+    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
     for (int i = 0; i < m->nq; i++)
         if (d->q[i] != d->end_q[i]) return 0;
     for (int i = 0; i < d->nw; i++)
@@ -158,7 +159,7 @@ static int factors(const jo_model *m, jo_data *d, const jo_stage *stage)
         status = jo_newton_assemble(m, d, stage);
         if (status == JO_OK) status = jo_newton_factor(m, d, 1);
     }
-    d->factored = status == JO_OK;
+    jo_newton_factored(d, status == JO_OK);
     d->aged = 0.0;
     return status;
 }
@@ -180,7 +181,7 @@ static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, 
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
             else {
                 x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
-                if (first && d->softened) x[r] += w->soft[r] * lam;   /* least norm anew at every step */
+                if (first && jo_newton_soft(d)) x[r] += w->soft[r] * lam;   /* least norm anew at every step */
             }
         }
     }
@@ -240,7 +241,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         int status = jo_residual_at(m, d, stage, d->acc);
         if (status != JO_OK) return status;
         d->counts.evaluations++;
-        const int renewed = !JO_KEEP || !s->modified || !d->factored;
+        const int renewed = !JO_KEEP || !s->modified || !jo_newton_valid(d);
         if (renewed) status = factors(m, d, stage);
         if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
         if (status != JO_OK) return status;
@@ -271,7 +272,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF * work)) {
             if (++after == JO_AFTER) return JO_OK;
         }
-        if (s->modified && !renewed && k && gain > JO_SLOW) d->factored = 0;
+        if (s->modified && !renewed && k && gain > JO_SLOW) jo_newton_outdated(d);
         before = size;
         if (damped && after < 0) {
             const double share = shorten(m, d, s, stage, size);
@@ -322,7 +323,7 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
             else largest[0] = jo_joint_residual(m, d);   /* bodies and markers stand at q */
             const double gap = JO_RE(largest[velocity]);
             if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
-            if (d->aged > (d->softened ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
+            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
                 const int status = factors(m, d, stage);
                 if (status != JO_OK) return status;
             }
@@ -382,13 +383,12 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
                                 !s->projection, s->plain_inertia};
     if (!continues(m, d, h)) {
-        *d->started = d->factored = 0;
-        d->restart = 0;
+        jo_history_begins(d);
         const int status = restart(m, d, s);
         if (status != JO_OK) return status;
     }
     if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
-        || old.plain != weights.plain) d->factored = 0;
+        || old.plain != weights.plain) jo_newton_outdated(d);
     d->weights = weights;
     const jo_stage stage = {.weights = weights};
     const jo_real t0 = d->time[0];
@@ -403,7 +403,8 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     const int tries = s->tolerance > 0.0 ? 2 : 1;
     for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
         jo_solver exact = *s;
-        exact.modified = d->factored = 0;
+        exact.modified = 0;
+        jo_newton_outdated(d);
         d->counts.singular = passed;   /* singular positions of a path that is not taken */
         predict(m, d, s);
         status = newton(m, d, &exact, &stage, damped);
@@ -423,12 +424,12 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
         for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];
         d->time[0] = t0;
-        *d->started = d->factored = 0;
+        jo_history_lost(d);
         return status;
     }
     for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
     for (int i = 0; i < d->nw; i++) d->end_v[i] = d->v[i];
     *d->end_time = d->time[0];
-    *d->started = 1;
+    jo_history_written(d);
     return JO_OK;
 }

@@ -3,6 +3,7 @@
  * Force F and torque T (world) at a marker: Q_R = F, Q_w = u x A^T F + A^T T, Q_p = Phi^T A^T F + (T(theta) Psi)^T A^T T
  * (Rantalainen 2007, eq. 3.68-3.83, corrected).
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 
 /* add force F and torque T (world) at the marker, which is not on ground, to the forces fr and fp of its body */
@@ -70,7 +71,7 @@ static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int link = m->coordinate[coordinate].link;
-    if (!d->tree.active || link < 0) both_ends(m, d, coordinate, f, jo_push);
+    if (!jo_tree_active(d) || link < 0) both_ends(m, d, coordinate, f, jo_push);
     else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
 }
 

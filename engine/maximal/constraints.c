@@ -4,6 +4,7 @@
  * sum f_i s_i - offset - signal(t) = 0 of coordinates, whose right-hand side may depend on time (eq. 3.84-3.89).
  * Multipliers: M a + Cq^T lam = Q, so the joint acts with -Cq^T lam on the bodies.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
 

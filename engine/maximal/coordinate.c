@@ -3,6 +3,7 @@
  * s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b and s'' = the same with accelerations + bias, exactly:
  * every user of a coordinate gets position, velocity, acceleration and virtual work from one formula.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }

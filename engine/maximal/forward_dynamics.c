@@ -1,4 +1,5 @@
 /* forward_dynamics.c - accelerations and multipliers of the whole mechanism, and the projection onto its constraints. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -19,17 +20,17 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
 /* poses, velocities, inertia and forces at time, q, v */
 static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    if (d->tree.hybrid) {
+    if (jo_in_hybrid(d)) {
         jo_hybrid_update_bodies(m, d);
-    } else if (!d->current) {
+    } else if (!jo_kinematics_valid(d)) {
         jo_refresh(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
-    d->current = 0;
+    jo_kinematics_used(d);
     for (int i = 0; i < m->nbody; i++)
         if (!jo_body_inactive(d, i)) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);
     if (m->ncoordinate) jo_coordinates_rate(m, d, m->ncoordinate);
-    if (d->tree.hybrid) return jo_hybrid_condense(m, d, stage);
+    if (jo_in_hybrid(d)) return jo_hybrid_condense(m, d, stage);
     const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
     if (status != JO_OK || !m->nbeam) return status;
     return jo_beam_forces(m, d, stage->second ? d->base : 0);
@@ -40,7 +41,7 @@ static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
         if (jo_body_inactive(d, i)) continue;
-        const int carries = d->tree.hybrid && d->body[i].carried;
+        const int carries = jo_in_hybrid(d) && d->body[i].carried;
         const int status = carries ? jo_hybrid_factor_body(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
         if (status != JO_OK) {
             d->error_index = i;
@@ -99,7 +100,7 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_set3(a + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
     }
-    if (d->tree.hybrid) jo_hybrid_forward_pass_2(m, d);
+    if (jo_in_hybrid(d)) jo_hybrid_forward_pass_2(m, d);
     return JO_OK;
 }
 
@@ -107,40 +108,38 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
-    if (d->tree.active && !d->tree.nmaximal) status = jo_tree_evaluate(m, d, stage);
+    if (jo_tree_active(d) && !jo_nmaximal(d)) status = jo_tree_evaluate(m, d, stage);
     else {
-        d->tree.hybrid = d->tree.active;
+        jo_hybrid_begins(d);
         status = evaluate(m, d, stage);
-        d->tree.hybrid = 0;
+        jo_hybrid_ends(d);
     }
-    if (m->nstate && stage->set && d->tree.active && status == JO_OK) jo_tree_implicit_state_rates(m, d, stage);
+    if (m->nstate && stage->set && jo_tree_active(d) && status == JO_OK) jo_tree_implicit_state_rates(m, d, stage);
     return status;
 }
 
 /* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
 void jo_sync_all(const jo_model *m, jo_data *d)
 {
-    const int known = !d->tree.active || d->tree.synced == JO_SYNC_ALL;
+    const int known = !jo_tree_active(d) || jo_sync_valid(d, JO_SYNC_ALL);
     jo_sync_maximal_state(m, d, JO_SYNC_ALL);
-    if (known || !(m->nloop || d->tree.nmaximal) || m->redundant <= 0) return;
+    if (known || !(m->nloop || jo_nmaximal(d)) || m->redundant <= 0) return;
     const jo_work power = d->power;
     const jo_real drive = d->drive;
     const jo_counts counts = d->counts;
-    const int current = d->current;
-    d->current = d->tree.active = 0;
+    const jo_valid before = jo_detour_begins(d);
     jo_evaluate(m, d, &jo_now);
-    d->tree.active = 1;
     d->power = power;
     d->drive = drive;
     d->counts = counts;
-    d->current = current;
+    jo_detour_ends(d, &before);
 }
 
 int jo_accelerations(const jo_model *m, jo_data *d)
 {
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     int status = jo_evaluate(m, d, &jo_now);
-    d->fresh = status == JO_OK;
+    jo_accelerations_found(d, status == JO_OK);
     return status;
 }
 
@@ -148,7 +147,7 @@ int jo_accelerations(const jo_model *m, jo_data *d)
 int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot)
 {
     const jo_stage stage = {.alpha = alpha, .beta = beta};
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     const int status = jo_evaluate(m, d, &stage);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
@@ -167,14 +166,14 @@ int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *
  * velocities */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
 {
-    if (demanding && !d->fresh) {
+    if (demanding && !jo_accelerations_valid(d)) {
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
         jo_close_work(d);
-    } else if (!d->current && !(demanding && d->tree.active)) {
+    } else if (!jo_kinematics_valid(d) && !(demanding && jo_tree_active(d))) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
-        d->current = !d->fresh;       /* what is fresh need not be evaluated again, and would leave this mark standing */
+        jo_kinematics_placed(d);
     }
     if (demanding) jo_sync_all(m, d);
     else jo_sync_maximal_state(m, d, JO_SYNC_STATE);
@@ -236,8 +235,8 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     enum { JO_CORRECTIONS = 4 };
     if (!m->njoint) return;
     const double small = JO_CLOSED * m->size;   /* m */
-    d->tree.hybrid = d->tree.active;
-    if (d->tree.hybrid) jo_hybrid_update_bodies(m, d);
+    jo_hybrid_begins(d);
+    if (jo_in_hybrid(d)) jo_hybrid_update_bodies(m, d);
     else jo_refresh(m, d);
     jo_real residual = jo_joint_residual(m, d);
     jo_mask open = JO_ALL;
@@ -271,10 +270,9 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
     }
     if (far) spoil_open(m, d);
-    d->fresh = 0;
-    d->current = !d->tree.hybrid;
-    if (d->tree.hybrid) jo_hybrid_accept_state(m, d);
-    d->tree.hybrid = 0;
+    jo_state_projected(d);
+    if (jo_in_hybrid(d)) jo_hybrid_accept_state(m, d);
+    jo_hybrid_ends(d);
 }
 
 /* of the position residuals: Newton's direction always lowers it */
@@ -292,12 +290,12 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
 {
     enum { JO_SHORTENED = 10 };
     static const jo_stage geometry = {.smooth = 1};
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     jo_refresh(m, d);
     double residual = jo_most(jo_joint_residual(m, d));
     for (int k = 0; k < iterations && residual > tolerance; k++) {
         const double before = residual, merit = sum_of_squares(m, d);
-        d->current = 0;
+        jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
         jo_joint_residual(m, d);
@@ -315,7 +313,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     }
 #ifdef JO_COMPLEX
     for (int k = 0; k < 2; k++) {   /* derivatives converge behind the values: full steps, however small */
-        d->current = 0;
+        jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
         jo_joint_residual(m, d);
@@ -326,7 +324,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     }
 #endif
     for (int k = 0; k < 2; k++) {
-        d->current = 0;
+        jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
         jo_joint_residual_rate(m, d);
@@ -335,7 +333,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     }
     jo_refresh(m, d);
     if (m->nturn) jo_count_turns(m, d);
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     return JO_OK;
 }
 

@@ -3,6 +3,7 @@
  * r = R + A (u0 + Phi p), orientation A exp((Psi p)~) A0. The angular velocity relative to the body is
  * T(theta) theta', theta = Psi p; position, velocity, acceleration and virtual work all use the same T.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 
 /* C = M N^T for (3 x np) arrays */

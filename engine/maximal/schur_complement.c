@@ -2,6 +2,7 @@
  *
  * The order of elimination and the fill are fixed when the model is compiled.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 
 #define JO_REGULAR 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
@@ -309,11 +310,11 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
 }
 
 /* joints that run in joint coordinates have the first columns */
-static int first_column(const jo_data *d) { return d->tree.hybrid ? d->tree.first_column : 0; }
+static int first_column(const jo_data *d) { return jo_in_hybrid(d) ? d->tree.first_column : 0; }
 
 static void assemble(const jo_model *m, jo_data *d, int set)
 {
-    const int npair = d->tree.hybrid ? d->tree.npair : m->npair;
+    const int npair = jo_in_hybrid(d) ? d->tree.npair : m->npair;
     for (int i = 0; i < npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
         if (off(p->lock_k) || off(p->lock_l)) {
@@ -332,7 +333,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
     }
     jo_hub_assemble(m, d);
-    for (int i = d->tree.hybrid ? d->tree.first_fill : 0; i < d->nfill; i++)
+    for (int i = jo_in_hybrid(d) ? d->tree.first_fill : 0; i < d->nfill; i++)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 
@@ -378,7 +379,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
     jo_hub_scales(m, d);
-    if (d->regular) regularise(m, d);
+    if (jo_schur_soft(d)) regularise(m, d);
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         int regular;
@@ -426,11 +427,11 @@ static int factor(const jo_model *m, jo_data *d, int set)
  * multipliers of least norm and counted. */
 int jo_joint_factor(const jo_model *m, jo_data *d, int set)
 {
-    d->regular = m->redundant > 0;
+    jo_schur_softened(d, m->redundant > 0);
     int status = factor(m, d, set);
     if (status == JO_SINGULAR_JOINT && m->redundant == 0) {
         d->counts.singular++;
-        d->regular = 1;
+        jo_schur_softened(d, 1);
         status = factor(m, d, set);
     }
     return status;
@@ -535,7 +536,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
 {
     for (int h = 0; h < m->nhub; h++)   /* nothing but the joints acts on the hubs here */
         for (int r = 0; r < 6; r++) d->joint[m->njoint + h].x[r] = jo_same(0.0);
-    if (!d->regular) {
+    if (!jo_schur_soft(d)) {
         solve_factored(m, d);
         return;
     }

@@ -2,6 +2,7 @@
  *
  * Positions move by increments [dR (world), dtheta (local), dp]; orientations are e o exp(dtheta).
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "tree/tree.h"
@@ -11,38 +12,38 @@
 void jo_use_core(const jo_model *m, jo_data *d, int tree)
 {
     const int nu = m->nu, nv = m->nv;
-    for (int i = 0; d->tree.active != tree && i < m->nstate; i++) {   /* the states go along */
+    for (int i = 0; jo_tree_active(d) != tree && i < m->nstate; i++) {   /* the states go along */
         const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
         *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
         *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
     }
-    d->tree.active = tree;
+    jo_tree_chosen(d, tree);
     d->y = tree ? d->tree.x : d->q;
     d->w = tree ? d->tree.u : d->v;
     d->wd = tree ? d->tree.ud : d->a;
     d->ny = tree ? m->nx : m->nq;
     d->nw = (tree ? nu : nv) + m->nstate;
     for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
-    for (int i = 0; tree && i < d->tree.nmaximal; i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
+    for (int i = 0; tree && i < jo_nmaximal(d); i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
 
 void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
 {
-    d->tree.synced = JO_SYNC_NONE;
-    if (d->tree.active) jo_tree_add_increment(m, d->y, d->q0, increment);
+    jo_positions_moved(d);
+    if (jo_tree_active(d)) jo_tree_add_increment(m, d->y, d->q0, increment);
     else jo_displace(m, d->q, d->q0, increment);
 }
 
 void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
 {
-    if (d->tree.active) jo_tree_increment_rate(m, rate, x, d->w);
+    if (jo_tree_active(d)) jo_tree_increment_rate(m, rate, x, d->w);
     else jo_increment_rate(m, rate, x, d->v);
 }
 
 /* poses and velocities of the bodies and positions of the markers at q, v */
 void jo_refresh(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.hybrid) jo_sync_maximal_state(m, d, JO_SYNC_STATE);
+    if (!jo_in_hybrid(d)) jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         if (jo_body_inactive(d, i)) continue;
@@ -133,7 +134,7 @@ static int states_spoilt(const jo_model *m, jo_data *d)
 int jo_check(const jo_model *m, jo_data *d)
 {
     if (m->nstate && states_spoilt(m, d)) return JO_NOT_FINITE;
-    if (d->tree.active) return jo_tree_check_state(m, d);
+    if (jo_tree_active(d)) return jo_tree_check_state(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_real sum = {0.0};
@@ -149,8 +150,7 @@ int jo_check(const jo_model *m, jo_data *d)
 
 void jo_restart(jo_data *d)
 {
-    d->restart = 1;
-    d->watching = d->grid.valid = 0;
+    jo_history_forgotten(d);
     jo_beam_forget(d);
 }
 

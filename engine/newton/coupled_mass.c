@@ -5,6 +5,7 @@
  * those of the first, whose factors serve again. The masses change by O(h) meanwhile and the accelerations, too, so
  * that the error is O(h^2) in a and the method keeps its order 2.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -26,7 +27,7 @@ static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
     const jo_stage masses = {.set = stage->set, .weights = {1.0, gh, gh * gh, 1.0, 0, 1}}, rows = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
-    d->factored = 0;
+    jo_newton_outdated(d);
     for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
     jo_newton_masses(m, d, &masses);
     jo_newton_rows(m, d, &rows);
@@ -42,7 +43,7 @@ static jo_real *part_of(const jo_model *m, jo_data *d, int item)
 static void solve(const jo_model *m, jo_data *d)
 {
     jo_newton_solve(m, d);
-    if (!d->softened) return;
+    if (!jo_newton_soft(d)) return;
     for (int i = 0; i < m->nv; i++) d->sum[i] = 0.0;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
@@ -153,11 +154,11 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
             jo_real *a = d->base + m->body[i].iv;
             for (int j = 0; j < 6 + m->body[i].n; j++) a[j] = j < 3 ? m->gravity[j] : 0.0;
         }
-        d->regular = m->redundant > 0;
-        if (m->njoint && !d->regular) status = jo_joint_factor(m, d, stage->set);
+        jo_schur_softened(d, m->redundant > 0);
+        if (m->njoint && !jo_schur_soft(d)) status = jo_joint_factor(m, d, stage->set);
         if (status != JO_OK) return status;
         assemble(m, d, stage);
-        status = jo_newton_factor(m, d, d->regular);
+        status = jo_newton_factor(m, d, jo_schur_soft(d));
         d->counts.factorisations--;   /* counted as an evaluation */
         if (status != JO_OK) return status;
         if (stage->set) {   /* the first stage of ROS2 */

@@ -5,6 +5,7 @@
  * of the increment turns the body by `turn` times itself (the tangent operator of the exponential).
  * Changes of markers are [dr, dphi, dv, dom], all in the world frame, with dA = dphi~ A.
  */
+#include "valid.h"
 #include "newton/newton.h"
 #include "force/force.h"
 #include "beam/beam.h"
@@ -53,7 +54,7 @@ static int assemble_with(const jo_model *m, jo_data *d, double ca, double cv, do
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < 9; j++) d->body[i].turn[j] = j % 4 == 0;
     const int status = jo_residual(m, d, d->rate);
-    d->factored = 0;
+    jo_newton_outdated(d);
     return status == JO_OK ? jo_newton_assemble(m, d, &stage) : status;
 }
 

@@ -4,6 +4,7 @@
  * pivot block is regular; rows are exchanged within a node only. After the factorisation a diagonal block holds its
  * LU factors, those of six unknowns inverted, the block right of it A_cc^-1 A_cj, the block below it A_ic.
  */
+#include "valid.h"
 #include "newton/newton.h"
 
 #define JO_REGULAR 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
@@ -315,7 +316,7 @@ static int node_joint(const jo_model *m, int node)
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
-    d->softened = redundant;
+    jo_newton_softened(d, redundant);
     const double vanished = redundant ? 0.0 : JO_VANISHED;
     set_units(m, d);
     if (redundant) regularise(m, d);

@@ -3,6 +3,7 @@
  * r = M a + Cq^T lam - Q on [dR (world), dtheta (local), dp] of every body: inverse dynamics without a
  * factorisation. The complex build differentiates it exactly.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -48,7 +49,7 @@ int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real
 {
     static const jo_work none = {0.0, 0.0, 0.0};
     jo_real largest[2];
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     d->power = none;
     jo_residuals(m, d, largest);   /* poses, velocities, markers and coordinates at q, v */
     for (int i = 0; i < m->nbody; i++) jo_body_inertia(&m->body[i], &d->body[i], &d->power.damping);

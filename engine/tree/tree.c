@@ -11,6 +11,7 @@
  * The terms I^a c_i and c_i vanish then. Gravity is the acceleration -g of the ground. The prescribed acceleration of a driven joint is
  * a part of c_i, and its I^a is I^A.
  */
+#include "valid.h"
 #include "friction/friction.h"
 #include "tree/tree_links.h"
 
@@ -108,7 +109,7 @@ static inline void link_kinematics(const jo_model *m, jo_data *d, int i)
 static void forward_pass_1(const jo_model *m, jo_data *d)
 {
     jo_tree_hinge_sines(m, d);
-    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
+    for (int i = jo_nmaximal(d); i < m->nlink; i++) {
         link_kinematics(m, d, i);
         reset_accumulators(&d->tree.constants[i], &d->tree.link[i + 1]);
     }
@@ -348,7 +349,7 @@ void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
 {
     jo_vec alpha = jo_vec_zero(), a = jo_vec_zero();
     int last = -2;   /* link whose accelerations are in alpha, a */
-    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
+    for (int i = jo_nmaximal(d); i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
@@ -396,7 +397,7 @@ jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d)
 /* forward pass 1, forces of the stage, backward pass: I^A, p^A, U, D, u of all links at time, x, u */
 int jo_tree_articulated_inertias(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    d->tree.has_joint_forces = 0;
+    jo_joint_forces_outdated(d);
     d->tree.link->bias_a = jo_vec_scale(-1.0, jo_vec_load(m->gravity));   /* a_0 = -g; jo_tree_setup sets the other values of the ground */
     jo_tree_prescribe_motion(m, d);
     forward_pass_1(m, d);
@@ -410,8 +411,8 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     static const jo_work none = {0.0, 0.0, 0.0};
     d->power = none;
     d->counts.evaluations++;
-    d->current = 0;
-    d->tree.synced = JO_SYNC_NONE;
+    jo_kinematics_used(d);
+    jo_positions_moved(d);
     int status = jo_tree_articulated_inertias(m, d, stage);
     if (status == JO_OK && m->nloop) status = jo_loop_evaluate(m, d, stage);
     if (status != JO_OK) return status;

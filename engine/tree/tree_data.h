@@ -10,15 +10,8 @@ typedef struct jo_link_response jo_link_response;
 typedef struct jo_loop_work jo_loop_work;
 typedef struct jo_reach_work jo_reach_work;
 
-/* How much of the maximal coordinates agrees with the joint coordinates x, u: nothing; the bodies of hybrid mode and their markers;
- * q and v; q, v, accelerations a and multipliers lam. */
-typedef enum { JO_SYNC_NONE = 0, JO_SYNC_HYBRID = 1, JO_SYNC_STATE = 2, JO_SYNC_ALL = 3 } jo_sync_level;
-
-/* Trees in joint coordinates, see tree.c. While `active` is set, x and u are the state; q, v, a and lam are updated on demand. */
+/* Trees in joint coordinates, see tree.c. While a model runs in them, x and u are the state; q, v, a and lam are updated on demand. */
 typedef struct {
-    int active;
-    jo_sync_level synced;
-    int has_joint_forces;   /* whether the links contain total accelerations and joint forces of the last evaluation */
     jo_real *x, *u, *ud;    /* (nx), (nu), (nu) joint coordinates, velocities, accelerations */
     jo_real *tau;           /* (nu) force along each joint coordinate, N or N m */
     jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of ROS2 */
@@ -38,9 +31,6 @@ typedef struct {
     jo_gram *gram;          /* (ngroup) Schur complements J H^-1 J^T, one for each group of coupled loops */
     int ngroup;
     int *loop_marker, nloop_marker;   /* markers of the joints that close loops */
-    int nmaximal;           /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
-    int hybrid;             /* hybrid mode: the maximal-coordinate solver works on the bodies outside the trees only */
-    int *inactive_body, *inactive_marker, *inactive_coordinate, *inactive_joint;   /* (each count) in the trees, skipped in hybrid mode */
     int first_column, npair, first_fill;   /* hybrid mode: range of columns, pairs and fill-ins of the block Cholesky */
 } jo_tree;
 

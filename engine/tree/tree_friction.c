@@ -3,6 +3,7 @@
  * The force that joint i transmits, f_i = I_i^A a_i + p_i^A (Featherstone 2008, eq. 7.25), needs no sum over the bodies of the subtree.
  * The joint acceleration of a joint that sticks is prescribed as 0, as that of a driven joint: I^a = I^A.
  */
+#include "valid.h"
 #include "friction/friction_law.h"
 #include "tree/tree_links.h"
 
@@ -180,6 +181,6 @@ void jo_tree_stop_sticking(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nu; i++) d->tree.u[i] += d->sum[i];
     for (int i = 0; i < m->nlink; i++)
         if (jo_link_is_locked(d, &m->link[i])) d->tree.u[m->link[i].u] = 0.0;
-    d->fresh = d->current = 0;
-    d->tree.synced = JO_SYNC_NONE;
+    jo_state_changed(d);
+    jo_positions_moved(d);
 }

@@ -1,4 +1,5 @@
 /* tree_from_maximal.c - conversion between the maximal coordinates q, v of the caller and the joint coordinates x, u of a run. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
@@ -23,7 +24,7 @@ static int close_gaps(const jo_model *m, jo_data *d)
     jo_real open[2];
     jo_residuals(m, d, open);
     if (JO_RE(open[0]) <= JO_OPEN_POSITION * m->size && JO_RE(open[1]) <= JO_OPEN_RATE * JO_RE(jo_speed(m, d))) return JO_OK;
-    d->current = 0;
+    jo_kinematics_used(d);
     const int status = jo_evaluate(m, d, &jo_now);
     if (status == JO_OK) jo_project(m, d, &jo_now);
     return status;
@@ -32,26 +33,26 @@ static int close_gaps(const jo_model *m, jo_data *d)
 /* x, u from q, v; x and u of the last run are kept if q and v still equal them bit for bit */
 int jo_tree_from_maximal(const jo_model *m, jo_data *d)
 {
-    if (d->tree.active) return JO_OK;
+    if (jo_tree_active(d)) return JO_OK;
     if (!jo_tree_matches_maximal_state(m, d)) {
         const int status = close_gaps(m, d);
         if (status != JO_OK) return status;
         jo_tree_read_maximal_state(m, d);
         jo_tree_hold_sticking(m, d);
-        d->fresh = d->control.known = 0;
+        jo_state_read(d);
     }
     match_turns(m, d);
     jo_use_core(m, d, 1);
-    d->tree.synced = JO_SYNC_NONE;
-    d->current = 0;
+    jo_positions_moved(d);
+    jo_kinematics_used(d);
     return JO_OK;
 }
 
 /* q, v from x, u; a and lam as well if the last evaluation belongs to this state */
 void jo_tree_to_maximal(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.active) return;
-    if (d->fresh) jo_sync_all(m, d);
+    if (!jo_tree_active(d)) return;
+    if (jo_accelerations_valid(d)) jo_sync_all(m, d);
     else jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     jo_use_core(m, d, 0);
 }
@@ -60,8 +61,8 @@ void jo_tree_to_maximal(const jo_model *m, jo_data *d)
 void jo_tree_count_turns(const jo_model *m, jo_data *d)
 {
     if (!d->tree.counts_joint_angles) jo_refresh(m, d);
-    else if (d->tree.nmaximal) jo_hybrid_update_bodies(m, d);
-    if (!d->tree.counts_joint_angles || d->tree.nmaximal) jo_count_turns(m, d);
+    else if (jo_nmaximal(d)) jo_hybrid_update_bodies(m, d);
+    if (!d->tree.counts_joint_angles || jo_nmaximal(d)) jo_count_turns(m, d);
     for (int i = 0; i < m->ncoordinate; i++) {
         const jo_coordinate *c = &m->coordinate[i];
         if (c->turn >= 0 && c->link >= 0) d->turn[c->turn] = jo_link_sign(&m->link[c->link]) * d->tree.x[m->link[c->link].x];
@@ -79,11 +80,11 @@ void jo_tree_prescribe_end_of_step(const jo_model *m, jo_data *d)
 /* accelerations and multipliers at the state q, v of the caller, computed in joint coordinates */
 int jo_tree_accelerations(const jo_model *m, jo_data *d)
 {
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     int status = jo_tree_from_maximal(m, d);
     if (status != JO_OK) return status;
     status = jo_evaluate(m, d, &jo_now);
-    d->fresh = status == JO_OK;
+    jo_accelerations_found(d, status == JO_OK);
     jo_tree_to_maximal(m, d);
     return status;
 }

@@ -2,6 +2,7 @@
  *
  * Newton iteration with the factors of the last evaluation: (J H^-1 J^T) lambda = c, x -= H^-1 J^T lambda, then the same for u with c'.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
@@ -62,7 +63,7 @@ static void solve_correction(const jo_model *m, jo_data *d, int velocity)
     jo_tree_clear_added_forces(m, d);
     jo_loop_add_multiplier_forces(m, d);
     jo_tree_force_response(m, d, d->rate);
-    d->tree.synced = JO_SYNC_NONE;
+    jo_positions_moved(d);
 }
 
 /* whether the residual needs no correction k. The complex build always does the first one: derivatives converge one iteration later. */
@@ -103,7 +104,7 @@ int jo_tree_close_loops(const jo_model *m, jo_data *d)
         rate = before;
         break;
     }
-    d->fresh = d->current = 0;
+    jo_state_changed(d);
     return residual <= small && rate <= small_rate;
 }
 

@@ -5,25 +5,16 @@
  * pass 2 starts from a. The first nmaximal links are the bodies in maximal coordinates; their joint coordinates are q and v, so that
  * x, u is the state of all bodies.
  */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-/* counts and lists of hybrid mode: bodies outside the trees, inactive items, ranges of the block Cholesky */
+/* ranges of the block Cholesky in hybrid mode */
 void jo_hybrid_setup(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    while (t->nmaximal < m->nlink && m->link[t->nmaximal].type == JO_LINK_BODY) t->nmaximal++;
-    for (int i = t->nmaximal; i < m->nlink; i++) {
-        const jo_link *k = &m->link[i];
-        if (k->body >= 0) t->inactive_body[k->body] = 1;
-        if (k->joint >= 0) t->inactive_joint[k->joint] = 1;
-        if (k->drive >= 0) t->inactive_joint[k->drive] = 1;
-    }
-    for (int i = 0; i < m->nmarker; i++) t->inactive_marker[i] = m->marker[i].body >= 0 && t->inactive_body[m->marker[i].body];
-    for (int i = 0; i < m->ncoordinate; i++)
-        t->inactive_coordinate[i] = t->inactive_marker[m->coordinate[i].a] || t->inactive_marker[m->coordinate[i].b];
-    while (t->first_column < m->ncolumn && t->inactive_joint[m->column[t->first_column].joint]) t->first_column++;
-    while (t->npair < m->npair && !t->inactive_joint[m->pair[t->npair].joint_k] && !t->inactive_joint[m->pair[t->npair].joint_l])
+    while (t->first_column < m->ncolumn && jo_joint_in_tree(d, m->column[t->first_column].joint)) t->first_column++;
+    while (t->npair < m->npair && !jo_joint_in_tree(d, m->pair[t->npair].joint_k) && !jo_joint_in_tree(d, m->pair[t->npair].joint_l))
         t->npair++;
 }
 
@@ -31,39 +22,39 @@ void jo_hybrid_setup(const jo_model *m, jo_data *d)
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    const int hybrid = t->hybrid;
-    if (t->synced == JO_SYNC_HYBRID) return;
-    for (int i = 0; i < t->nmaximal; i++) {
+    const int hybrid = jo_in_hybrid(d);
+    if (jo_sync_is_hybrid(d)) return;
+    for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body *b = &m->body[k->body];
         for (int j = 0; j < 7 + b->n; j++) d->q[b->iq + j] = t->x[k->x + j];
         for (int j = 0; j < 6 + b->n; j++) d->v[b->iv + j] = t->u[k->u + j];
     }
-    t->hybrid = 1;
+    jo_hybrid_begins(d);
     jo_refresh(m, d);
     jo_marker_velocity(m, d, m->nactive);
-    t->hybrid = hybrid;
-    t->synced = JO_SYNC_HYBRID;
+    if (!hybrid) jo_hybrid_ends(d);
+    jo_sync_reached(d, JO_SYNC_HYBRID);
 }
 
 /* x, u = q, v of the bodies in maximal coordinates */
 void jo_hybrid_accept_state(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    for (int i = 0; i < t->nmaximal; i++) {
+    for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body *b = &m->body[k->body];
         for (int j = 0; j < 7 + b->n; j++) t->x[k->x + j] = d->q[b->iq + j];
         for (int j = 0; j < 6 + b->n; j++) t->u[k->u + j] = d->v[b->iv + j];
     }
-    t->synced = JO_SYNC_HYBRID;
+    jo_sync_reached(d, JO_SYNC_HYBRID);
 }
 
 /* links of the carriers: orientation, angular velocity, accelerations 0, accumulators 0 */
 static void reset_carriers(const jo_model *m, jo_data *d)
 {
     const jo_vec zero = jo_vec_zero();
-    for (int i = 0; i < d->tree.nmaximal; i++) {
+    for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body_work *b = &d->body[k->body];
         jo_link_work *w = &d->tree.link[i + 1];
@@ -117,7 +108,7 @@ int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     reset_carriers(m, d);
     const int status = jo_tree_articulated_inertias(m, d, stage);
-    for (int i = 0; i < d->tree.nmaximal && status == JO_OK; i++) {
+    for (int i = 0; i < jo_nmaximal(d) && status == JO_OK; i++) {
         jo_body_work *b = &d->body[m->link[i].body];
         if (b->carried) add_carried_inertia(&d->tree.link[i + 1], b);
     }
@@ -149,7 +140,7 @@ int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w)
 void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
-    for (int i = 0; i < t->nmaximal; i++) {
+    for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body *b = &m->body[k->body];
         const jo_body_work *w = &d->body[k->body];

@@ -1,4 +1,5 @@
 /* tree_position.c - constants of the links, kinematics from joint coordinates to bodies, and joint coordinates from q and v. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 #include <string.h>
@@ -139,9 +140,10 @@ static void add_unique(int *list, int *count, int i)
 }
 
 /* marker and its body into the lists */
-static void add_marker(const jo_model *m, jo_tree *t, int marker)
+static void add_marker(const jo_model *m, jo_data *d, int marker)
 {
-    if (t->nmaximal && marker >= 0 && !t->inactive_marker[marker]) return;   /* the maximal-coordinate solver updates it */
+    jo_tree *t = &d->tree;
+    if (jo_nmaximal(d) && marker >= 0 && !jo_marker_in_tree(d, marker)) return;   /* the maximal-coordinate solver updates it */
     add_unique(t->marker, &t->nmarker, marker);
     if (marker >= 0) add_unique(t->body, &t->nbody, m->marker[marker].body);
 }
@@ -177,10 +179,10 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         const jo_force *f = &m->force[i];
         const int c = f->coordinate;
         if (c >= 0 && m->coordinate[c].link >= 0) continue;
-        if (c < 0 || !t->nmaximal || t->inactive_coordinate[c]) add_unique(t->coordinate, &t->ncoordinate, c);
-        add_marker(m, t, c >= 0 ? m->coordinate[c].a : f->a);
-        add_marker(m, t, c >= 0 ? m->coordinate[c].b : f->b);
-        if (c < 0 && f->body >= 0 && (!t->nmaximal || t->inactive_body[f->body])) add_unique(t->body, &t->nbody, f->body);
+        if (c < 0 || !jo_nmaximal(d) || jo_coordinate_in_tree(d, c)) add_unique(t->coordinate, &t->ncoordinate, c);
+        add_marker(m, d, c >= 0 ? m->coordinate[c].a : f->a);
+        add_marker(m, d, c >= 0 ? m->coordinate[c].b : f->b);
+        if (c < 0 && f->body >= 0 && (!jo_nmaximal(d) || jo_body_in_tree(d, f->body))) add_unique(t->body, &t->nbody, f->body);
     }
     /* loops: rows that are linear in coordinates read these; other rows read the links only */
     for (int i = 0; i < m->nloop; i++) {
@@ -188,11 +190,11 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
         for (int l = 0; l < k->nline; l++)
             for (int j = 0; j < m->line[k->line + l].count; j++)
                 add_unique(t->coordinate, &t->ncoordinate, m->line[k->line + l].coordinate[j]);
-        for (int s = 0; k->nline && s < k->nside; s++) add_marker(m, t, k->side[s]);
+        for (int s = 0; k->nline && s < k->nside; s++) add_marker(m, d, k->side[s]);
     }
     t->counts_joint_angles = 1;
     for (int i = 0; i < m->ncoordinate; i++)
-        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(t->nmaximal && !t->inactive_coordinate[i]))
+        if (m->coordinate[i].turn >= 0 && m->coordinate[i].link < 0 && !(jo_nmaximal(d) && !jo_coordinate_in_tree(d, i)))
             t->counts_joint_angles = 0;
 }
 

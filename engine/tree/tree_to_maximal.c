@@ -1,4 +1,5 @@
 /* tree_to_maximal.c - q, v, accelerations a and multipliers lam of the maximal coordinates from the state of a tree. */
+#include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 #include <string.h>
@@ -77,10 +78,10 @@ static void inertial_force(const jo_link_constants *c, const jo_link_work *w, jo
  * f_i = I_i a_i + v_i x* I_i v_i - f_i^x + sum of f_j over the children j */
 static void sum_joint_forces(const jo_model *m, jo_data *d)
 {
-    if (d->tree.has_joint_forces) return;
-    d->tree.has_joint_forces = 1;
+    if (jo_joint_forces_valid(d)) return;
+    jo_joint_forces_summed(d);
     /* a_i = bias + part due to qdd; f_i = inertial force - f_i^x */
-    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
+    for (int i = jo_nmaximal(d); i < m->nlink; i++) {
         jo_link_work *w = &d->tree.link[i + 1];
         jo_vec f, t;
         w->bias_alpha = jo_vec_add(w->bias_alpha, w->alpha);
@@ -91,7 +92,7 @@ static void sum_joint_forces(const jo_model *m, jo_data *d)
         w->joint_t = jo_vec_add(w->joint_t, t);
     }
     /* f_carrier += f_i, t_carrier += t_i + arm x f_i */
-    for (int i = m->nlink - 1; i >= d->tree.nmaximal; i--) {
+    for (int i = m->nlink - 1; i >= jo_nmaximal(d); i--) {
         const int on = d->tree.constants[i].carrier_link;   /* a fixed joint transmits the forces of all joints on its body */
         const jo_link_work *w = &d->tree.link[i + 1];
         jo_link_work *p = &d->tree.link[on + 1];
@@ -106,7 +107,7 @@ static void sum_joint_forces(const jo_model *m, jo_data *d)
 static void write_accelerations(const jo_model *m, jo_data *d)
 {
     const jo_vec g = jo_vec_load(m->gravity);
-    for (int i = d->tree.nmaximal; i < m->nlink; i++) {
+    for (int i = jo_nmaximal(d); i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->body < 0) continue;
@@ -181,11 +182,10 @@ static void write_multipliers(const jo_model *m, jo_data *d)
 }
 
 /* Update the maximal coordinates to `level`: bodies, q and v from x and u; with JO_SYNC_ALL a and lam of the last evaluation as well. */
-void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level how)
+void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level level)
 {
-    jo_tree *t = &d->tree;
-    if (!t->active || t->synced >= how) return;
-    if (t->synced < JO_SYNC_STATE) {
+    if (!jo_tree_active(d) || jo_sync_valid(d, level)) return;
+    if (!jo_sync_valid(d, JO_SYNC_STATE)) {
         jo_tree_kinematics(m, d);
         write_state(m, d, d->q, d->v);
     }
@@ -193,10 +193,10 @@ void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level how)
         jo_body_pose(&m->body[i], &d->body[i], d->q + m->body[i].iq);
         jo_body_twist(&m->body[i], &d->body[i], d->v + m->body[i].iv);
     }
-    if (how == JO_SYNC_ALL) {
+    if (level == JO_SYNC_ALL) {
         sum_joint_forces(m, d);
         write_accelerations(m, d);
         write_multipliers(m, d);
     }
-    t->synced = how;
+    jo_sync_reached(d, level);
 }

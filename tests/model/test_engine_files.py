@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from jousto.model.native import declarations
+from model.engine_fields import COMPILER, Access, accesses
 
 ENGINE = Path(declarations.__file__).parents[4] / "engine"
 pytestmark = pytest.mark.skipif(not ENGINE.exists(), reason="an installed package")
@@ -117,6 +118,20 @@ def test_files_include_the_headers_of_the_rooms_that_they_call():
         rooms = {home[other].name for other in called if home[other] not in (home[file], ENGINE)}
         found = set(re.findall(r'#include "(\w+)/', text))
         assert not file.endswith(".c") or rooms <= found, f"{file} calls {rooms - found}"
+
+
+@pytest.fixture(scope="module")
+def fields(tmp_path_factory: pytest.TempPathFactory) -> set[Access]:
+    if COMPILER is None:
+        pytest.skip("no C compiler")
+    return accesses(ENGINE, room_files(), tmp_path_factory.mktemp("empty"))
+
+
+def test_what_is_valid_is_asked_and_changed_by_functions(fields: set[Access]):
+    """Bits of validity, and which solver carries what, are fields of valid.h and valid.c alone."""
+    own = {access for access in fields if access.owner == "valid_data.h"}
+    assert len({access.field for access in own}) > 15
+    assert not {access for access in own if access.file not in ("valid.h", "valid.c")}
 
 
 def test_only_what_is_recursive_calls_itself():

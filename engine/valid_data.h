@@ -1,0 +1,24 @@
+/* valid_data.h - which computed quantities belong to the present state; read and written by the functions of valid.h alone. */
+#ifndef JO_VALID_DATA_H
+#define JO_VALID_DATA_H
+
+/* How much of the maximal coordinates agrees with the joint coordinates x, u: nothing; the bodies of hybrid mode and their markers;
+ * q and v; q, v, accelerations a and multipliers lam. */
+typedef enum { JO_SYNC_NONE = 0, JO_SYNC_HYBRID = 1, JO_SYNC_STATE = 2, JO_SYNC_ALL = 3 } jo_sync_level;
+
+/* the bits of the table in valid.h */
+typedef struct {
+    int kinematics, accelerations, before_call, stage, damage;
+    int jump, history, levels, grid;
+    int newton_factors, newton_soft, schur_soft;
+    int tree, hybrid, joint_forces;
+    jo_sync_level sync;
+} jo_valid;
+
+/* Which solver carries what of a model that both run: constant, see valid.c. */
+typedef struct {
+    int nmaximal;           /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
+    int *body, *marker, *coordinate, *joint;   /* (each count) whether it is in the trees */
+} jo_split;
+
+#endif
