@@ -5,7 +5,7 @@
 A boom of ten modes on a hinge carries a chain of hinged rigid links. One step of classical
 Runge-Kutta and one of ROS2; the cores take turns in one run, least of many, processor time. The
 boom alone says what remains of a step that the links cost nothing in. Printed as it stands in
-docs/benchmarks.md.
+docs/benchmarks-trees.md.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ coordinates takes it in steps of a sixteenth. "At equal error" scales the ratio 
 (their error / our error)^(1/4), the order of all these steps, where both errors lie above what
 rounding leaves. Programs that are not installed are left out, and so are runs of minutes, each with
 a sentence below the tables.
-Both tables are printed as they stand in docs/benchmarks.md.
+Both tables are printed as they stand in docs/benchmarks-trees.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What the viewer costs: bytes, seconds, frames a second, memory. Needs Chromium and playwright.
 
-python benchmarks/viewer.py                     the numbers of docs/viewer.md
+python benchmarks/viewer.py                     the numbers of docs/benchmarks-realtime.md
 python benchmarks/viewer.py --minutes 10        and the memory over ten minutes of playing
 python benchmarks/viewer.py --gigabytes 5       and how long a result of 5 GB takes to open
 """

@@ -43,3 +43,5 @@ suppress_warnings = ["ref.python"]
 html_theme = "furo"
 html_title = f"jousto {release}"
 html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["pages.css"]

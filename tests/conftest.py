@@ -39,7 +39,7 @@ settings.load_profile(
 CHOOSING = (  # examples that say which core compile chose
     "jousto.certificate.doctor.doctor",
     "test_code_of_the_page_runs[docs/robots.md]",
-    "test_code_of_the_page_runs[docs/solvers.md]",
+    "test_code_of_the_page_runs[docs/joint-coordinates.md]",
 )
 
 

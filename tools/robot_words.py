@@ -13,7 +13,11 @@ from jousto.robots.readers.formats import FORMATS
 from jousto.robots.readers.words import TREATMENTS, Format, Tag
 
 PAGE = Path(__file__).parent.parent / "docs" / "robot-words.md"
-HEAD = """# Words of robot files
+HEAD = """---
+kind: reference
+---
+
+# Words of robot files
 
 What the readers of `jo.robots` do with every word of their formats, attributes and elements.
 A word is

@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageOps, ImageSequence
+from PIL import Image, ImageFilter, ImageOps, ImageSequence
 
 from jousto.output.scenes.film import Palette
 
@@ -23,6 +23,31 @@ HERE = Path(__file__).parent
 EXAMPLES = HERE.parent.parent / "examples"
 DITHER = Image.Dither.FLOYDSTEINBERG
 THUMB = (220, 150)  # pixels
+PANELS = {  # left, top, right and bottom of the panel that a thumbnail shows, shares of the picture
+    "beam_benchmarks.png": (0.0, 0.0, 0.25, 1.0),
+    "belt_friction.png": (0.0, 0.0, 0.5, 1.0),
+    "cantilever_stress.png": (0.0, 0.0, 0.49, 1.0),
+    "carriage.png": (0.0, 0.0, 0.5, 1.0),
+    "crane_life.png": (0.0, 0.0, 0.53, 1.0),
+    "crane_twin.png": (0.0, 0.0, 0.34, 1.0),
+    "gauges.png": (0.0, 0.08, 1.0, 0.5),
+    "hotspots_von_mises.png": (0.0, 0.06, 0.85, 0.6),
+    "monitor.png": (0.0, 0.02, 1.0, 0.33),
+    "offset_boom.png": (0.0, 0.0, 0.33, 1.0),
+    "rail_frame.png": (0.0, 0.03, 1.0, 0.29),
+    "rail_wheel.png": (0.0, 0.33, 1.0, 0.64),
+    "rod_at_speed.png": (0.0, 0.0, 0.5, 1.0),
+    "shape_functions.png": (0.0, 0.0, 0.33, 1.0),
+    "slewing_limit.png": (0.0, 0.08, 0.48, 1.0),
+    "slider_crank.png": (0.0, 0.0, 0.48, 1.0),
+    "spin_up.png": (0.0, 0.0, 0.48, 1.0),
+    "squeezer.png": (0.0, 0.0, 0.49, 1.0),
+    "steel_strip.png": (0.0, 0.05, 0.5, 1.0),
+    "trolley.png": (0.0, 0.04, 1.0, 0.48),
+    "link_arm_still.png": (0.0, 0.08, 0.88, 1.0),
+}
+BANNER = (1240, 330)  # pixels of the picture in front
+FRONT = ("link_arm_still.png", "crane_still.png", "six_axis_arm_still.png", "robot_still.png")
 WIDTHS = {  # pixels
     "pendulum.png": 1000,
     "pendulum_still.png": 700,
@@ -123,19 +148,62 @@ def shrink(source: Path, target: Path, width: int) -> None:
             frames[0].save(target, optimize=True)
 
 
+def shown(name: str) -> Image.Image:
+    """Return the coloured part of a picture: curves without labels, bodies without the ground."""
+    with Image.open(HERE / name) as picture:
+        width, height = picture.size
+        left, top, right, bottom = PANELS.get(name, (0.0, 0.0, 1.0, 1.0))
+        area = (left * width, top * height, right * width, bottom * height)
+        image = picture.convert("RGB").crop(tuple(map(round, area)))
+    scene = name.endswith("_still.png")
+    hsv = np.asarray(image.convert("HSV")).astype(int)
+    # of 255: neither grey nor as dark as text; bodies of earlier instants are pale
+    mask = (hsv[..., 1] > (30 if scene else 64)) & (hsv[..., 2] > 90)
+    if scene:  # without the letters of its axes
+        thick = Image.fromarray((255 * mask).astype("uint8")).filter(ImageFilter.MinFilter(3))
+        mask = np.asarray(thick) > 0
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    size = max(np.ptp(rows), np.ptp(columns))
+    edge = round(0.04 * size) if scene else 3
+    above = edge if scene else 9  # half of a line of a legend
+    return image.crop(
+        (
+            max(0, columns[0] - edge),
+            max(0, rows[0] - above),
+            min(image.width, columns[-1] + edge),
+            min(image.height, rows[-1] + above),
+        )
+    )
+
+
 def thumbs() -> None:
-    """Make the small pictures in the table of the gallery, from those that are shown below it."""
+    """Make the small pictures in the tables of the gallery and of the first page."""
     folder = HERE / "thumbs"
     folder.mkdir(exist_ok=True)
-    for name in re.findall(r"thumbs/(\w+\.png)", (HERE.parent / "gallery.md").read_text("utf-8")):
-        with Image.open(HERE / name) as image:
-            # of several plots side by side the first
-            width = min(image.width, round(1.7 * image.height))
-            first = image.convert("RGB").crop((0, 0, width, image.height))
-            small = ImageOps.pad(first, THUMB, Image.Resampling.LANCZOS, color="white")
-            small.quantize(64, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
-                folder / name, optimize=True
-            )
+    text = "".join((HERE.parent / page).read_text("utf-8") for page in ("gallery.md", "index.md"))
+    for name in {*re.findall(r"thumbs/(\w+\.png)", text)}:
+        small = ImageOps.pad(shown(name), THUMB, Image.Resampling.LANCZOS, color="white")
+        small.quantize(64, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE).save(
+            folder / name, optimize=True
+        )
+
+
+def banner() -> None:
+    """Make the picture of the first page: machines side by side that fill its frame."""
+    width, height = BANNER
+    bodies = [shown(name) for name in FRONT]
+    # equal heights, as large as the frame allows
+    share = sum(body.width / body.height for body in bodies)
+    tall = min(height, int(width / share))
+    gap = (width - tall * share) / (len(bodies) - 1)
+    whole, at = Image.new("RGB", (width, tall), "white"), 0.0
+    for body in bodies:
+        size = (round(tall * body.width / body.height), tall)
+        whole.paste(body.resize(size, Image.Resampling.LANCZOS), (round(at), 0))
+        at += size[0] + gap
+    whole.quantize(256, Image.Quantize.MEDIANCUT, dither=DITHER).save(
+        HERE / "banner.png", optimize=True
+    )
 
 
 def main() -> int:
@@ -176,6 +244,7 @@ def main() -> int:
         for name, width in WIDTHS.items():
             shrink(Path(folder) / name, HERE / name, width)
     thumbs()
+    banner()
     sizes = {path.name: path.stat().st_size for path in HERE.iterdir() if path.name in WIDTHS}
     for name, size in sizes.items():
         print(f"{name:24}{size / 1000:8.0f} kB")

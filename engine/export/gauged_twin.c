@@ -403,7 +403,7 @@ static void cross(const double *a, const double *b, double *c)
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* known modal forces f (n): those of the frame's motion (spec of the floating frame, docs/theory.md) and of the mean loads */
+/* known modal forces f (n): those of the frame's motion (spec of the floating frame, docs/theory-bodies.md) and of the mean loads */
 static void known_forces(const jo_plan *p, const double *motion, const double *q, const double *dq, double *f)
 {
     const int n = p->n;

@@ -103,7 +103,8 @@ def test_without_the_viewer_there_is_no_control(
 
 
 def test_machines_of_the_gallery_exist(moving: Any) -> None:
-    text = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
+    pages = sorted((ROOT / "docs").glob("gallery*.md"))
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
     names = moving.MARK.findall(text)
     assert len(names) > 20 and len({*names}) == len(names)
     assert all(moving.source(name).is_file() for name in names)

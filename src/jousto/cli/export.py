@@ -137,7 +137,7 @@ def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
         raise InputError(
             Problem(
                 file.name,
-                "has no block monitor; add monitor: {spots: [..], ..}, see docs/model-file.md",
+                "has no block monitor; add monitor: {spots: [..], ..}, see docs/model-stress.md",
             )
         )
     write(found.monitor.monitor(reference_run(found, file, True)), output)

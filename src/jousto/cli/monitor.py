@@ -64,7 +64,7 @@ def monitor(
         raise InputError(
             Problem(
                 model.name,
-                "has no block monitor; add monitor: {spots: [..], ..}, see docs/model-file.md",
+                "has no block monitor; add monitor: {spots: [..], ..}, see docs/model-stress.md",
             )
         )
     if stress_limit is not None:

@@ -38,7 +38,7 @@ def read_mjcf(
     as in MuJoCo, and start at their ``ref``.
 
     Contact is not modelled. What is not done and changes the motion is refused or warned of, with
-    its line and effect; docs/robots.md lists every word. A body with several joints has links
+    its line and effect; docs/robot-words.md lists every word. A body with several joints has links
     without mass between them.
 
     Parameters

@@ -241,7 +241,7 @@ def _at_node(
 @described
 @dataclass(frozen=True, eq=False)
 class InertialForce:
-    """Force of the frame's motion on the modes (spec of the floating frame, docs/theory.md).
+    """Force of the frame's motion on the modes (spec of the floating frame, docs/theory-bodies.md).
 
     ``f_j = w^T D_j(p) w - 2 w . G_j(p') - I3_j . a - B_j(p) . w'`` with
     ``N_j = N0_j + sum_k p_k E_kj``, ``D_j = tr(N_j) 1 - sym N_j``, ``B_j = axial N_j`` and
