@@ -182,7 +182,7 @@ SPECTRA = {
         for a, ratio, share in ((0.9, 4, 0.3), (0.9, 10, 0.3), (0.9, 10, 0.6))
     ],
 }
-# the table of docs/multiaxial.md: least and largest damage over that of counted histories
+# the table of docs/verified-life.md: least and largest damage over that of counted histories
 SCATTER = {
     ("one band", "dirlik"): {3: (0.88, 1.01), 5: (0.81, 1.02)},
     ("one band", "tovo-benasciutti"): {3: (0.93, 1.00), 5: (0.83, 0.99)},

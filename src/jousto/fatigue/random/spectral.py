@@ -186,7 +186,7 @@ def spectral_damage(
 
     No method is exact. Against counted histories Dirlik's gives 0.81 to 1.02 times the damage for
     one band at k = 5, 0.70 to 1.04 for several bands, less for steeper curves; the narrow band is
-    on the safe side (`docs/multiaxial.md` has the table).
+    on the safe side (`docs/verified-life.md` has the table).
 
     Parameters
     ----------
