@@ -19,7 +19,7 @@ kind: reference
 
 # Words of robot files
 
-What the readers of `jo.robots` do with every word of their formats, attributes and elements.
+The readers of `jo.robots` treat every word of their formats, attributes and elements as follows.
 A word is
 
 * **done**: it counts as the format says;
