@@ -80,7 +80,7 @@ static void lay_bodies(const jo_model *m, jo_arena *a, jo_data *d)
         w->extra = jo_take_reals(a, np);
         w->Dd = jo_take_reals(a, 6 * np);
         w->H = jo_take_reals(a, 3 * np);
-        w->carried = jo_bears(m, i) ? jo_take_reals(a, 36) : 0;
+        w->carried = jo_carries_trees(m, i) ? jo_take_reals(a, 36) : 0;
         for (int s = 0; s < 2; s++) {
             w->set[s].weight = jo_take_reals(a, np);
             w->set[s].I3w = jo_take_reals(a, 3 * np);
@@ -151,13 +151,13 @@ static void lay_newton(const jo_model *m, jo_arena *a, jo_data *d)
 /* the iteration for forces of friction */
 static void lay_friction(const jo_model *m, jo_arena *a, jo_data *d)
 {
-    jo_mixing *x = &d->mixing;
-    x->slider = jo_take(a, (size_t)m->nfriction * sizeof(jo_slider));
+    jo_anderson *x = &d->anderson;
+    x->sliding = jo_take(a, (size_t)m->nfriction * sizeof(jo_sliding_friction));
     x->coordinate = jo_take(a, 2 * (size_t)m->nfriction * sizeof(int));
     x->lam = jo_take_reals(a, m->nfriction ? m->nrow : 0);
     x->reach = jo_take_reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
-    jo_real **mixing[5] = {&x->f, &x->g, &x->r, &x->before, &x->change};
-    for (int i = 0; i < 5; i++) *mixing[i] = jo_take_reals(a, 2 * m->nfriction);
+    jo_real **arrays[5] = {&x->f, &x->g, &x->r, &x->before, &x->change};
+    for (int i = 0; i < 5; i++) *arrays[i] = jo_take_reals(a, 2 * m->nfriction);
     for (int i = 0; i < JO_PAIRS; i++) {
         x->dF[i] = jo_take_reals(a, 2 * m->nfriction);
         x->dR[i] = jo_take_reals(a, 2 * m->nfriction);
@@ -266,7 +266,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
         d->q[m->body[i].iq + 3] = jo_same(1.0);
         jo_body_setup(&m->body[i], &d->body[i], 0, 0.0);
     }
-    jo_use_core(m, d, 0);
+    jo_select_coordinates(m, d, 0);
     if (jo_mixed(m)) {
         jo_split_setup(m, d);
         jo_hybrid_setup(m, d);

@@ -46,7 +46,7 @@ struct jo_data {
     jo_real *held;          /* (2 nlock) */
     jo_real *direction, *rub;   /* (2 nfriction) */
     double *memory;         /* (nmemory) */
-    jo_mixing mixing;
+    jo_anderson anderson;
 
     char *state;            /* q .. happened and what methods remember, one block of state_bytes */
     size_t state_bytes;
@@ -137,7 +137,7 @@ static inline int jo_absent(const jo_data *d, const jo_joint *k)
 static inline int jo_mixed(const jo_model *m) { return m->nlink && m->link->type == JO_LINK_BODY; }
 
 /* whether a body runs by rows and has links on it */
-static inline int jo_bears(const jo_model *m, int body)
+static inline int jo_carries_trees(const jo_model *m, int body)
 {
     for (int i = 0; i < m->nlink && jo_mixed(m); i++)
         if (m->link[i].parent >= 0 && m->link[m->link[i].parent].type == JO_LINK_BODY && m->link[m->link[i].parent].body == body) return 1;

@@ -12,8 +12,8 @@
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 
-#define JO_MOST_BENT 0.0707372 /* cosine of half of 3 rad: nearly half a turn, where the rotation vector would jump */
-#define JO_HALF_BENT 0.1715729 /* tau^2 at pi/2 */
+#define JO_MIN_HALF_COSINE 0.0707372 /* cosine of half of 3 rad: nearly half a turn, where the rotation vector would jump */
+#define JO_RIGHT_ANGLE_TAU2 0.1715729 /* tau^2 at pi/2 */
 
 /* z = x o y */
 static void product(jo_real *z, const jo_real *x, const jo_real *y)
@@ -76,8 +76,8 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
     jo_cross(t, e[0] + 1, e[1] + 1);
     for (int j = 0; j < 3; j++) w->tau[j] = half * (e[0][0] * e[1][1 + j] - e[1][0] * e[0][1 + j] - t[j]);
     w->square = jo_dot3(w->tau, w->tau);
-    if (!(JO_RE(c) > JO_MOST_BENT)
-        || (JO_RE(w->square) > JO_HALF_BENT && JO_RE(jo_dot3(w->last, w->last)) > JO_HALF_BENT
+    if (!(JO_RE(c) > JO_MIN_HALF_COSINE)
+        || (JO_RE(w->square) > JO_RIGHT_ANGLE_TAU2 && JO_RE(jo_dot3(w->last, w->last)) > JO_RIGHT_ANGLE_TAU2
             && JO_RE(jo_dot3(w->last, w->tau)) < 0.0))
         return isfinite(JO_RE(c)) ? JO_BENT : JO_NOT_FINITE;
     const jo_real scale = jo_sqrt(0.5 * half);
@@ -220,7 +220,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
 }
 
 /* square of the accelerations that the forces of one element would cause at its bodies, in the metric of the masses */
-double jo_beam_pull(const jo_model *m, const jo_data *d, int i)
+double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i)
 {
     const jo_beam_work *w = &d->beam[i];
     const int body[2] = {m->beam[i].a, m->beam[i].b};
@@ -307,7 +307,7 @@ void jo_beam_accept(const jo_model *m, jo_data *d)
 }
 
 /* the state is replaced: how the beams came to be bent is forgotten */
-void jo_beam_forget(jo_data *d)
+void jo_beam_reset_history(jo_data *d)
 {
     for (int i = 0; i < d->nbeam; i++)
         for (int j = 0; j < 3; j++) d->beam[i].last[j] = 0.0;

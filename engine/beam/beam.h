@@ -44,11 +44,11 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weigh
 /* beam.c */
 void jo_beam_setup(const jo_model *m, jo_data *d);
 int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
-double jo_beam_pull(const jo_model *m, const jo_data *d, int i);
+double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i);
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);
 void jo_beam_accept(const jo_model *m, jo_data *d);
-void jo_beam_forget(jo_data *d);
+void jo_beam_reset_history(jo_data *d);
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage);

@@ -9,7 +9,7 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_HOLDS 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
+#define JO_OVERLOAD 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
 
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
 {
@@ -20,17 +20,17 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
     jo_mul3t(y + 3, A, y + 3);
 }
 
-void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
     if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, f, 0, y);
     else jo_friction_reaction(m, d, f, d->lam, y);
 }
 
-static jo_real press(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
+static jo_real normal_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
 {
     jo_real y[6];
-    jo_friction_bears(m, d, f, y);
-    return jo_friction_press(m, f, y, collar);
+    jo_friction_joint_reaction(m, d, f, y);
+    return jo_friction_normal_force(m, f, y, collar);
 }
 
 /* mu / speed of the regularised law from the square of the speed: mu_static w (15 - 10 w^2 + 3 w^4) / 8 with w = speed / velocity
@@ -92,13 +92,13 @@ int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *pre
 }
 
 /* forces y (2) along the coordinates while they slide, 0 while they stick */
-static void sliding(const jo_model *m, const jo_data *d, int i, jo_real *y)
+static void sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_friction *f = &m->friction[i];
     jo_real pressed[2], turned[2], collar;
     y[0] = y[1] = 0.0;
     if (jo_sticks(m, d, f)) return;
-    const jo_real N = press(m, d, f, &collar);
+    const jo_real N = normal_force(m, d, f, &collar);
     jo_friction_weights(m, d, i, pressed, turned);
     for (int k = 0; k < jo_slips(f); k++) y[k] = pressed[k] * N + turned[k] * collar;
 }
@@ -133,7 +133,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     *y = none;
     if (jo_sticks(m, d, f)) return;
     jo_friction_reaction(m, d, f, d->lam, F);
-    const jo_real N = jo_friction_press(m, f, F, &collar);
+    const jo_real N = jo_friction_normal_force(m, f, F, &collar);
     jo_friction_slip(m, d, f, s);
     const jo_real square = s[0] * s[0] + s[1] * s[1];
     if (f->law) {
@@ -169,7 +169,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     }
 }
 
-void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
+void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
     const jo_joint *k = &m->joint[f->lock];
     y[1] = 0.0;
@@ -181,14 +181,14 @@ void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f,
 }
 
 /* the friction that belongs to given multipliers and velocities */
-void jo_friction_push(const jo_model *m, jo_data *d)
+void jo_friction_apply_forces(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->nfriction; i++) sliding(m, d, i, d->rub + 2 * i);
+    for (int i = 0; i < m->nfriction; i++) sliding_force(m, d, i, d->rub + 2 * i);
     for (int i = 0; i < m->nfriction; i++)
         for (int k = 0; k < jo_slips(&m->friction[i]); k++)
             if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
     for (int i = 0; i < m->nfriction; i++)   /* what sticks is held by its row */
-        if (jo_sticks(m, d, &m->friction[i])) jo_friction_held(m, d, &m->friction[i], d->rub + 2 * i);
+        if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], d->rub + 2 * i);
 }
 
 /* Positive while friction i keeps its state, after jo_evaluate: N or N m that it could hold more while it sticks, speed
@@ -198,8 +198,8 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
     const jo_friction *f = &m->friction[i];
     jo_real y[2], collar;
     if (jo_sticks(m, d, f)) {
-        const jo_real N = press(m, d, f, &collar), limit = (1.0 + JO_HOLDS) * f->data->mu_static;
-        jo_friction_held(m, d, f, y);
+        const jo_real N = normal_force(m, d, f, &collar), limit = (1.0 + JO_OVERLOAD) * f->data->mu_static;
+        jo_friction_sticking_force(m, d, f, y);
         if (jo_slips(f) == 1) return limit * (jo_slip_arm(m, f, 0) * N + collar) - jo_size(y[0]);
         return limit * N - jo_length2(y[0] / jo_slip_arm(m, f, 0), y[1] / jo_slip_arm(m, f, 1));
     }
@@ -210,7 +210,7 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
 }
 
 /* at the end of a step: friction that slips along two coordinates follows the velocity */
-void jo_friction_turn(const jo_model *m, jo_data *d)
+void jo_friction_update_direction(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];

@@ -5,9 +5,9 @@
 #include "data.h"
 
 /* friction.c */
-void jo_friction_push(const jo_model *m, jo_data *d);
+void jo_friction_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
-void jo_friction_turn(const jo_model *m, jo_data *d);
+void jo_friction_update_direction(const jo_model *m, jo_data *d);
 /* changes of the two sliding forces with the rates of the coordinates, and with force and moment (world) of the reaction */
 typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
@@ -20,6 +20,6 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 
 /* friction_switch.c */
 int jo_friction_switch(const jo_model *m, jo_data *d, int i);
-int jo_friction_settle(const jo_model *m, jo_data *d);
+int jo_friction_initialise_states(const jo_model *m, jo_data *d);
 
 #endif

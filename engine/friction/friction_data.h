@@ -11,19 +11,19 @@ typedef struct {
     jo_real press[2], collar[2];   /* its forces for a unit of what presses and of the moment of a collar */
     jo_real start[6], y[6]; /* reaction of its joint in the axes of side 0, without friction and with it */
     jo_real reach[JO_REACH][6];   /* what a unit of each force adds to it */
-} jo_slider;
+} jo_sliding_friction;
 
 /* the iteration between friction forces f and their residual r, (2 nfriction) each */
 enum { JO_PAIRS = 4 };      /* changes of f and r that it remembers */
 typedef struct {
-    jo_slider *slider;      /* (nfriction) */
+    jo_sliding_friction *sliding;     /* (nfriction) */
     int *coordinate;        /* (2 nfriction) of each force */
-    int sliders, n;         /* how many slide, with how many forces */
+    int nsliding, n;         /* how many slide, with how many forces */
     jo_real *lam;           /* (nrow) multipliers without friction */
     jo_real *reach;         /* (JO_REACH x nrow) what a unit of each force adds to them */
     jo_real *f, *g, *r, *before, *change;
     jo_real *dF[JO_PAIRS], *dR[JO_PAIRS], *Q[JO_PAIRS];
     int pairs, newest;
-} jo_mixing;
+} jo_anderson;
 
 #endif

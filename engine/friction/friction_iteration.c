@@ -38,7 +38,7 @@ static inline void largest(const jo_real *x, const int n, double *y)
 }
 
 /* relative size of the residual; derivatives, in the imaginary part, need two digits less */
-static double relative(const double *r, const double *f)
+static double relative_size(const double *r, const double *f)
 {
     const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? 1e-2 * r[1] / f[1] : 0.0;
     return re > im ? re : im;
@@ -71,15 +71,15 @@ static void free_change(const jo_model *m, const jo_data *d, int set, int joint,
 }
 
 /* joint[].x = the change of the multipliers by the change f of the friction; on a tree the links have it */
-static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
+static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
     if (jo_tree_active(d)) {
         jo_tree_friction_response(m, d, f);
         return;
     }
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
-    for (int c = 0; c < d->mixing.n; c++)
-        if (f[c] != 0.0) jo_push_change(m, d, d->mixing.coordinate[c], f[c]);
+    for (int c = 0; c < d->anderson.n; c++)
+        if (f[c] != 0.0) jo_push_change(m, d, d->anderson.coordinate[c], f[c]);
     if (jo_couples(m, stage)) {
         jo_coupled_respond(m, d);
         return;
@@ -93,38 +93,38 @@ static void respond(const jo_model *m, jo_data *d, const jo_stage *stage, const 
 }
 
 /* lam += the change in joint[].x, or = */
-static void take(const jo_model *m, const jo_data *d, jo_real *lam, int add)
+static void store_multipliers(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 {
     if (jo_tree_active(d)) return;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++, lam++) *lam = d->joint[i].x[r] + (add ? *lam : 0.0);
 }
 
-/* the reaction of a slider's joint that belongs to the last response, whose multipliers are lam */
-static void change_of(const jo_model *m, const jo_data *d, const jo_slider *s, const jo_real *lam, jo_real *y)
+/* the reaction of a s's joint that belongs to the last response, whose multipliers are lam */
+static void reaction_change(const jo_model *m, const jo_data *d, const jo_sliding_friction *s, const jo_real *lam, jo_real *y)
 {
     if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, &m->friction[s->friction], 1, y);
     else jo_friction_reaction(m, d, &m->friction[s->friction], lam, y);
 }
 
 /* which frictions slide, their reactions without friction, and what a unit of each force adds */
-static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
+static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    jo_mixing *w = &d->mixing;
-    w->sliders = w->n = 0;
-    take(m, d, d->lam, 0);
+    jo_anderson *w = &d->anderson;
+    w->nsliding = w->n = 0;
+    store_multipliers(m, d, d->lam, 0);
     if (jo_tree_active(d)) jo_tree_update_slips(m, d);
     for (int i = 0; i < m->nfriction; i++) {
         const jo_friction *f = &m->friction[i];
-        jo_slider *s = &w->slider[w->sliders];
+        jo_sliding_friction *s = &w->sliding[w->nsliding];
         if (jo_sticks(m, d, f)) continue;
         if (!jo_friction_weights(m, d, i, s->press, s->collar)) continue;
         s->friction = i;
         s->first = w->n;
         s->count = jo_slips(f);
         for (int k = 0; k < s->count; k++) w->coordinate[w->n++] = jo_slip_of(f, k);
-        jo_friction_bears(m, d, f, s->start);
-        w->sliders++;
+        jo_friction_joint_reaction(m, d, f, s->start);
+        w->nsliding++;
     }
     if (w->n > JO_REACH) {
         for (int i = 0; i < m->nrow; i++) w->lam[i] = d->lam[i];
@@ -134,33 +134,33 @@ static void prepare(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int c = 0; c < w->n; c++) {
         jo_real *lam = w->reach + c * m->nrow;
         w->f[c] = 1.0;
-        respond(m, d, stage, w->f);
+        change_multipliers(m, d, stage, w->f);
         w->f[c] = 0.0;
-        take(m, d, lam, 0);
-        for (int i = 0; i < w->sliders; i++) change_of(m, d, &w->slider[i], lam, w->slider[i].reach[c]);
+        store_multipliers(m, d, lam, 0);
+        for (int i = 0; i < w->nsliding; i++) reaction_change(m, d, &w->sliding[i], lam, w->sliding[i].reach[c]);
     }
 }
 
 /* the reactions with the friction f, which has just changed by w->change */
-static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int sliders)
+static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int nsliding)
 {
-    jo_mixing *w = &d->mixing;
+    jo_anderson *w = &d->anderson;
     if (n <= JO_REACH) {
-        for (int i = 0; i < sliders; i++) {
-            jo_slider *s = &w->slider[i];
+        for (int i = 0; i < nsliding; i++) {
+            jo_sliding_friction *s = &w->sliding[i];
             for (int j = 0; j < 6; j++) s->y[j] = s->start[j];
             for (int c = 0; c < n; c++)
                 for (int j = 0; j < 6; j++) s->y[j] += w->f[c] * s->reach[c][j];
         }
         return;
     }
-    respond(m, d, stage, w->change);
-    take(m, d, d->lam, 1);
-    for (int i = 0; i < w->sliders; i++) {
-        jo_slider *s = &w->slider[i];
+    change_multipliers(m, d, stage, w->change);
+    store_multipliers(m, d, d->lam, 1);
+    for (int i = 0; i < w->nsliding; i++) {
+        jo_sliding_friction *s = &w->sliding[i];
         jo_real before[6];
         for (int j = 0; j < 6; j++) before[j] = s->y[j];
-        change_of(m, d, s, d->lam, s->y);
+        reaction_change(m, d, s, d->lam, s->y);
         for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* lam has the sum already */
     }
 }
@@ -169,7 +169,7 @@ static inline void react(const jo_model *m, jo_data *d, const jo_stage *stage, c
 
 /* change (n) = r - sum_j gamma_j (dF_j + dR_j) with dR gamma = r in least squares, by orthogonalisation, newest pair first
  * (Anderson, J. ACM 12, 1965); for one unknown this is the secant method, which `search` writes down itself */
-static void accelerate(jo_mixing *w, int n, jo_real *change)
+static void anderson_step(jo_anderson *w, int n, jo_real *change)
 {
     jo_real gamma[JO_PAIRS] = {0.0}, R[JO_PAIRS][JO_PAIRS] = {{0.0}};
     int used[JO_PAIRS], count = 0;
@@ -199,7 +199,7 @@ static void accelerate(jo_mixing *w, int n, jo_real *change)
 }
 
 /* the last change of f and of r; 1 if the single unknown's slope of F(lam(f)) is above 1 */
-static inline int remember(jo_mixing *w, const int n, int unknowns, int jammed)
+static inline int store_pair(jo_anderson *w, const int n, int unknowns, int steep)
 {
     w->newest = (w->newest + 1) % JO_PAIRS;
     if (w->pairs < JO_PAIRS) w->pairs++;
@@ -208,30 +208,30 @@ static inline int remember(jo_mixing *w, const int n, int unknowns, int jammed)
         w->dR[w->newest][i] = w->r[i] - w->before[i];
     }
     if (unknowns == 1 && JO_RE(dot(w->change, w->change, n)) > 1e-12 * JO_RE(dot(w->f, w->f, n)))
-        jammed = JO_RE(dot(w->change, w->dR[w->newest], n)) >= 0.0;
-    return jammed;
+        steep = JO_RE(dot(w->change, w->dR[w->newest], n)) >= 0.0;
+    return steep;
 }
 
 /* The fixed point f = F(lam(f)) from f = 0; 0 where it is not found, or, with one sliding coordinate, where the slope of
  * F(lam(f)) is above 1. The first change is `first` of the residual. */
-static inline int search(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
-                         const int sliders)
+static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
+                         const int nsliding)
 {
-    jo_mixing *w = &d->mixing;
+    jo_anderson *w = &d->anderson;
     double off[2], all[2], best = INFINITY;
-    int jammed = 0, stagnant = 0;
+    int steep = 0, stagnant = 0;
     w->pairs = 0;
     w->newest = JO_PAIRS - 1;
     for (int i = 0; i < n; i++) w->f[i] = 0.0;
     for (int i = 0; i < m->nrow && n > JO_REACH; i++) d->lam[i] = w->lam[i];
-    for (int i = 0; i < sliders; i++)
-        for (int j = 0; j < 6; j++) w->slider[i].y[j] = w->slider[i].start[j];
+    for (int i = 0; i < nsliding; i++)
+        for (int j = 0; j < 6; j++) w->sliding[i].y[j] = w->sliding[i].start[j];
     for (int k = 0;; k++) {
         int unknowns = 0;
-        for (int i = 0; i < sliders; i++) {
-            const jo_slider *s = &w->slider[i];
+        for (int i = 0; i < nsliding; i++) {
+            const jo_sliding_friction *s = &w->sliding[i];
             jo_real collar;
-            const jo_real N = jo_friction_press(m, &m->friction[s->friction], s->y, &collar);
+            const jo_real N = jo_friction_normal_force(m, &m->friction[s->friction], s->y, &collar);
             for (int k = 0; k < s->count; k++) w->g[s->first + k] = s->press[k] * N + s->collar[k] * collar;
         }
         for (int i = 0; i < n; i++) {
@@ -241,51 +241,51 @@ static inline int search(const jo_model *m, jo_data *d, const jo_stage *stage, d
         largest(w->r, n, off);
         largest(w->g, n, all);
         if (!isfinite(off[0])) return !k;   /* the run has diverged before, which the step says */
-        const double apart = relative(off, all);
+        const double apart = relative_size(off, all);
         stagnant = apart < 0.5 * best ? 0 : stagnant + 1;
         if (apart < best) best = apart;
-        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) return !jammed;
+        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) return !steep;
         if (k == JO_ITERATIONS) return 0;
-        if (k) jammed = remember(w, n, unknowns, jammed);
+        if (k) steep = store_pair(w, n, unknowns, steep);
         if (n == 1) {
             const int p = w->newest, known = w->pairs && w->dR[p][0] != 0.0;
             w->change[0] = known ? -w->r[0] * w->dF[p][0] / w->dR[p][0] : w->r[0];
         } else {
-            accelerate(w, n, w->change);
+            anderson_step(w, n, w->change);
         }
         for (int i = 0; i < n; i++) {
             if (!k) w->change[i] *= first;
             w->before[i] = w->r[i];
             w->f[i] += w->change[i];
         }
-        react(m, d, stage, n, sliders);
+        update_reactions(m, d, stage, n, nsliding);
     }
 }
 
-static int find(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
+static int solve_forces(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
 {
-    const jo_mixing *w = &d->mixing;
-    return w->n == 1 ? search(m, d, stage, first, 1, 1) : search(m, d, stage, first, w->n, w->sliders);   /* loops over one force unroll */
+    const jo_anderson *w = &d->anderson;
+    return w->n == 1 ? iterate(m, d, stage, first, 1, 1) : iterate(m, d, stage, first, w->n, w->nsliding);   /* loops over one force unroll */
 }
 
-static int failed(jo_data *d)
+static int report_failure(jo_data *d)
 {
-    const jo_mixing *w = &d->mixing;
+    const jo_anderson *w = &d->anderson;
     double worst = -1.0;
-    for (int i = 0; i < w->sliders; i++)
-        for (int k = 0; k < w->slider[i].count; k++) {
-            const double off = fabs(JO_RE(w->r[w->slider[i].first + k]));
+    for (int i = 0; i < w->nsliding; i++)
+        for (int k = 0; k < w->sliding[i].count; k++) {
+            const double off = fabs(JO_RE(w->r[w->sliding[i].first + k]));
             if (off <= worst) continue;
             worst = off;
-            d->error_index = w->slider[i].friction;
+            d->error_index = w->sliding[i].friction;
         }
     return JO_FRICTION_FAILED;
 }
 
 /* the friction that was found acts on the bodies */
-static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
+static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const jo_mixing *w = &d->mixing;
+    const jo_anderson *w = &d->anderson;
     if (jo_tree_active(d)) {
         jo_tree_apply_friction(m, d);
         return;
@@ -299,7 +299,7 @@ static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
     if (jo_couples(m, stage)) {
         jo_coupled_solve(m, d, stage);
-        take(m, d, d->lam, 0);
+        store_multipliers(m, d, d->lam, 0);
         return;
     }
     for (int i = 0; i < m->nbody; i++)
@@ -317,21 +317,21 @@ static void act(const jo_model *m, jo_data *d, const jo_stage *stage)
  * (Painleve). */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const jo_mixing *w = &d->mixing;
+    const jo_anderson *w = &d->anderson;
     jo_real *f = d->rub;
-    prepare(m, d, stage);
-    if (w->n && !find(m, d, stage, 1.0) && !find(m, d, stage, 1e-2)) return failed(d);
-    if (w->n) act(m, d, stage);
+    find_sliding(m, d, stage);
+    if (w->n && !solve_forces(m, d, stage, 1.0) && !solve_forces(m, d, stage, 1e-2)) return report_failure(d);
+    if (w->n) apply_friction(m, d, stage);
     for (int i = 0; i < 2 * m->nfriction; i++) f[i] = 0.0;
-    for (int i = 0; i < w->sliders; i++) {
-        const jo_slider *slider = &w->slider[i];
-        for (int k = 0; k < slider->count; k++) {
-            const int c = slider->first + k;
-            f[2 * slider->friction + k] = w->f[c];
+    for (int i = 0; i < w->nsliding; i++) {
+        const jo_sliding_friction *s = &w->sliding[i];
+        for (int k = 0; k < s->count; k++) {
+            const int c = s->first + k;
+            f[2 * s->friction + k] = w->f[c];
             d->power.friction -= w->f[c] * d->coordinate[w->coordinate[c]].rate;
         }
     }
     for (int i = 0; i < m->nfriction; i++)
-        if (jo_sticks(m, d, &m->friction[i])) jo_friction_held(m, d, &m->friction[i], f + 2 * i);
+        if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], f + 2 * i);
     return JO_OK;
 }

@@ -33,7 +33,7 @@ static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
 
 /* what presses on the slipping surface, N, and the moment arm times force of a thrust collar, N m, from the reaction y
  * in the axes of side 0 of the joint */
-static inline jo_real jo_friction_press(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
+static inline jo_real jo_friction_normal_force(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
 {
     const jo_friction_data *data = f->data;
     const jo_real *M = y + 3;
@@ -53,7 +53,7 @@ void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *
 /* sliding forces (2) for a unit of what presses and of the moment of a collar; 1 unless all are 0 */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
-void jo_friction_bears(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* the same of the last evaluation */
-void jo_friction_held(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* forces with which it sticks */
+void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* the same of the last evaluation */
+void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* forces with which it sticks */
 
 #endif

@@ -4,16 +4,16 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_PASSES 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
+#define JO_PASSING_SPEED 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
 
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
 /* friction i lets go: it slips where the held force pushed it */
-static void let_go(const jo_model *m, jo_data *d, int i)
+static void start_sliding(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real y[2], *e = d->direction + 2 * i;
-    jo_friction_held(m, d, f, y);
+    jo_friction_sticking_force(m, d, f, y);
     for (int k = 0; k < jo_slips(f); k++) y[k] /= jo_slip_arm(m, f, k);
     const jo_real whole = jo_length2(y[0], y[1]);
     for (int k = 0; k < 2; k++) e[k] = JO_RE(whole) > 0.0 ? -y[k] / whole : (k ? 0.0 : 1.0);
@@ -23,7 +23,7 @@ static void let_go(const jo_model *m, jo_data *d, int i)
 }
 
 /* friction i holds its coordinates where they are */
-static void hold(const jo_model *m, jo_data *d, int i)
+static void start_sticking(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     for (int k = 0; k < jo_slips(f); k++)
@@ -34,7 +34,7 @@ static void hold(const jo_model *m, jo_data *d, int i)
 }
 
 /* the velocities obey the rows that hold now; what they lose is lost to friction */
-static int stop(const jo_model *m, jo_data *d)
+static int stop_sliding(const jo_model *m, jo_data *d)
 {
     jo_energies before, after;
     int status = jo_accelerations(m, d);
@@ -48,7 +48,7 @@ static int stop(const jo_model *m, jo_data *d)
 }
 
 /* whether friction i is to slip along its one coordinate from rest, but is accelerated against that */
-static int pushed_back(const jo_model *m, const jo_data *d, int i)
+static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     jo_real s[2];
@@ -67,18 +67,18 @@ static int release(const jo_model *m, jo_data *d)
         int weakest = -1, back = -1;
         double least = 0.0;
         for (int i = 0; i < m->nfriction; i++) {
-            if (pushed_back(m, d, i)) back = i;
+            if (is_accelerated_back(m, d, i)) back = i;
             if (!jo_sticks(m, d, &m->friction[i])) continue;
             jo_real y[2];
-            jo_friction_held(m, d, &m->friction[i], y);
+            jo_friction_sticking_force(m, d, &m->friction[i], y);
             const double margin = JO_RE(jo_friction_margin(m, d, i)), load = fabs(JO_RE(y[0])) + fabs(JO_RE(y[1]));
             if (margin < 0.0 && margin < least * load) {
                 least = margin / load;
                 weakest = i;
             }
         }
-        if (weakest >= 0) let_go(m, d, weakest);
-        else if (back >= 0) hold(m, d, back);
+        if (weakest >= 0) start_sliding(m, d, weakest);
+        else if (back >= 0) start_sticking(m, d, back);
         else break;
         if (jo_tree_active(d)) jo_tree_hold_sticking(m, d);   /* at rest to round-off, now it stays there */
         const int status = jo_accelerations(m, d);
@@ -94,25 +94,25 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
     if (!f->law) return JO_OK;
     int status;
     if (jo_sticks(m, d, f)) {
-        let_go(m, d, i);
+        start_sliding(m, d, i);
         status = jo_accelerations(m, d);
     } else {
         jo_real e[2];
         jo_friction_slip(m, d, f, e);
         const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSES * m->size) {   /* it turned past rest without coming to rest */
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* it turned past rest without coming to rest */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
             jo_forces_jumped(d);
             return jo_accelerations(m, d);
         }
-        hold(m, d, i);
-        status = stop(m, d);
+        start_sticking(m, d, i);
+        status = stop_sliding(m, d);
     }
     return status == JO_OK ? release(m, d) : status;
 }
 
 /* frictions whose state nobody has said: what moves slips, what rests sticks if it can */
-int jo_friction_settle(const jo_model *m, jo_data *d)
+int jo_friction_initialise_states(const jo_model *m, jo_data *d)
 {
     int undecided = 0, resting = 0, status = JO_OK;
     for (int i = 0; i < m->nfriction; i++)
@@ -125,13 +125,13 @@ int jo_friction_settle(const jo_model *m, jo_data *d)
         if (!f->law || d->slip[i] || jo_sticks(m, d, f)) continue;
         jo_friction_direction(m, d, i, e);
         if (e[0] == 0.0 && e[1] == 0.0) {
-            hold(m, d, i);
+            start_sticking(m, d, i);
             resting = 1;
         } else {
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k];
             d->slip[i] = jo_slips(f) == 2 || JO_RE(e[0]) > 0.0 ? 1 : -1;
         }
     }
-    if (status == JO_OK) status = resting ? stop(m, d) : jo_accelerations(m, d);
+    if (status == JO_OK) status = resting ? stop_sliding(m, d) : jo_accelerations(m, d);
     return status == JO_OK ? release(m, d) : status;
 }

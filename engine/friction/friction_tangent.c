@@ -49,7 +49,7 @@ static void reaction_rate(const jo_model *m, const jo_data *d, const jo_joint *k
 }
 
 /* friction of a joint: its forces depend on rates, positions and the multipliers of the joint */
-static void rub(const jo_model *m, jo_data *d, int i)
+static void friction_tangent(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
     const jo_joint *k = &m->joint[f->joint];
@@ -89,5 +89,5 @@ static void rub(const jo_model *m, jo_data *d, int i)
 
 void jo_newton_frictions(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < m->nfriction; i++) rub(m, d, i);
+    for (int i = 0; i < m->nfriction; i++) friction_tangent(m, d, i);
 }

@@ -14,7 +14,7 @@ enum { JO_TRIALS = 120 };   /* bisection alone needs 40 from 1 s to 1e-12 s */
 #define JO_INSTANT 1e-12    /* s, to which an event is located */
 #define JO_TOUCH 1e-9       /* of the change in a step: so near to the threshold a start counts as on it */
 
-static double instant(const jo_data *d) { return fmax(JO_INSTANT, 8.0 * DBL_EPSILON * fabs(JO_RE(d->time[0]))); }
+static double time_resolution(const jo_data *d) { return fmax(JO_INSTANT, 8.0 * DBL_EPSILON * fabs(JO_RE(d->time[0]))); }
 
 static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
@@ -24,11 +24,11 @@ static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
 
 /* most entries of one step in the log; more are a chain without end */
-static int most(const jo_model *m) { return 32 + 8 * jo_watched(m); }
+static int max_entries(const jo_model *m) { return 32 + 8 * jo_watched(m); }
 
 /* -- the state at the start of a step ----------------------------------------------------- */
 
-static void keep(jo_data *d)
+static void save_state(jo_data *d)
 {
     jo_kept *k = &d->kept;
     memcpy(k->state, d->state, d->state_bytes);
@@ -41,7 +41,7 @@ static void keep(jo_data *d)
     k->valid = jo_valid_now(d);
 }
 
-static void bring_back(jo_data *d)
+static void restore_state(jo_data *d)
 {
     const jo_kept *k = &d->kept;
     memcpy(d->state, k->state, d->state_bytes);
@@ -77,7 +77,7 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
 }
 
 /* all that is watched where the engine stands */
-static int values(const jo_model *m, jo_data *d, double *g)
+static int watched_values(const jo_model *m, jo_data *d, double *g)
 {
     const int status = jo_ready_sensors(m, d, d->demanding);
     if (status != JO_OK) return status;
@@ -103,19 +103,19 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
 }
 
 /* where the engine stands is accepted */
-static void accept(const jo_model *m, jo_data *d, const double *g)
+static void accept_values(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < jo_watched(m); i++) {
         if (is_event(m, i) && sign(g[i])) d->side[i] = sign(g[i]);
         d->level[i] = g[i];
     }
-    if (m->nlock) jo_friction_turn(m, d);
+    if (m->nlock) jo_friction_update_direction(m, d);
 }
 
 /* -- when ------------------------------------------------------------------------------------- */
 
 /* earliest crossing between a and b by straight lines between weighted values */
-static double estimate(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
+static double estimate_crossing(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
 {
     double first = b;
     for (int i = 0; i < jo_watched(m); i++) {
@@ -141,21 +141,21 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double le
 {
     jo_solver part = *s;
     part.step = length;
-    bring_back(d);
+    restore_state(d);
     const int status = jo_one_step(m, d, &part);
-    return status == JO_OK ? values(m, d, g) : status;
+    return status == JO_OK ? watched_values(m, d, g) : status;
 }
 
 /* The step from the kept state of *length crosses; shorten it to the first crossing and stay just behind it: the Illinois
  * method, with bisection where that is slow. Values at the start are in `level`, at the end in `above`. */
 static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
 {
-    const double narrow = instant(d);
+    const double narrow = time_resolution(d);
     double a = 0.0, b = *length, at = b, wa = 1.0, wb = 1.0, before = 4.0 * b;
     int last = 0;
     memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
     for (int k = 0; k < JO_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
-        double x = estimate(m, d, a, b, wa, wb);
+        double x = estimate_crossing(m, d, a, b, wa, wb);
         if (k % 3 == 2) {   /* three trials shall at least halve the interval */
             if (b - a > 0.5 * before) x = 0.5 * (a + b);
             before = b - a;
@@ -184,10 +184,10 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
 
 /* -- what happens ----------------------------------------------------------------------------- */
 
-static int note(const jo_model *m, jo_data *d, int i, int value, int *chain)
+static int log_entry(const jo_model *m, jo_data *d, int i, int value, int *chain)
 {
     double *entry = d->log + 3 * d->logged;
-    if (++*chain > most(m)) {
+    if (++*chain > max_entries(m)) {
         d->error_index = i;
         return JO_ENDLESS;
     }
@@ -199,7 +199,7 @@ static int note(const jo_model *m, jo_data *d, int i, int value, int *chain)
 }
 
 /* event i happens; what is stored in a force that it releases is lost */
-static void happen(const jo_model *m, jo_data *d, int i)
+static void apply_event(const jo_model *m, jo_data *d, int i)
 {
     jo_energies before, after;
     int loses = 0;
@@ -219,16 +219,16 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
         before = d->logged;
         for (int i = 0; i < m->nevent; i++) {
             if (!crosses(m, d, i, d->above[i])) continue;
-            const int status = note(m, d, i, sign(d->above[i]), chain);
+            const int status = log_entry(m, d, i, sign(d->above[i]), chain);
             if (status != JO_OK) return status;
-            happen(m, d, i);
+            apply_event(m, d, i);
             if (m->event[i].stop && *stop < 0) *stop = i;
         }
         if (d->logged == before) break;
         jo_state_changed(d);   /* forces are others now */
         jo_forces_jumped(d);
         memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
-        const int status = values(m, d, d->above);
+        const int status = watched_values(m, d, d->above);
         if (status != JO_OK) return status;
         for (int i = 0; i < m->nevent; i++) {   /* round-off is no crossing */
             const double jump = fabs(d->above[i] - d->below[i]), small = 1e-6 * d->scale[i];
@@ -238,7 +238,7 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     return JO_OK;
 }
 
-/* frictions that leave their state where the engine stands, after values() */
+/* frictions that leave their state where the engine stands, after watched_values() */
 static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
 {
     const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
@@ -252,12 +252,12 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     if (last < 0 || status != JO_OK) return status;
     jo_forces_jumped(d);
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
-        if (d->slip[k] != before[k]) status = note(m, d, m->nevent + k, d->slip[k], chain);
-    if (d->logged == logged && status == JO_OK && ++*chain > most(m)) {   /* back in its state, again and again */
+        if (d->slip[k] != before[k]) status = log_entry(m, d, m->nevent + k, d->slip[k], chain);
+    if (d->logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* back in its state, again and again */
         d->error_index = last;
         status = JO_ENDLESS;
     }
-    return status == JO_OK ? values(m, d, d->above) : status;
+    return status == JO_OK ? watched_values(m, d, d->above) : status;
 }
 
 /* all that happens where the engine stands */
@@ -267,14 +267,14 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     /* the power until here, before forces jump */
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_close_work(d);
+    jo_add_step_work(d);
     status = events_happen(m, d, stop, chain);
     if (status == JO_OK && m->nlock) {
         const int before = d->logged;
         status = frictions_switch(m, d, chain);
         if (status == JO_OK && d->logged != before) status = events_happen(m, d, stop, chain);
     }
-    if (status == JO_OK) accept(m, d, d->above);
+    if (status == JO_OK) accept_values(m, d, d->above);
     return status;
 }
 
@@ -282,14 +282,14 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 
 static int start(const jo_model *m, jo_data *d)
 {
-    const int status = values(m, d, d->level);
+    const int status = watched_values(m, d, d->level);
     for (int i = 0; i < jo_watched(m); i++) d->side[i] = is_event(m, i) ? sign(d->level[i]) : 1;
     jo_levels_measured(d);
     return status;
 }
 
 /* a value that starts at its threshold belongs to the side it goes to */
-static void leave(const jo_model *m, jo_data *d, const double *g)
+static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < m->nevent; i++)
         if (fabs(d->level[i]) <= JO_TOUCH * fabs(g[i] - d->level[i])) d->side[i] = sign(g[i]);
@@ -300,19 +300,19 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     const double end = s->step;
     double done = 0.0;
     int chain = 0, first = !jo_levels_valid(d);
-    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = start(m, d);
-    while (status == JO_OK && end - done > instant(d)) {
+    while (status == JO_OK && end - done > time_resolution(d)) {
         jo_solver part = *s;
         part.step = end - done;
-        keep(d);
+        save_state(d);
         status = jo_one_step(m, d, &part);
-        if (status == JO_OK) status = values(m, d, d->above);
+        if (status == JO_OK) status = watched_values(m, d, d->above);
         if (status != JO_OK) break;
-        if (first) leave(m, d, d->above);
+        if (first) set_first_sides(m, d, d->above);
         first = 0;
         if (!any_crosses(m, d, d->above)) {
-            accept(m, d, d->above);
+            accept_values(m, d, d->above);
             break;
         }
         for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
@@ -334,7 +334,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 int jo_event_keep(const jo_model *m, jo_data *d)
 {
     const int status = jo_levels_valid(d) ? JO_OK : start(m, d);
-    keep(d);
+    save_state(d);
     return status;
 }
 
@@ -342,12 +342,12 @@ int jo_event_keep(const jo_model *m, jo_data *d)
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     *found = 0;
-    int status = values(m, d, d->above);
+    int status = watched_values(m, d, d->above);
     if (status != JO_OK) return status;
-    if (first) leave(m, d, d->above);
+    if (first) set_first_sides(m, d, d->above);
     *found = any_crosses(m, d, d->above);
     if (!*found) {
-        accept(m, d, d->above);
+        accept_values(m, d, d->above);
         return JO_OK;
     }
     for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
@@ -366,7 +366,7 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
     return JO_EVENT;
 }
 
-int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * most(m) : 0; }
+int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * max_entries(m) : 0; }
 
 /* whether another step may be logged */
-int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + most(m) <= jo_log_room(m); }
+int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + max_entries(m) <= jo_log_room(m); }

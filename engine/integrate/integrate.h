@@ -12,11 +12,11 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 
 /* step_dormand_prince.c */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
-double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
-void jo_recall_stage(jo_data *d, int last);   /* the first or the last stage of the step */
+double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
+void jo_restore_stage(jo_data *d, int last);   /* the first or the last stage of the step */
 void jo_interpolate(const jo_model *m, jo_data *d, double u);
-double jo_defect(const jo_data *d, int i, int n);
-void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
+double jo_error_estimate(const jo_data *d, int i, int n);
+void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
 
 /* step_explicit.c */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */

@@ -40,7 +40,7 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
-    jo_close_work(d);
+    jo_add_step_work(d);
     jo_sync_all(m, d);
     if (m->nlink && !jo_tree_active(d) && !jo_tree_matches_maximal_state(m, d)) jo_tree_read_maximal_state(m, d);
     *row++ = d->time[0];
@@ -67,7 +67,7 @@ int jo_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     jo_state_changed(d);
     int status = m->nlink && jo_tree_matches_maximal_state(m, d) ? jo_tree_from_maximal(m, d) : JO_OK;
-    if (status == JO_OK && m->nlock) status = jo_friction_settle(m, d);
+    if (status == JO_OK && m->nlock) status = jo_friction_initialise_states(m, d);
     if (status == JO_OK) status = jo_measure(m, d);
     if (status == JO_OK) status = jo_write_row(m, d, row);
     jo_tree_to_maximal(m, d);

@@ -11,7 +11,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 }
 
 /* the caller may have changed the state: what hangs on it is computed again */
-static void enter(jo_data *d)
+static void invalidate(jo_data *d)
 {
     jo_call_begins(d);
     d->logged = 0;
@@ -19,7 +19,7 @@ static void enter(jo_data *d)
 }
 
 /* what is integrated: a tree in joint coordinates, unless the method is implicit, or errors of modal bodies are controlled */
-static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
+static int select_coordinates(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
     return m->nlink && fits ? jo_tree_from_maximal(m, d) : JO_OK;
@@ -27,8 +27,8 @@ static int choose(const jo_model *m, jo_data *d, const jo_solver *s)
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    enter(d);
-    int status = choose(m, d, s);
+    invalidate(d);
+    int status = select_coordinates(m, d, s);
     if (status == JO_OK) status = step(m, d, s);
     if (status == JO_OK) status = jo_measure(m, d);
     jo_tree_to_maximal(m, d);
@@ -77,8 +77,8 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
            long long *count, int *written, jo_real *rows)
 {
     *written = 0;
-    enter(d);
-    int status = choose(m, d, s);
+    invalidate(d);
+    int status = select_coordinates(m, d, s);
     if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
     jo_tree_to_maximal(m, d);
     d->left = JO_COMMON(d->time[0]);

@@ -12,18 +12,18 @@
 #include "fatigue/fatigue.h"
 #include <float.h>
 
-#define JO_TURN 1.0     /* rad, largest turn of a body in a step */
+#define JO_MAX_ROTATION 1.0     /* rad, largest turn of a body in a step */
 
 /* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
-static int closed(const jo_model *m, jo_data *d)
+static int close_joints(const jo_model *m, jo_data *d)
 {
     if (jo_tree_active(d)) {
         jo_tree_prescribe_motion(m, d);   /* interpolated they are off by the error of the method */
         return jo_tree_close_loops(m, d);
     }
     jo_project(m, d, &jo_now);
-    return jo_most(jo_joint_residual(m, d)) <= JO_CLOSED * m->size
-           && jo_most(jo_joint_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
+    return jo_most(jo_largest_residual(m, d)) <= JO_CLOSED * m->size
+           && jo_most(jo_largest_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
 }
 
 /* a row at a time within the last step; the state stays at its end */
@@ -39,9 +39,9 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     d->time[0] = t;
     jo_state_changed(d);
     int status = JO_OK;
-    if (s->projection && m->njoint && !closed(m, d)) {
+    if (s->projection && m->njoint && !close_joints(m, d)) {
         status = jo_accelerations(m, d);
-        if (status == JO_OK) closed(m, d);
+        if (status == JO_OK) close_joints(m, d);
     }
     if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
@@ -50,7 +50,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
     d->work = work;
     d->time[0] = time;
-    jo_recall_stage(d, 1);
+    jo_restore_stage(d, 1);
     jo_stage_recalled(d, known);
     return status;
 }
@@ -68,7 +68,7 @@ static void extent_of(const jo_model *m, const jo_data *d, int body, double *out
     out[2] = jo_larger(so_far[2], jo_length(v + 6, b->n));
 }
 
-static double fastest(const jo_model *m, const jo_data *d)
+static double largest_speed(const jo_model *m, const jo_data *d)
 {
     double top = 0.0, out[3];
     for (int i = 0; i < m->nbody; i++) {
@@ -84,7 +84,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
     double error = 0.0;
     for (int i = 0; i < m->nstate; i++) {
         const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
-        const double defect = jo_defect(d, 2 * d->nw - m->nstate + i, 1);
+        const double defect = jo_error_estimate(d, 2 * d->nw - m->nstate + i, 1);
         if (defect == 0.0) continue;   /* such as a part without a gain, which is 0 and has no size */
         const double ratio = defect / (s->tolerance * jo_larger(largest, d->nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
@@ -100,8 +100,8 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_real *const defect[2] = {d->lag, d->sum};
-    if (jo_tree_active(d)) jo_tree_defects(m, d, defect[0], defect[1]);
-    const double size = size_of(m), top = jo_larger(fastest(m, d), size / d->control.duration);
+    if (jo_tree_active(d)) jo_tree_error_estimate(m, d, defect[0], defect[1]);
+    const double size = size_of(m), top = jo_larger(largest_speed(m, d), size / d->control.duration);
     double error = 0.0;
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
@@ -111,9 +111,9 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
             const int at = k * d->nw + b->iv;
-            e[3 * k] = jo_tree_active(d) ? jo_length(defect[k] + b->iv, 3) : jo_defect(d, at, 3);
-            e[3 * k + 1] = jo_tree_active(d) ? jo_length(defect[k] + b->iv + 3, 3) : jo_defect(d, at + 3, 3);
-            e[3 * k + 2] = jo_tree_active(d) ? 0.0 : jo_defect(d, at + 6, b->n);
+            e[3 * k] = jo_tree_active(d) ? jo_length(defect[k] + b->iv, 3) : jo_error_estimate(d, at, 3);
+            e[3 * k + 1] = jo_tree_active(d) ? jo_length(defect[k] + b->iv + 3, 3) : jo_error_estimate(d, at + 3, 3);
+            e[3 * k + 2] = jo_tree_active(d) ? 0.0 : jo_error_estimate(d, at + 6, b->n);
         }
         scale[0] = jo_larger(s->tolerance * size, s->absolute);
         scale[1] = scale[0] / size;
@@ -133,7 +133,7 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
     return jo_larger(error, state_error(m, d, s));
 }
 
-static void remember_extent(const jo_model *m, jo_data *d)
+static void update_extent(const jo_model *m, jo_data *d)
 {
     double x[3];
     for (int i = 0; i < m->nbody; i++) {
@@ -181,20 +181,20 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
 }
 
 /* back to the start of a step that is not taken */
-static void withdraw(jo_data *d, double shorter)
+static void reject_step(jo_data *d, double shorter)
 {
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->v0[i];
     jo_positions_moved(d);
     d->work = d->control.work;
     d->time[0] = d->control.from;
-    jo_recall_stage(d, 0);
+    jo_restore_stage(d, 0);
     d->control.next = shorter;
     d->control.shortened = 1;
     d->counts.rejected++;
 }
 
-static int give_up(jo_data *d)
+static int failure_status(jo_data *d)
 {
     if (d->control.status != JO_OK) return d->control.status;
     d->error_index = d->control.worst;
@@ -206,17 +206,17 @@ typedef struct {
     double h, wanted;       /* s; what it would be without a limit */
     double limit, seen;     /* it ends there at most; forces at its end are seen as at that time */
     int whole, broken;      /* it goes up to the limit, and forces of the next step may differ at once */
-} attempt;
+} planned_step;
 
 /* the next step, not beyond a break or `end` */
-static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s, double end)
+static planned_step plan_step(const jo_model *m, const jo_data *d, const jo_solver *s, double end)
 {
     const double t = JO_RE(d->time[0]), kink = next_break(m, t), turn = fastest_turn(m, d);
-    attempt x;
+    planned_step x;
     x.limit = kink < end ? kink : end;
     x.h = d->control.next;
     if (s->largest > 0.0 && x.h > s->largest) x.h = s->largest;
-    if (turn * x.h > JO_TURN) x.h = JO_TURN / turn;
+    if (turn * x.h > JO_MAX_ROTATION) x.h = JO_MAX_ROTATION / turn;
     x.wanted = x.h;
     x.whole = t + 1.01 * x.h >= x.limit;
     if (x.whole) x.h = x.limit - t;
@@ -227,18 +227,18 @@ static attempt attempted(const jo_model *m, const jo_data *d, const jo_solver *s
 }
 
 /* whether the step that was tried is short enough, with the length of the next one; else it is withdrawn */
-static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attempt *x, double *error)
+static int control_error(const jo_model *m, jo_data *d, const jo_solver *s, const planned_step *x, double *error)
 {
     jo_control *c = &d->control;
-    if ((jo_tree_active(d) ? jo_tree_largest_rotation(m, d) : jo_increments(m, d->dq, d->q0, d->q)) > 2.0 * JO_TURN) {
-        withdraw(d, 0.5 * x->h);
+    if ((jo_tree_active(d) ? jo_tree_largest_rotation(m, d) : jo_increment_between(m, d->dq, d->q0, d->q)) > 2.0 * JO_MAX_ROTATION) {
+        reject_step(d, 0.5 * x->h);
         return 0;
     }
     *error = step_error(m, d, s);
     const double plain = 0.9 / pow(jo_larger(*error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
     if (!(*error <= 1.0)) {
         c->status = JO_OK;
-        withdraw(d, x->h * (plain > 0.2 ? plain : 0.2));
+        reject_step(d, x->h * (plain > 0.2 ? plain : 0.2));
         return 0;
     }
     double factor = plain * pow(c->error, 0.04);   /* proportional and integral */
@@ -250,7 +250,7 @@ static int passes(const jo_model *m, jo_data *d, const jo_solver *s, const attem
 }
 
 /* the step is taken, up to the first event in it */
-static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x, double error)
+static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planned_step *x, double error)
 {
     jo_control *c = &d->control;
     int found = 0;
@@ -270,7 +270,7 @@ static int finish(const jo_model *m, jo_data *d, const jo_solver *s, attempt *x,
     if (m->nturn && jo_tree_active(d)) jo_tree_count_turns(m, d);
     else if (m->nturn) jo_count_turns(m, d);
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* an event may have shortened the step */
-    remember_extent(m, d);
+    update_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
     jo_damage_outdated(d);
     c->found = found;
@@ -283,22 +283,22 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
 {
     jo_control *c = &d->control;
     if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
-        return give_up(d);
+        return failure_status(d);
     c->tries++;
     int status = jo_accelerations_known(d) ? JO_OK : jo_accelerations(m, d);
     if (status == JO_OK && jo_watched(m)) status = jo_event_keep(m, d);
     if (status != JO_OK) return status;
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
-    attempt x = attempted(m, d, s, end);
+    planned_step x = plan_step(m, d, s, end);
     status = jo_step_dopri(m, d, s, x.h, x.seen);
     if (status != JO_OK) {
         c->status = status;
-        withdraw(d, 0.25 * x.h);
+        reject_step(d, 0.25 * x.h);
         return JO_OK;
     }
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     double error;
-    return passes(m, d, s, &x, &error) ? finish(m, d, s, &x, error) : JO_OK;
+    return control_error(m, d, s, &x, &error) ? accept_step(m, d, s, &x, error) : JO_OK;
 }
 
 static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long last)
@@ -308,13 +308,13 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     *c = clean;
     jo_control_begins(d);
     jo_restart(d);
-    int status = m->nlock ? jo_friction_settle(m, d) : JO_OK;
+    int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (status == JO_OK && !jo_accelerations_valid(d)) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_sync_all(m, d);
     for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
     jo_state_nominals(m, d, (double)last * s->step);
-    remember_extent(m, d);
+    update_extent(m, d);
     c->start = JO_RE(d->time[0]);
     c->first = 1;
     c->duration = (double)last * s->step;
@@ -324,7 +324,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
 }
 
 /* what changes at the state that a step has reached, once all rows before it are written */
-static int arrive(const jo_model *m, jo_data *d)
+static int process_arrival(const jo_model *m, jo_data *d)
 {
     jo_control *c = &d->control;
     const int found = c->found;
@@ -344,7 +344,7 @@ static int arrive(const jo_model *m, jo_data *d)
     return jo_measure(m, d);
 }
 
-static int follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
+static int follow_rows(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
                   long long *count, int *written, jo_real *rows)
 {
     jo_control *c = &d->control;
@@ -353,7 +353,7 @@ static int follow(const jo_model *m, jo_data *d, const jo_solver *s, long long l
     while (*written < room && (!jo_watched(m) || jo_log_has_room(m, d))) {
         const double now = JO_RE(d->time[0]), t = c->start + (double)*count * s->step;
         jo_real *row = rows + (size_t)*written * size;
-        int status = t < now ? write_between(m, d, s, t, row) : arrive(m, d);
+        int status = t < now ? write_between(m, d, s, t, row) : process_arrival(m, d);
         if (t == now || status == JO_EVENT) {
             const int written_too = jo_write_row(m, d, row);
             if (written_too != JO_OK) return written_too;
@@ -379,7 +379,7 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
     d->logged = 0;
     int status = m->nlink && !jo_mixed(m) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
-    if (status == JO_OK) status = follow(m, d, s, last, tries, room, count, written, rows);
+    if (status == JO_OK) status = follow_rows(m, d, s, last, tries, room, count, written, rows);
     jo_tree_to_maximal(m, d);
     d->left = JO_RE(d->time[0]);
     return status;

@@ -40,7 +40,7 @@ static jo_real blend(const jo_data *d, const double *weight, int count, int nk, 
 }
 
 /* increments from q0 to q; returns the largest turn */
-double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q)
+double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q)
 {
     double turn = 0.0;
     for (int i = 0; i < m->nbody; i++) {
@@ -58,7 +58,7 @@ double jo_increments(const jo_model *m, jo_real *x, const jo_real *q0, const jo_
 /* what follows the increments and the velocities of a stage or a change */
 static jo_work *work_of(const jo_data *d, jo_real *x) { return (jo_work *)(x + 2 * d->nw); }
 
-static void keep_stage(jo_data *d, int k, const jo_real *rate)
+static void store_stage(jo_data *d, int k, const jo_real *rate)
 {
     jo_real *x = d->stages + k * width(d);
     for (int i = 0; i < d->nw; i++) {
@@ -69,7 +69,7 @@ static void keep_stage(jo_data *d, int k, const jo_real *rate)
 }
 
 /* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
-void jo_recall_stage(jo_data *d, int last)
+void jo_restore_stage(jo_data *d, int last)
 {
     jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(d);
     for (int i = 0; i < d->nw; i++) d->wd[i] = x[d->nw + i];
@@ -78,7 +78,7 @@ void jo_recall_stage(jo_data *d, int last)
 }
 
 /* what is prescribed at the end of a step on a tree, its loops closed, and the increments that this makes */
-static void end_on_tree(const jo_model *m, jo_data *d, const jo_solver *s)
+static void close_tree(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_tree_prescribe_end_of_step(m, d);
     if (!m->nloop || !s->projection) return;
@@ -102,13 +102,13 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     c->work = d->work;
     c->from = JO_RE(t0);
     c->length = h;
-    keep_stage(d, 0, d->w);
+    store_stage(d, 0, d->w);
     for (int k = 1; k < JO_STAGES; k++) {
         for (int i = 0; i < nv; i++) {
             d->dq[i] = h * blend(d, WEIGHT[k], k, nk, i);
             d->w[i] = d->v0[i] + h * blend(d, WEIGHT[k], k, nk, nv + i);
         }
-        jo_move(m, d, d->dq);
+        jo_integrate_positions(m, d, d->dq);
         d->time[0] = k < 5 ? t0 + NODE[k] * h : seen + (t0 - JO_RE(t0));
         jo_state_changed(d);
         if (k == JO_STAGES - 1) {   /* the new state */
@@ -119,13 +119,13 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
                 status = jo_check(m, d);
                 if (status != JO_OK) return status;
             }
-            if (jo_tree_active(d)) end_on_tree(m, d, s);
-            else jo_increments(m, d->dq, d->q0, d->q);
+            if (jo_tree_active(d)) close_tree(m, d, s);
+            else jo_increment_between(m, d->dq, d->q0, d->q);
         }
         const int status = jo_evaluate(m, d, &jo_now);
         if (status != JO_OK) return status;
-        jo_move_rate(m, d, d->rate, d->dq);
-        keep_stage(d, k, d->rate);
+        jo_position_rate(m, d, d->rate, d->dq);
+        store_stage(d, k, d->rate);
     }
     for (int i = 2 * nv; i < nk; i++) d->change[i] = blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, i);
     jo_add_work(&d->work, h, work_of(d, d->change));
@@ -161,11 +161,11 @@ void jo_interpolate(const jo_model *m, jo_data *d, double u)
     d->work.damping = start->damping + changed(d, u, nk, 2 * nv);
     d->work.friction = start->friction + changed(d, u, nk, 2 * nv + 1);
     d->work.forces = start->forces + changed(d, u, nk, 2 * nv + 2);
-    jo_move(m, d, d->dq);
+    jo_integrate_positions(m, d, d->dq);
 }
 
 /* estimated errors of increments and velocities of the bodies, from those of a tree */
-void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity)
+void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity)
 {
     jo_real *const out[2] = {increment, velocity};
     for (int k = 0; k < 2; k++) {
@@ -175,7 +175,7 @@ void jo_tree_defects(const jo_model *m, jo_data *d, jo_real *increment, jo_real 
 }
 
 /* length of the estimated error of n entries from place i on */
-double jo_defect(const jo_data *d, int i, int n)
+double jo_error_estimate(const jo_data *d, int i, int n)
 {
     double sum = 0.0;
     for (int j = i; j < i + n; j++) {

@@ -10,7 +10,7 @@
 
 /* A stage joins the sums of increments and velocities; both move on by `next` for the stage after it. Where nothing has moved yet
  * increments grow by the velocities. */
-static void gather(jo_data *d, int stage, double share, double next)
+static void accumulate_stage(jo_data *d, int stage, double share, double next)
 {
     jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
     const int n = d->nw;
@@ -34,7 +34,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
     JO_EACH(i, d->nw) JO_STORE(d->v0 + i) = JO_LOAD(d->w + i);
     for (int k = 0; k < 4; k++) {
         if (k) {
-            jo_move(m, d, d->rate);
+            jo_integrate_positions(m, d, d->rate);
             d->time[0] = t0 + node[k] * h;
         }
         if (k || !jo_accelerations_valid(d) || baumgarte) {
@@ -43,16 +43,16 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
             if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
         }
         jo_first_stage_done(d);
-        if (k) jo_move_rate(m, d, d->rate, d->rate);
-        gather(d, k, weight[k] * h, k < 3 ? node[k + 1] * h : 0.0);
+        if (k) jo_position_rate(m, d, d->rate, d->rate);
+        accumulate_stage(d, k, weight[k] * h, k < 3 ? node[k + 1] * h : 0.0);
         jo_add_work(&d->work, weight[k] * h, &d->power);
     }
-    jo_move(m, d, d->dq);
+    jo_integrate_positions(m, d, d->dq);
     JO_EACH(i, d->nw) JO_STORE(d->w + i) = JO_LOAD(d->v0 + i) + JO_LOAD(d->dv + i);
     return JO_OK;
 }
 
-static void no_extra(const jo_model *m, jo_data *d)
+static void clear_extra_forces(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
@@ -89,7 +89,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     stage->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
     int status = jo_evaluate(m, d, stage);
     if (status != JO_OK) {
-        no_extra(m, d);
+        clear_extra_forces(m, d);
         return status;
     }
     for (int i = 0; i < d->ny; i++) d->q0[i] = d->y[i];
@@ -99,13 +99,13 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
         d->dq[i] = h * (d->w[i] + gh * d->wd[i]);
         d->w[i] += h * d->wd[i];
     }
-    jo_close_work(d);
+    jo_add_step_work(d);
     d->waiting = h;
     d->power0 = d->power;
     d->power0.forces -= d->drive;
     d->work.friction += 0.5 * h * d->power.friction;
     d->work.forces += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
-    jo_move(m, d, d->dq);
+    jo_integrate_positions(m, d, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
         const jo_body *b = &m->body[i];
@@ -118,16 +118,16 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     stage->second = m->nbeam > 0;
     if (stage->second) second_stage(m, d, gh);
     status = jo_evaluate(m, d, stage);
-    no_extra(m, d);
+    clear_extra_forces(m, d);
     if (status != JO_OK) return status;
     d->work.friction += 0.5 * h * d->power.friction;
     d->work.forces += 0.5 * h * d->drive;
-    jo_move_rate(m, d, d->rate, d->dq);
+    jo_position_rate(m, d, d->rate, d->dq);
     for (int i = 0; i < d->nw; i++) {
         d->dq[i] = 0.5 * h * (d->v0[i] + d->rate[i] + gh * (d->wd[i] - d->acc[i]));
         d->w[i] = d->v0[i] + 0.5 * h * (d->acc[i] + d->wd[i]);
     }
-    jo_move(m, d, d->dq);
+    jo_integrate_positions(m, d, d->dq);
     return JO_OK;
 }
 

@@ -15,12 +15,12 @@
 #include "beam/beam.h"
 #include "integrate/integrate.h"
 
-#define JO_SLOW 0.1       /* kept factors are renewed when an iteration gains less than this */
-#define JO_AGED 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
-#define JO_ROUND_OFF 1e-6 /* increments that no longer shrink below this are round-off */
-#define JO_HALVINGS 40    /* of an increment that leaps over a kink */
-#define JO_PATIENCE 5     /* times the iterations of a step are allowed where they are shortened */
-#define JO_DIGITS 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
+#define JO_SLOW_GAIN 0.1       /* kept factors are renewed when an iteration gains less than this */
+#define JO_MAX_AGE 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
+#define JO_ROUND_OFF_INCREMENT 1e-6 /* increments that no longer shrink below this are round-off */
+#define JO_MAX_HALVINGS 40    /* of an increment that leaps over a kink */
+#define JO_DAMPED_ITERATIONS 5     /* times the iterations of a step are allowed where they are shortened */
+#define JO_POSITION_ROUNDING 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
 
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
@@ -72,7 +72,7 @@ static double resolution(const jo_model *m, const jo_data *d, const jo_weights *
 {
     const jo_body *b = &m->body[body];
     const jo_real *R = d->q + b->iq, *J = d->body[body].J;
-    const double digits = JO_DIGITS / c->q, square = m->size * m->size + JO_RE(jo_dot3(R, R));
+    const double digits = JO_POSITION_ROUNDING / c->q, square = m->size * m->size + JO_RE(jo_dot3(R, R));
     return digits * digits * (JO_RE(b->mass[0]) * square + JO_RE(J[0] + J[1] + J[2]));
 }
 
@@ -97,7 +97,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
         d->v0[i] = d->v[i];
         d->v[i] += ahead * d->a[i];
     }
-    jo_displace(m, d->q, d->q0, d->dq);
+    jo_add_increment(m, d->q, d->q0, d->dq);
     d->time[0] = t0 + ahead;
     status = jo_evaluate(m, d, &jo_now);
     d->time[0] = t0;
@@ -130,14 +130,14 @@ static int continues(const jo_model *m, const jo_data *d, double h)
 }
 
 /* q, v and the tangent operators of the increments at the present algorithmic acceleration in rate */
-static void move(const jo_model *m, jo_data *d, const jo_solver *s)
+static void update_state(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
     for (int i = 0; i < d->nw; i++) {
         d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->algorithmic[i] + b * d->rate[i]));
         d->v[i] = d->v0[i] + h * ((1.0 - g) * d->algorithmic[i] + g * d->rate[i]);
     }
-    jo_displace(m, d->q, d->q0, d->dq);
+    jo_add_increment(m, d->q, d->q0, d->dq);
     for (int i = 0; i < m->nbody; i++) {   /* E - f1 theta~ + f2 theta~ theta~ */
         const jo_real *x = d->dq + m->body[i].iv + 3, square = jo_dot3(x, x);
         jo_real *T = d->body[i].turn, f[3];
@@ -149,7 +149,7 @@ static void move(const jo_model *m, jo_data *d, const jo_solver *s)
     }
 }
 
-static int factors(const jo_model *m, jo_data *d, const jo_stage *stage)
+static int factor_matrix(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status = jo_newton_assemble(m, d, stage);
     if (status != JO_OK) return status;
@@ -193,7 +193,7 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
 }
 
 /* the unknowns move by `share` of x, laid out as d->x */
-static void advance(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
+static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
 {
     for (int i = 0; i < m->nbody; i++) {
         const jo_real *y = x + (solution_of(m, d, i) - d->x);
@@ -216,9 +216,9 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
 {
     double share = 1.0;
     for (int i = 0; i < m->nv + m->nrow; i++) d->whole[i] = d->x[i];
-    for (int k = 0; k < JO_HALVINGS; k++, share *= 0.5) {
-        if (k) advance(m, d, &stage->weights, d->whole, -share);
-        move(m, d, s);
+    for (int k = 0; k < JO_MAX_HALVINGS; k++, share *= 0.5) {
+        if (k) add_solution(m, d, &stage->weights, d->whole, -share);
+        update_state(m, d, s);
         d->counts.evaluations++;
         if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* so far away that an element folds */
         right_hand_side(m, d, &stage->weights, 0);
@@ -233,16 +233,16 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
 /* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
 static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
 {
-    const int most_iterations = (damped ? JO_PATIENCE : 1) * s->iterations + JO_AFTER;
+    const int most_iterations = (damped ? JO_DAMPED_ITERATIONS : 1) * s->iterations + JO_AFTER;
     double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
-        move(m, d, s);
+        update_state(m, d, s);
         int status = jo_residual_at(m, d, stage, d->acc);
         if (status != JO_OK) return status;
         d->counts.evaluations++;
         const int renewed = !JO_KEEP || !s->modified || !jo_newton_valid(d);
-        if (renewed) status = factors(m, d, stage);
+        if (renewed) status = factor_matrix(m, d, stage);
         if (status == JO_NOT_FINITE) return JO_NO_CONVERGENCE;
         if (status != JO_OK) return status;
         right_hand_side(m, d, &stage->weights, k == 0);
@@ -256,12 +256,12 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
         }
-        advance(m, d, &stage->weights, d->x, 1.0);
+        add_solution(m, d, &stage->weights, d->x, 1.0);
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
-        double pull = 0.0;
-        for (int i = 0; i < m->nbeam; i++) pull += jo_beam_pull(m, d, i);
-        if (pull < elastic) elastic = pull;
+        double beam_forces = 0.0;
+        for (int i = 0; i < m->nbeam; i++) beam_forces += jo_beam_force_norm(m, d, i);
+        if (beam_forces < elastic) elastic = beam_forces;
         const double work = sqrt(reference(m, d, s->step) + elastic), small = s->tolerance * work;
         const double gain = before > 0.0 ? size / before : 1.0;
         if (s->tolerance <= 0.0) {   /* a fixed number of iterations */
@@ -269,10 +269,10 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             continue;
         }
         if (after >= 0 || size <= small || rounding || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
-            || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF * work)) {
+            || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF_INCREMENT * work)) {
             if (++after == JO_AFTER) return JO_OK;
         }
-        if (s->modified && !renewed && k && gain > JO_SLOW) jo_newton_outdated(d);
+        if (s->modified && !renewed && k && gain > JO_SLOW_GAIN) jo_newton_outdated(d);
         before = size;
         if (damped && after < 0) {
             const double share = shorten(m, d, s, stage, size);
@@ -284,7 +284,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
 }
 
 /* d->x = -[0; residual of the rows], of positions or velocities */
-static void set_gaps(const jo_model *m, jo_data *d, int velocity)
+static void set_residuals(const jo_model *m, jo_data *d, int velocity)
 {
     for (int i = 0; i < m->nbody; i++) {
         jo_real *x = solution_of(m, d, i);
@@ -305,7 +305,7 @@ static void correct(const jo_model *m, jo_data *d, int velocity)
         jo_real *y = (velocity ? d->v : d->rate) + m->body[i].iv;
         for (int j = 0; j < 6 + m->body[i].n; j++) y[j] = (velocity ? y[j] : 0.0) + x[j];
     }
-    if (!velocity) jo_displace(m, d->q, d->q, d->rate);
+    if (!velocity) jo_add_increment(m, d->q, d->q, d->rate);
 }
 
 /* Close positions, then velocities, with factors of this state or of one nearby: corrections along the constraints of an older
@@ -320,15 +320,15 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
         double before = 0.0;
         for (int k = 0; k < JO_CORRECTIONS; k++) {
             if (k || velocity) jo_residuals(m, d, largest);
-            else largest[0] = jo_joint_residual(m, d);   /* bodies and markers stand at q */
-            const double gap = JO_RE(largest[velocity]);
-            if (gap <= small[velocity] || (k && !(gap < 0.5 * before))) break;
-            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_AGED)) {   /* the gaps are closed by these alone */
-                const int status = factors(m, d, stage);
+            else largest[0] = jo_largest_residual(m, d);   /* bodies and markers stand at q */
+            const double residual = JO_RE(largest[velocity]);
+            if (residual <= small[velocity] || (k && !(residual < 0.5 * before))) break;
+            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* the gaps are closed by these alone */
+                const int status = factor_matrix(m, d, stage);
                 if (status != JO_OK) return status;
             }
-            set_gaps(m, d, velocity);
-            before = gap;
+            set_residuals(m, d, velocity);
+            before = residual;
             correct(m, d, velocity);
         }
     }
@@ -410,7 +410,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         status = newton(m, d, &exact, &stage, damped);
     }
     if (status == JO_OK) {
-        move(m, d, s);
+        update_state(m, d, s);
         if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces follow the last increment */
         for (int i = 0; i < d->nw; i++) {
             d->algorithmic[i] = d->rate[i];

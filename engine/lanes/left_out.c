@@ -17,7 +17,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
     (void)m; (void)d; (void)a;
     return 0;
 }
-void jo_beam_forget(jo_data *d)
+void jo_beam_reset_history(jo_data *d)
 {
     (void)d;
 }
@@ -64,7 +64,7 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return 0;
 }
-int jo_friction_settle(const jo_model *m, jo_data *d)
+int jo_friction_initialise_states(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
     return 0;

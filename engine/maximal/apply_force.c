@@ -7,7 +7,7 @@
 #include "maximal/maximal.h"
 
 /* add force F and torque T (world) at the marker, which is not on ground, to the forces fr and fp of its body */
-static void push(const jo_model *m, const jo_data *d, int marker, const jo_real *F, const jo_real *T, jo_real *fr, jo_real *fp)
+static void add_marker_force(const jo_model *m, const jo_data *d, int marker, const jo_real *F, const jo_real *T, jo_real *fr, jo_real *fp)
 {
     const jo_marker *k = &m->marker[marker];
     const jo_marker_work *w = &d->marker[marker];
@@ -33,7 +33,7 @@ static void push(const jo_model *m, const jo_data *d, int marker, const jo_real 
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
 {
     const int body = m->marker[marker].body;
-    if (body >= 0) push(m, d, marker, F, T, d->body[body].fr, d->body[body].fp);
+    if (body >= 0) add_marker_force(m, d, marker, F, T, d->body[body].fr, d->body[body].fp);
 }
 
 /* the same to the change of force that stands in y and yp of the body */
@@ -47,11 +47,11 @@ static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real
         for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
         w->pushed = 1;
     }
-    push(m, d, marker, F, T, w->y, w->yp);
+    add_marker_force(m, d, marker, F, T, w->y, w->yp);
 }
 
 /* f along a coordinate does the virtual work f ds: its gradient says what acts on a and on b */
-static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
+static void apply_to_both_markers(const jo_model *m, jo_data *d, int coordinate, jo_real f,
                       void (*act)(const jo_model *, jo_data *, int, const jo_real *, const jo_real *))
 {
     const jo_coordinate *c = &m->coordinate[coordinate];
@@ -71,8 +71,8 @@ static void both_ends(const jo_model *m, jo_data *d, int coordinate, jo_real f,
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int link = m->coordinate[coordinate].link;
-    if (!jo_tree_active(d) || link < 0) both_ends(m, d, coordinate, f, jo_push);
+    if (!jo_tree_active(d) || link < 0) apply_to_both_markers(m, d, coordinate, f, jo_push);
     else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
 }
 
-void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { both_ends(m, d, coordinate, f, push_change); }
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { apply_to_both_markers(m, d, coordinate, f, push_change); }

@@ -42,7 +42,7 @@ void jo_row_metres(const jo_model *m, jo_real *out)
 }
 
 /* of the residuals of the rows of a joint, m, or of their rates, m/s */
-static inline jo_real largest(const jo_model *m, const jo_joint *k, const jo_real *c)
+static inline jo_real largest_row(const jo_model *m, const jo_joint *k, const jo_real *c)
 {
     jo_real x = {0.0};
     for (int r = 0; r < k->nrow; r++) x = jo_maximum(x, jo_magnitude(c[r]) * row_metres(m, k, r));
@@ -50,7 +50,7 @@ static inline jo_real largest(const jo_model *m, const jo_joint *k, const jo_rea
 }
 
 /* of one joint: fills c, returns the largest, m */
-static inline jo_real gap(const jo_model *m, jo_data *d, int joint)
+static inline jo_real constraint_residual(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
     const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
@@ -73,21 +73,21 @@ static inline jo_real gap(const jo_model *m, jo_data *d, int joint)
         c[k->nperp + l] = value;
     }
     if (jo_absent(d, k)) clear(d->joint[joint].c, k->nrow);
-    return largest(m, k, d->joint[joint].c);
+    return largest_row(m, k, d->joint[joint].c);
 }
 
-jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint) { return gap(m, d, joint); }
+jo_real jo_constraint_residual(const jo_model *m, jo_data *d, int joint) { return constraint_residual(m, d, joint); }
 
-jo_real jo_joint_residual(const jo_model *m, jo_data *d)
+jo_real jo_largest_residual(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, gap(m, d, i));
+        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, constraint_residual(m, d, i));
     return worst;
 }
 
 /* of one joint, whose coordinates have their rates: fills cdot, returns the largest, m/s */
-static inline jo_real gap_rate(const jo_model *m, jo_data *d, int joint)
+static inline jo_real constraint_residual_rate(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
     const jo_marker_work *a = &d->marker[k->side[0]], *b = &d->marker[k->side[1]];
@@ -118,17 +118,17 @@ static inline jo_real gap_rate(const jo_model *m, jo_data *d, int joint)
         c[k->nperp + l] = rate;
     }
     if (jo_absent(d, k)) clear(d->joint[joint].cdot, k->nrow);
-    return largest(m, k, d->joint[joint].cdot);
+    return largest_row(m, k, d->joint[joint].cdot);
 }
 
-jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint) { return gap_rate(m, d, joint); }
+jo_real jo_constraint_residual_rate(const jo_model *m, jo_data *d, int joint) { return constraint_residual_rate(m, d, joint); }
 
-jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d)
+jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d)
 {
     jo_real worst = {0.0};
     if (m->nline) jo_coordinates_rate(m, d, m->ncoordinate);
     for (int i = 0; i < m->njoint; i++)
-        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, gap_rate(m, d, i));
+        if (!jo_joint_inactive(d, i)) worst = jo_maximum(worst, constraint_residual_rate(m, d, i));
     return worst;
 }
 
@@ -175,7 +175,7 @@ static inline void put_row(jo_real *restrict C, const int ld, const int r, const
 }
 
 /* what velocity f and angular velocity g of a side (world) add to the rate of a line */
-static void line_slopes(const jo_data *d, const jo_line *line, int side, jo_real *f, jo_real *g)
+static void line_jacobian(const jo_data *d, const jo_line *line, int side, jo_real *f, jo_real *g)
 {
     for (int i = 0; i < 3; i++) f[i] = g[i] = jo_same(0.0);
     for (int j = 0; j < line->count; j++) {
@@ -199,7 +199,7 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
     const int first = first_line(k);
     for (int l = 0; l < k->nline; l++) {
         jo_real f[3], g[3], c[3], t[3];
-        line_slopes(d, &m->line[k->line + l], side, f, g);
+        line_jacobian(d, &m->line[k->line + l], side, f, g);
         jo_mul3t(c, A, f);
         jo_mul3t(t, A, g);
         put_row(here->C, jo_padded(k->nrow), first + l, c, t, here->T);
@@ -246,7 +246,7 @@ static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work 
 }
 
 /* what velocity f and angular velocity g of the marker of a side (world) add to the rates of all rows */
-void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3])
+void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3])
 {
     const jo_joint *k = &m->joint[joint];
     jo_joint_work *w = &d->joint[joint];
@@ -256,7 +256,7 @@ void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real
         for (int i = 0; i < 3; i++) f[r][i] = g[r][i] = jo_same(0.0);
     for (int r = 0; k->coincident && r < 3; r++) f[r][r] = sign;
     for (int r = 0; r < k->nperp; r++) jo_axpy3(g[first_line(k) - k->nperp + r], -sign, w->axes[r]);
-    for (int l = 0; l < k->nline; l++) line_slopes(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
+    for (int l = 0; l < k->nline; l++) line_jacobian(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
 }
 
 /* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
@@ -314,7 +314,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
 }
 
 /* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
-static inline void second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
+static inline void constraint_acceleration(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
 {
     const jo_joint *k = &m->joint[joint];
     const jo_joint_work *w = &d->joint[joint];
@@ -338,13 +338,13 @@ static inline void second(const jo_model *m, const jo_data *d, int joint, const 
     if (k->nline) line_acceleration(m, d, k, side, lead, x + k->nperp);
 }
 
-void jo_joint_second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
+void jo_constraint_acceleration(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
 {
-    second(m, d, joint, side, lead, x);
+    constraint_acceleration(m, d, joint, side, lead, x);
 }
 
 /* of the markers of a joint what `second` needs, while R'' = w' = 0 */
-static inline void free_motions(const jo_model *m, const jo_data *d, const jo_joint *k, jo_motion *y)
+static inline void free_marker_motions(const jo_model *m, const jo_data *d, const jo_joint *k, jo_motion *y)
 {
     for (int s = 0; s < k->nside; s++, y++) {
         const jo_marker_work *w = &d->marker[k->side[s]];
@@ -386,8 +386,8 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
             clear(w->x, k->nrow);
             continue;
         }
-        free_motions(m, d, k, motion);
-        second(m, d, i, motion, stage->lead, w->x);
+        free_marker_motions(m, d, k, motion);
+        constraint_acceleration(m, d, i, motion, stage->lead, w->x);
         jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
             const jo_side_work *here = &w->side[side];

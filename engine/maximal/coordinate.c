@@ -33,7 +33,7 @@ static jo_real unwrapped(const jo_model *m, const jo_data *d, const jo_coordinat
 static void negative(jo_real *y, const jo_real *x) { y[0] = -x[0]; y[1] = -x[1]; y[2] = -x[2]; }
 
 /* value and gradient of a coordinate at the marker positions */
-void jo_coordinate_place(const jo_model *m, jo_data *d, int i)
+void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
 {
     const jo_coordinate *c = &m->coordinate[i];
     const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
@@ -79,7 +79,7 @@ void jo_coordinate_place(const jo_model *m, jo_data *d, int i)
 void jo_coordinates(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
-        if (!jo_coordinate_inactive(d, i)) jo_coordinate_place(m, d, i);
+        if (!jo_coordinate_inactive(d, i)) jo_coordinate_value(m, d, i);
 }
 
 /* (u_a . h_b)'' without angular accelerations, u an axis of a: u'' . h + 2 u' . h' + u . h'' */
@@ -93,8 +93,8 @@ static jo_real second_order(const jo_real *u, const jo_real *oma, const jo_real 
     return jo_dot3(udd, h) + 2.0 * jo_dot3(ud, hd) + jo_dot3(u, hdd);
 }
 
-/* rate and the velocity-dependent part of the second derivative, after jo_coordinate_place and the marker velocities */
-void jo_coordinate_move(const jo_model *m, jo_data *d, int i)
+/* rate and the velocity-dependent part of the second derivative, after jo_coordinate_value and the marker velocities */
+void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
 {
     const jo_coordinate *c = &m->coordinate[i];
     const jo_marker_work *a = &d->marker[c->a], *b = &d->marker[c->b];
@@ -145,7 +145,7 @@ void jo_coordinate_move(const jo_model *m, jo_data *d, int i)
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
-        if (!jo_coordinate_inactive(d, i)) jo_coordinate_move(m, d, i);
+        if (!jo_coordinate_inactive(d, i)) jo_coordinate_rate(m, d, i);
 }
 
 /* the present angles are accepted: later ones are counted from here */

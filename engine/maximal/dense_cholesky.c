@@ -43,7 +43,7 @@ static void exchange(jo_gram *g, int i, int j)
     g->order[j] = t;
 }
 
-int jo_gram_reveal(jo_gram *g, double least)
+int jo_gram_factor_pivoted(jo_gram *g, double least)
 {
     for (int i = 0; i < g->n; i++) {
         g->order[i] = i;

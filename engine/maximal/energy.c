@@ -54,7 +54,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
 
 /* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
  * stages in between say little about modes that the step does not resolve */
-void jo_close_work(jo_data *d)
+void jo_add_step_work(jo_data *d)
 {
     d->work.damping += 0.5 * d->waiting * (d->power0.damping + d->power.damping);
     d->work.forces += 0.5 * d->waiting * (d->power0.forces + d->power.forces - d->drive);   /* drives and friction: stage by stage */

@@ -18,12 +18,12 @@ void jo_use_step(const jo_model *m, jo_data *d, double gh)
 }
 
 /* poses, velocities, inertia and forces at time, q, v */
-static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
+static int update_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     if (jo_in_hybrid(d)) {
         jo_hybrid_update_bodies(m, d);
     } else if (!jo_kinematics_valid(d)) {
-        jo_refresh(m, d);
+        jo_update_positions(m, d);
         jo_marker_velocity(m, d, m->nactive);
     }
     jo_kinematics_used(d);
@@ -37,7 +37,7 @@ static int load(const jo_model *m, jo_data *d, const jo_stage *stage)
 }
 
 /* masses factored, bodies moving as they would without joints, and the rows of the joints */
-static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
+static int factor_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
         if (jo_body_inactive(d, i)) continue;
@@ -52,15 +52,15 @@ static int reduce(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_marker_bias(m, d, m->nactive);
     jo_marker_reduce(m, d, stage->set, m->nactive);
     if (jo_stabilised(stage)) {
-        jo_joint_residual(m, d);
-        jo_joint_residual_rate(m, d);
+        jo_largest_residual(m, d);
+        jo_largest_residual_rate(m, d);
     }
     jo_joint_rows(m, d);
     return JO_OK;
 }
 
 /* multipliers in joint[].x, with the friction that belongs to them */
-static int solve(const jo_model *m, jo_data *d, const jo_stage *stage)
+static int solve_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
     if (jo_couples(m, stage)) {
@@ -80,9 +80,9 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     static const jo_work none = {0.0, 0.0, 0.0};
     d->power = none;
     d->counts.evaluations++;
-    int status = load(m, d, stage);
-    if (status == JO_OK) status = reduce(m, d, stage);
-    if (status == JO_OK) status = solve(m, d, stage);
+    int status = update_forces(m, d, stage);
+    if (status == JO_OK) status = factor_masses(m, d, stage);
+    if (status == JO_OK) status = solve_multipliers(m, d, stage);
     if (status != JO_OK) return status;
     d->drive = m->nline ? jo_joint_power(m, d) : jo_same(0.0);
     d->power.forces += d->drive;
@@ -169,7 +169,7 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
     if (demanding && !jo_accelerations_valid(d)) {
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
-        jo_close_work(d);
+        jo_add_step_work(d);
     } else if (!jo_kinematics_valid(d) && !(demanding && jo_tree_active(d))) {
         jo_real unused[2];
         jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
@@ -207,7 +207,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
 }
 
 /* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
-static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int velocity)
+static void residual_correction(const jo_model *m, jo_data *d, const jo_stage *stage, int velocity)
 {
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++)
@@ -216,11 +216,11 @@ static void newton(const jo_model *m, jo_data *d, const jo_stage *stage, int vel
 }
 
 /* A joint that stays open by more than the size of the mechanism: its bodies have diverged, as jo_check finds. */
-static void spoil_open(const jo_model *m, jo_data *d)
+static void mark_diverged(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
         if (jo_joint_inactive(d, i)) continue;
-        const jo_mask closed = JO_LESS_OR_EQUAL(jo_joint_gap(m, d, i), jo_same(m->size));
+        const jo_mask closed = JO_LESS_OR_EQUAL(jo_constraint_residual(m, d, i), jo_same(m->size));
         for (int s = 0; s < 2; s++) {
             const int body = m->marker[m->joint[i].side[s]].body;
             if (body >= 0) d->v[m->body[body].iv] = jo_choose(closed, d->v[m->body[body].iv], jo_same(NAN));
@@ -237,27 +237,27 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     const double small = JO_CLOSED * m->size;   /* m */
     jo_hybrid_begins(d);
     if (jo_in_hybrid(d)) jo_hybrid_update_bodies(m, d);
-    else jo_refresh(m, d);
-    jo_real residual = jo_joint_residual(m, d);
+    else jo_update_positions(m, d);
+    jo_real residual = jo_largest_residual(m, d);
     jo_mask open = JO_ALL;
     for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
         const jo_real before = residual;
-        newton(m, d, stage, 0);
+        residual_correction(m, d, stage, 0);
         jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nbody; i++)
-            if (!jo_body_inactive(d, i)) jo_body_displace(&m->body[i], d->q, d->q, d->rate);
-        jo_refresh(m, d);
-        residual = jo_joint_residual(m, d);
+            if (!jo_body_inactive(d, i)) jo_body_add_increment(&m->body[i], d->q, d->q, d->rate);
+        jo_update_positions(m, d);
+        residual = jo_largest_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
     }
     const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* of any lane, whatever became of others */
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
-    residual = jo_joint_residual_rate(m, d);
+    residual = jo_largest_residual_rate(m, d);
     open = JO_ALL;
     for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
         const jo_real before = residual;
-        newton(m, d, stage, 1);
+        residual_correction(m, d, stage, 1);
         jo_only(open, d->rate, m->nv);
         for (int i = 0; i < m->nbody; i++) {
             const jo_body *b = &m->body[i];
@@ -266,10 +266,10 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
             jo_body_twist(b, &d->body[i], d->v + b->iv);
         }
         jo_marker_velocity(m, d, m->nactive);
-        residual = jo_joint_residual_rate(m, d);
+        residual = jo_largest_residual_rate(m, d);
         open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
     }
-    if (far) spoil_open(m, d);
+    if (far) mark_diverged(m, d);
     jo_state_projected(d);
     if (jo_in_hybrid(d)) jo_hybrid_accept_state(m, d);
     jo_hybrid_ends(d);
@@ -291,22 +291,22 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
     enum { JO_SHORTENED = 10 };
     static const jo_stage geometry = {.smooth = 1};
     jo_state_changed(d);
-    jo_refresh(m, d);
-    double residual = jo_most(jo_joint_residual(m, d));
+    jo_update_positions(m, d);
+    double residual = jo_most(jo_largest_residual(m, d));
     for (int k = 0; k < iterations && residual > tolerance; k++) {
         const double before = residual, merit = sum_of_squares(m, d);
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
-        jo_joint_residual(m, d);
-        newton(m, d, &geometry, 0);
+        jo_largest_residual(m, d);
+        residual_correction(m, d, &geometry, 0);
         for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
         double part = 1.0;
         for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
             for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
-            jo_displace(m, d->q, d->q0, d->dq);
-            jo_refresh(m, d);
-            residual = jo_most(jo_joint_residual(m, d));
+            jo_add_increment(m, d->q, d->q0, d->dq);
+            jo_update_positions(m, d);
+            residual = jo_most(jo_largest_residual(m, d));
             if (sum_of_squares(m, d) < merit) break;
         }
         if (residual > 0.5 * before && residual < JO_CLOSED * m->size) break;   /* round-off */
@@ -316,22 +316,22 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
-        jo_joint_residual(m, d);
-        newton(m, d, &geometry, 0);
+        jo_largest_residual(m, d);
+        residual_correction(m, d, &geometry, 0);
         for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
-        jo_displace(m, d->q, d->q0, d->rate);
-        jo_refresh(m, d);
+        jo_add_increment(m, d->q, d->q0, d->rate);
+        jo_update_positions(m, d);
     }
 #endif
     for (int k = 0; k < 2; k++) {
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;
-        jo_joint_residual_rate(m, d);
-        newton(m, d, &geometry, 1);
+        jo_largest_residual_rate(m, d);
+        residual_correction(m, d, &geometry, 1);
         for (int i = 0; i < m->nv; i++) d->v[i] += d->rate[i];
     }
-    jo_refresh(m, d);
+    jo_update_positions(m, d);
     if (m->nturn) jo_count_turns(m, d);
     jo_state_changed(d);
     return JO_OK;

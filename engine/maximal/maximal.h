@@ -35,8 +35,8 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 
 /* coordinate.c */
-void jo_coordinate_place(const jo_model *m, jo_data *d, int coordinate);   /* value, gradient */
-void jo_coordinate_move(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
+void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* value, gradient */
+void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
 void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
@@ -44,15 +44,15 @@ void jo_count_turns(const jo_model *m, jo_data *d);                /* the presen
 jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
 
 /* constraints.c */
-jo_real jo_joint_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest, m (jo_row_metres) */
-jo_real jo_joint_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot, m/s */
-jo_real jo_joint_gap(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
-jo_real jo_joint_gap_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
+jo_real jo_largest_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest, m (jo_row_metres) */
+jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot, m/s */
+jo_real jo_constraint_residual(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
+jo_real jo_constraint_residual_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
 void jo_joint_rows(const jo_model *m, jo_data *d);
 /* (nrow x 3) what velocity f and angular velocity g of the marker of a side (world) add to the rates of the rows; side 0 first */
-void jo_joint_slopes(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3]);
+void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3]);
 /* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
-void jo_joint_second(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x);
+void jo_constraint_acceleration(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
 jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* the same of one joint */
@@ -64,12 +64,12 @@ void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
 
 /* state.c */
-void jo_use_core(const jo_model *m, jo_data *d, int tree);   /* what is integrated */
-void jo_move(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
-void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
-void jo_refresh(const jo_model *m, jo_data *d);
-void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
-void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_select_coordinates(const jo_model *m, jo_data *d, int tree);   /* what is integrated */
+void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
+void jo_position_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
+void jo_update_positions(const jo_model *m, jo_data *d);
+void jo_body_add_increment(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
+void jo_add_increment(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
 jo_real jo_speed(const jo_model *m, const jo_data *d);   /* m/s, the largest; turns on an arm of the size of the mechanism */
 int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
@@ -88,14 +88,14 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 /* reactions.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
 void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
-void jo_react(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
+void jo_apply_reactions(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
 
 /* energy.c */
-void jo_close_work(jo_data *d);
+void jo_add_step_work(jo_data *d);
 
 /* dense_cholesky.c */
 int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
-int jo_gram_reveal(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
+int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
 void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
 
 /* forward_dynamics.c */

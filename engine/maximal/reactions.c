@@ -40,7 +40,7 @@ static void scaled(jo_real *y, jo_real s, const jo_real *x)
 }
 
 /* a coordinate pulls its two markers together with the multiplier: force -factor lam times its gradient */
-static void pull(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
+static void apply_coordinate_reaction(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
 {
     const jo_coordinate *c = &m->coordinate[coordinate];
     const jo_coordinate_work *w = &d->coordinate[coordinate];
@@ -53,7 +53,7 @@ static void pull(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
     jo_push(m, d, c->a, F, T);
 }
 
-void jo_react(const jo_model *m, jo_data *d)
+void jo_apply_reactions(const jo_model *m, jo_data *d)
 {
     static const jo_real none[3] = {0.0, 0.0, 0.0};
     for (int i = 0; i < m->njoint; i++) {
@@ -79,7 +79,7 @@ void jo_react(const jo_model *m, jo_data *d)
         }
         for (int r = 0; r < k->nline; r++, lam++) {
             const jo_line *l = &m->line[k->line + r];
-            for (int j = 0; j < l->count; j++) pull(m, d, l->coordinate[j], l->data->factor[j] * lam[0]);
+            for (int j = 0; j < l->count; j++) apply_coordinate_reaction(m, d, l->coordinate[j], l->data->factor[j] * lam[0]);
         }
     }
 }

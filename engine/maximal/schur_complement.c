@@ -5,7 +5,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-#define JO_REGULAR 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
+#define JO_SCHUR_REGULARISATION 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
 enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the addition left open */
 
 /* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
@@ -50,7 +50,7 @@ static int kind_of(int rows, int n)
     }
 
 /* A row that would be alone in a vector, the fifth one, is worked on by itself, along its columns. */
-static inline int alone(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
+static inline int is_single_row(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
 
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
@@ -58,7 +58,7 @@ static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
     return m->joint[joint].lock < 0 ? 0 : d->locked + m->joint[joint].lock;
 }
 
-static inline int off(const int *lock) { return lock && !*lock; }
+static inline int is_switched_off(const int *lock) { return lock && !*lock; }
 
 static void plan_sides(const jo_model *m, jo_data *d)
 {
@@ -187,7 +187,7 @@ static inline void add_product(jo_real *restrict S, const int rows, const jo_rea
 {
     const int ld = jo_padded(rows), ldl = jo_padded(n);
     int r = 0;
-    for (; r < rows && !alone(rows, r); r += 4) add_rows(S + r, ld, Vk + r, Vl, ldl, n, first);
+    for (; r < rows && !is_single_row(rows, r); r += 4) add_rows(S + r, ld, Vk + r, Vl, ldl, n, first);
     if (r < rows) {
         jo_real row[8];
         multiply(row, Vl, ldl, 6, Vk + r, ld);
@@ -259,7 +259,7 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_rea
 }
 
 /* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
-static inline void finish(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+static inline void multiply_inverse(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
     const int ldl = jo_padded(n);
     for (int l = 0; l < ld; l += JO_WIDTH) {
@@ -273,7 +273,7 @@ static inline void finish(jo_real *restrict X, const int ld, const jo_real *rest
 }
 
 /* X = X L^-T, ld rows */
-static inline void divide(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
+static inline void divide_by_factor(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
     const int ldl = jo_padded(n);
     for (int l = 0; l < ld; l += JO_WIDTH) {
@@ -292,7 +292,7 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
 {
     const int ld = jo_padded(rows), ldy = jo_padded(ny), step = jo_padded(n) + 1;
     int l = 0;
-    for (; l < rows && !alone(rows, l); l += JO_WIDTH) {
+    for (; l < rows && !is_single_row(rows, l); l += JO_WIDTH) {
         jo_lanes x[6];
         for (int j = 0; j < n; j++) x[j] = D[step * j] * JO_LOAD(X + ld * j + l);
         for (int s = 0; s < ny; s++) {
@@ -317,7 +317,7 @@ static void assemble(const jo_model *m, jo_data *d, int set)
     const int npair = jo_in_hybrid(d) ? d->tree.npair : m->npair;
     for (int i = 0; i < npair; i++) {
         const jo_pair_plan *p = &d->pairs[i];
-        if (off(p->lock_k) || off(p->lock_l)) {
+        if (is_switched_off(p->lock_k) || is_switched_off(p->lock_l)) {
             for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
             continue;
         }
@@ -363,7 +363,7 @@ static void regularise(const jo_model *m, jo_data *d)
         const double share = slenderness(m, d, joint);
         for (int r = 0; r < joint->nrow; r++) {
             d->columns[c].scale[r] *= share;
-            d->S[JO_BLOCK * c + step * r] += JO_REGULAR * d->columns[c].scale[r];
+            d->S[JO_BLOCK * c + step * r] += JO_SCHUR_REGULARISATION * d->columns[c].scale[r];
         }
     }
 }
@@ -375,7 +375,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
     for (int c = first_column(d); c < m->ncolumn; c++) {
         jo_column_plan *w = &d->columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
-        if (off(w->lock)) continue;
+        if (is_switched_off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
     jo_hub_scales(m, d);
@@ -383,7 +383,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
         int regular;
-        if (off(w->lock)) continue;
+        if (is_switched_off(w->lock)) continue;
 #define CALL(n) regular = factor_diagonal(w->S, n, w->scale, w->sign)
         JO_BY_ROWS(w->n, CALL)
 #undef CALL
@@ -396,14 +396,14 @@ static int factor(const jo_model *m, jo_data *d, int set)
         }
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
-            if (off(x->lock)) continue;
-#define CALL(rows, n) divide(x->X, jo_padded(rows), w->S, n)
+            if (is_switched_off(x->lock)) continue;
+#define CALL(rows, n) divide_by_factor(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
         for (int i = w->update; i < w->update + w->updates; i++) {
             const jo_update_plan *u = &d->updates[i];
-            if (off(u->lock_x) || off(u->lock_y)) continue;
+            if (is_switched_off(u->lock_x) || is_switched_off(u->lock_y)) continue;
             if (u->kind == 5) {
                 subtract_product(u->T, u->X, u->rows, u->Y, u->ny, w->S, w->n);
             } else {
@@ -414,8 +414,8 @@ static int factor(const jo_model *m, jo_data *d, int set)
         }
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
-            if (off(x->lock)) continue;
-#define CALL(rows, n) finish(x->X, jo_padded(rows), w->S, n)
+            if (is_switched_off(x->lock)) continue;
+#define CALL(rows, n) multiply_inverse(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
@@ -479,10 +479,10 @@ static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column_plan *w = &d->columns[c];
-        if (off(w->lock)) continue;
+        if (is_switched_off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
-            if (off(x->lock)) continue;
+            if (is_switched_off(x->lock)) continue;
 #define CALL(rows, n) subtract_left(x->x, x->X, w->x, jo_padded(rows), n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
@@ -493,10 +493,10 @@ static void solve_factored(const jo_model *m, jo_data *d)
     }
     for (int c = m->ncolumn - 1; c >= first_column(d); c--) {
         const jo_column_plan *w = &d->columns[c];
-        if (off(w->lock)) continue;
+        if (is_switched_off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->belows[i];
-            if (off(x->lock)) continue;
+            if (is_switched_off(x->lock)) continue;
             if (x->rows == w->n) {
 #define CALL(n) subtract_right(w->x, x->X, x->x, n, n)
                 JO_BY_ROWS(w->n, CALL)

@@ -7,9 +7,9 @@
 #include "beam/beam.h"
 #include "tree/tree.h"
 
-#define JO_LARGEST 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
+#define JO_MAX_STATE 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
 
-void jo_use_core(const jo_model *m, jo_data *d, int tree)
+void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
 {
     const int nu = m->nu, nv = m->nv;
     for (int i = 0; jo_tree_active(d) != tree && i < m->nstate; i++) {   /* the states go along */
@@ -27,21 +27,21 @@ void jo_use_core(const jo_model *m, jo_data *d, int tree)
     for (int i = 0; tree && i < jo_nmaximal(d); i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
 
-void jo_move(const jo_model *m, jo_data *d, const jo_real *increment)
+void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increment)
 {
     jo_positions_moved(d);
     if (jo_tree_active(d)) jo_tree_add_increment(m, d->y, d->q0, increment);
-    else jo_displace(m, d->q, d->q0, increment);
+    else jo_add_increment(m, d->q, d->q0, increment);
 }
 
-void jo_move_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
+void jo_position_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
 {
     if (jo_tree_active(d)) jo_tree_increment_rate(m, rate, x, d->w);
     else jo_increment_rate(m, rate, x, d->v);
 }
 
 /* poses and velocities of the bodies and positions of the markers at q, v */
-void jo_refresh(const jo_model *m, jo_data *d)
+void jo_update_positions(const jo_model *m, jo_data *d)
 {
     if (!jo_in_hybrid(d)) jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     for (int i = 0; i < m->nbody; i++) {
@@ -70,10 +70,10 @@ jo_real jo_speed(const jo_model *m, const jo_data *d)
 /* largest position residual, m, and velocity residual, m/s */
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out)
 {
-    jo_refresh(m, d);
+    jo_update_positions(m, d);
     jo_marker_velocity(m, d, m->nactive);
-    out[0] = jo_joint_residual(m, d);
-    out[1] = jo_joint_residual_rate(m, d);
+    out[0] = jo_largest_residual(m, d);
+    out[1] = jo_largest_residual_rate(m, d);
 }
 
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
@@ -88,7 +88,7 @@ void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
 }
 
 /* q = q0 moved by increments [dR (world), dtheta (local), dp], of one body and of all */
-void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment)
+void jo_body_add_increment(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment)
 {
     const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
     jo_real *y = q + b->iq;
@@ -98,9 +98,9 @@ void jo_body_displace(const jo_body *b, jo_real *q, const jo_real *q0, const jo_
     for (int j = 0; j < b->n; j++) y[7 + j] = x[7 + j] + dx[6 + j];
 }
 
-void jo_displace(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
+void jo_add_increment(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment)
 {
-    for (int i = 0; i < m->nbody; i++) jo_body_displace(&m->body[i], q, q0, increment);
+    for (int i = 0; i < m->nbody; i++) jo_body_add_increment(&m->body[i], q, q0, increment);
 }
 
 /* rate of the increments x at the velocities v */
@@ -116,13 +116,13 @@ void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const
 }
 
 /* whether a state of a force has diverged; the error is that of the body on which the force acts */
-static int states_spoilt(const jo_model *m, jo_data *d)
+static int check_force_states(const jo_model *m, jo_data *d)
 {
     jo_real *x = jo_states(m, d);
     for (int k = 0; k < m->nforce; k++) {
         const jo_force *f = &m->force[k];
         for (int i = f->state; i < f->state + f->states; i++) {
-            if (!jo_spoil(x + i, JO_LESS(jo_magnitude(x[i]), JO_LARGEST))) continue;
+            if (!jo_spoil(x + i, JO_LESS(jo_magnitude(x[i]), JO_MAX_STATE))) continue;
             const jo_coordinate *c = &m->coordinate[f->coordinate];
             d->error_index = m->marker[c->b].body >= 0 ? m->marker[c->b].body : m->marker[c->a].body;
             return 1;
@@ -133,14 +133,14 @@ static int states_spoilt(const jo_model *m, jo_data *d)
 
 int jo_check(const jo_model *m, jo_data *d)
 {
-    if (m->nstate && states_spoilt(m, d)) return JO_NOT_FINITE;
+    if (m->nstate && check_force_states(m, d)) return JO_NOT_FINITE;
     if (jo_tree_active(d)) return jo_tree_check_state(m, d);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         jo_real sum = {0.0};
         for (int j = 0; j < 6 + b->n; j++) sum += jo_magnitude(d->v[b->iv + j]);
         for (int j = 0; j < 7 + b->n; j++) sum += jo_magnitude(d->q[b->iq + j]);
-        if (jo_spoil(d->v + b->iv, JO_LESS(sum, JO_LARGEST))) {
+        if (jo_spoil(d->v + b->iv, JO_LESS(sum, JO_MAX_STATE))) {
             d->error_index = i;
             return JO_NOT_FINITE;
         }
@@ -151,12 +151,12 @@ int jo_check(const jo_model *m, jo_data *d)
 void jo_restart(jo_data *d)
 {
     jo_history_forgotten(d);
-    jo_beam_forget(d);
+    jo_beam_reset_history(d);
 }
 
 void jo_data_count_turns(const jo_model *m, jo_data *d)
 {
     if (!m->nturn) return;
-    jo_refresh(m, d);
+    jo_update_positions(m, d);
     jo_count_turns(m, d);
 }

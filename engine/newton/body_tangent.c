@@ -1,4 +1,4 @@
-/* body_tangent.c - bodies in Newton's matrix: inertia, gyroscopic and elastic forces, balance() of newton_residual.c differentiated. */
+/* body_tangent.c - bodies in Newton's matrix: inertia, gyroscopic and elastic forces, body_residual() of newton_residual.c differentiated. */
 #include "newton/newton.h"
 
 /* what the parts of the block of a body share */

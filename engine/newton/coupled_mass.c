@@ -115,7 +115,7 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
     for (int i = 0; i < m->nv; i++) d->a[i] = d->base[i];
-    jo_balance(m, d, d->sum);
+    jo_equations_residual(m, d, d->sum);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_real *r = d->sum + b->iv, *a = d->base + b->iv, *f = d->lag + b->iv;
@@ -148,7 +148,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
     int status = JO_OK;
     if (stage->second) {   /* the reactions of the first stage act like forces */
         for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
-        jo_react(m, d);
+        jo_apply_reactions(m, d);
     } else {
         for (int i = 0; i < m->nbody; i++) {
             jo_real *a = d->base + m->body[i].iv;

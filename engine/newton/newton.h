@@ -47,7 +47,7 @@ void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* newton_residual.c */
 int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r);   /* jo_residual in a step of an implicit method */
-void jo_balance(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
+void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
 
 /* body_tangent.c */
 void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);

@@ -7,8 +7,8 @@
 #include "valid.h"
 #include "newton/newton.h"
 
-#define JO_REGULAR 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
-#define JO_VANISHED 1e-14     /* a pivot below this, relative to the units of its row and column, repeats others */
+#define JO_SCHUR_REGULARISATION 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
+#define JO_DEPENDENT_PIVOT 1e-14     /* a pivot below this, relative to the units of its row and column, repeats others */
 
 /* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
@@ -299,7 +299,7 @@ static void regularise(const jo_model *m, jo_data *d)
         if (jo_absent(d, &m->joint[i])) continue;
         const jo_block D = jo_newton_find(m, d, m->nbody + i, m->nbody + i);
         for (int r = 0; r < m->joint[i].nrow; r++) {
-            d->joint[i].soft[r] = JO_REGULAR * row_size(m, d, i, r);
+            d->joint[i].soft[r] = JO_SCHUR_REGULARISATION * row_size(m, d, i, r);
             D.at[r * (D.stride + 1)] -= d->joint[i].soft[r];
         }
     }
@@ -317,7 +317,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
     jo_newton_softened(d, redundant);
-    const double vanished = redundant ? 0.0 : JO_VANISHED;
+    const double vanished = redundant ? 0.0 : JO_DEPENDENT_PIVOT;
     set_units(m, d);
     if (redundant) regularise(m, d);
     for (int c = 0; c < m->nnode; c++) {

@@ -11,7 +11,7 @@
 #include "friction/friction.h"
 
 /* M a of one body less the forces on it */
-static void balance(const jo_model *m, const jo_data *d, int body, jo_real *r)
+static void body_residual(const jo_model *m, const jo_data *d, int body, jo_real *r)
 {
     const jo_body *b = &m->body[body];
     const jo_body_work *w = &d->body[body];
@@ -40,9 +40,9 @@ static void balance(const jo_model *m, const jo_data *d, int body, jo_real *r)
     jo_set3(r + 3, T);
 }
 
-void jo_balance(const jo_model *m, const jo_data *d, jo_real *r)
+void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r)
 {
-    for (int i = 0; i < m->nbody; i++) balance(m, d, i, r + m->body[i].iv);
+    for (int i = 0; i < m->nbody; i++) body_residual(m, d, i, r + m->body[i].iv);
 }
 
 int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r)
@@ -62,9 +62,9 @@ int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real
         const int status = jo_beam_forces(m, d, d->a);
         if (status != JO_OK) return status;
     }
-    if (m->nfriction) jo_friction_push(m, d);
-    jo_react(m, d);
-    jo_balance(m, d, r);
+    if (m->nfriction) jo_friction_apply_forces(m, d);
+    jo_apply_reactions(m, d);
+    jo_equations_residual(m, d, r);
     return JO_OK;
 }
 

@@ -38,7 +38,7 @@ int jo_tree_check_state(const jo_model *m, jo_data *d);
 double jo_tree_largest_rotation(const jo_model *m, jo_data *d);   /* estimate of the largest rotation of a body by the increments dq, rad */
 
 /* tree_forces.c */
-void jo_tree_update_bodies(const jo_model *m, jo_data *d);   /* pose and velocity of the bodies of all links, as after jo_refresh */
+void jo_tree_update_bodies(const jo_model *m, jo_data *d);   /* pose and velocity of the bodies of all links, as after jo_update_positions */
 void jo_tree_update_markers(const jo_model *m, jo_data *d, const int *list, int count);   /* pose and velocity of the markers in list */
 int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* state rates of the W-method */

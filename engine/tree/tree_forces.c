@@ -78,8 +78,8 @@ static void update_coordinates(const jo_model *m, jo_data *d)
         d->coordinate[c].rate = jo_link_sign(k) * d->tree.u[k->u];
     }
     for (int i = 0; i < d->tree.ncoordinate; i++) {
-        jo_coordinate_place(m, d, d->tree.coordinate[i]);
-        jo_coordinate_move(m, d, d->tree.coordinate[i]);
+        jo_coordinate_value(m, d, d->tree.coordinate[i]);
+        jo_coordinate_rate(m, d, d->tree.coordinate[i]);
     }
 }
 

@@ -106,8 +106,8 @@ void jo_tree_hold_sticking(const jo_model *m, jo_data *d)
 void jo_tree_friction_response(const jo_model *m, jo_data *d, const jo_real *f)
 {
     jo_tree_clear_added_forces(m, d);
-    for (int c = 0; c < d->mixing.n; c++) {
-        const jo_link *k = link_along(m, d->mixing.coordinate[c]);
+    for (int c = 0; c < d->anderson.n; c++) {
+        const jo_link *k = link_along(m, d->anderson.coordinate[c]);
         d->tree.added_tau[k->u] += jo_link_sign(k) * f[c];
     }
     jo_tree_force_response(m, d, d->sum);
@@ -117,7 +117,7 @@ void jo_tree_friction_response(const jo_model *m, jo_data *d, const jo_real *f)
  * force, and scaled by x->f. */
 void jo_tree_apply_friction(const jo_model *m, jo_data *d)
 {
-    const jo_mixing *x = &d->mixing;
+    const jo_anderson *x = &d->anderson;
     const jo_real part = x->n == 1 ? x->f[0] : jo_same(1.0);
     if (x->n > 1) jo_tree_friction_response(m, d, x->f);
     for (int c = 0; c < x->n; c++) {

@@ -42,7 +42,7 @@ int jo_tree_from_maximal(const jo_model *m, jo_data *d)
         jo_state_read(d);
     }
     match_turns(m, d);
-    jo_use_core(m, d, 1);
+    jo_select_coordinates(m, d, 1);
     jo_positions_moved(d);
     jo_kinematics_used(d);
     return JO_OK;
@@ -54,13 +54,13 @@ void jo_tree_to_maximal(const jo_model *m, jo_data *d)
     if (!jo_tree_active(d)) return;
     if (jo_accelerations_valid(d)) jo_sync_all(m, d);
     else jo_sync_maximal_state(m, d, JO_SYNC_STATE);
-    jo_use_core(m, d, 0);
+    jo_select_coordinates(m, d, 0);
 }
 
 /* counted angles of the coordinates at the accepted state */
 void jo_tree_count_turns(const jo_model *m, jo_data *d)
 {
-    if (!d->tree.counts_joint_angles) jo_refresh(m, d);
+    if (!d->tree.counts_joint_angles) jo_update_positions(m, d);
     else if (jo_nmaximal(d)) jo_hybrid_update_bodies(m, d);
     if (!d->tree.counts_joint_angles || jo_nmaximal(d)) jo_count_turns(m, d);
     for (int i = 0; i < m->ncoordinate; i++) {

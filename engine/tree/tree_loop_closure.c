@@ -112,7 +112,7 @@ static void set_side_jacobians(const jo_model *m, jo_data *d, int loop)
         for (int r = 0; r < w->rows; r++) d->tree.reach[i].f[r] = d->tree.reach[i].t[r] = jo_vec_zero();
     for (int i = 0; i < k->nside; i++) {
         jo_loop_side *s = &w->side[i];
-        jo_joint_slopes(m, d, l->joint, i, f, g);
+        jo_constraint_jacobian(m, d, l->joint, i, f, g);
         if (s->link < 0) continue;
         jo_reach_work *reach = &d->tree.reach[s->reach];
         for (int r = 0; r < w->rows; r++) {
@@ -249,7 +249,7 @@ static int factor_schur(const jo_model *m, jo_data *d)
     assemble_schur(m, d);
     for (; group < d->tree.ngroup && status == 1; group++) {
         jo_gram *g = &d->tree.gram[group];
-        status = m->redundant > 0 ? jo_gram_reveal(g, JO_REDUNDANT_PIVOT) : jo_gram_factor(g, &row);
+        status = m->redundant > 0 ? jo_gram_factor_pivoted(g, JO_REDUNDANT_PIVOT) : jo_gram_factor(g, &row);
     }
     if (status == 1) return JO_OK;
     /* loop of the pivot that vanishes, for the message */
@@ -266,7 +266,7 @@ static int factor_schur(const jo_model *m, jo_data *d)
     d->counts.singular++;
     assemble_schur(m, d);
     for (int i = 0; i < d->tree.ngroup; i++)
-        if (jo_gram_reveal(&d->tree.gram[i], JO_REDUNDANT_PIVOT) < 0) return JO_NOT_FINITE;
+        if (jo_gram_factor_pivoted(&d->tree.gram[i], JO_REDUNDANT_PIVOT) < 0) return JO_NOT_FINITE;
     return JO_OK;
 }
 
@@ -326,8 +326,8 @@ static void add_baumgarte(const jo_model *m, jo_data *d, const jo_stage *stage, 
 {
     const int joint = m->loop[loop].joint;
     jo_loop_work *w = &d->tree.loop[loop];
-    jo_joint_gap(m, d, joint);
-    jo_joint_gap_rate(m, d, joint);
+    jo_constraint_residual(m, d, joint);
+    jo_constraint_residual_rate(m, d, joint);
     for (int r = 0; r < w->rows; r++)
         w->x[r] += 2.0 * stage->alpha * d->joint[joint].cdot[r] + stage->beta * stage->beta * d->joint[joint].c[r];
 }
@@ -343,7 +343,7 @@ int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
         update_sides(m, d, i);
         set_side_jacobians(m, d, i);
         if (m->joint[m->loop[i].joint].nline) set_line_scales(m, d, i);
-        jo_joint_second(m, d, m->loop[i].joint, d->tree.loop[i].motion, stage->lead, d->tree.loop[i].x);
+        jo_constraint_acceleration(m, d, m->loop[i].joint, d->tree.loop[i].motion, stage->lead, d->tree.loop[i].x);
         if (jo_stabilised(stage)) add_baumgarte(m, d, stage, i);
         propagate_rows(m, d, i);
     }

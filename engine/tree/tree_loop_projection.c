@@ -20,8 +20,8 @@ static void update_loops(const jo_model *m, jo_data *d)
         const jo_joint *k = &m->joint[m->loop[i].joint];
         for (int l = 0; l < k->nline; l++)
             for (int j = 0; j < m->line[k->line + l].count; j++) {
-                jo_coordinate_place(m, d, m->line[k->line + l].coordinate[j]);
-                jo_coordinate_move(m, d, m->line[k->line + l].coordinate[j]);
+                jo_coordinate_value(m, d, m->line[k->line + l].coordinate[j]);
+                jo_coordinate_rate(m, d, m->line[k->line + l].coordinate[j]);
             }
     }
 }
@@ -32,7 +32,7 @@ static double largest_residual(const jo_model *m, jo_data *d, int velocity)
     double worst = 0.0;
     for (int i = 0; i < m->nloop; i++) {
         const int joint = m->loop[i].joint;
-        const double x = JO_RE(velocity ? jo_joint_gap_rate(m, d, joint) : jo_joint_gap(m, d, joint));
+        const double x = JO_RE(velocity ? jo_constraint_residual_rate(m, d, joint) : jo_constraint_residual(m, d, joint));
         if (!(x <= worst)) worst = x;
     }
     return worst;

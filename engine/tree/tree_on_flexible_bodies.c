@@ -31,7 +31,7 @@ void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
         for (int j = 0; j < 6 + b->n; j++) d->v[b->iv + j] = t->u[k->u + j];
     }
     jo_hybrid_begins(d);
-    jo_refresh(m, d);
+    jo_update_positions(m, d);
     jo_marker_velocity(m, d, m->nactive);
     if (!hybrid) jo_hybrid_ends(d);
     jo_sync_reached(d, JO_SYNC_HYBRID);
