@@ -88,6 +88,8 @@ static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const
 #define JO_LOAD(p) (*(const jo_lanes *)(p))
 #define JO_STORE(p) (*(jo_lanes *)(p))
 #define JO_PI 3.14159265358979323846
+#define JO_SINC_SERIES 0.04     /* square of the angle, rad2, below which Taylor series replace sin and cos: error below 1e-17 */
+#define JO_ROOT_SERIES 1e-6     /* |s - 1| below which a series of 1 / sqrt(s) is used: next term 3e-19 */
 #define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
 
 /* y = M x for a (3 x np) array */
@@ -199,8 +201,8 @@ static inline void jo_quaternion(jo_real *e, const jo_real *A)
 /* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, all smooth at 0 */
 static inline void jo_sinc(jo_real s, jo_real *f)
 {
-    const jo_mask small = JO_LESS(s, 0.04);
-    if (jo_some(small)) {   /* Taylor series, error below 1e-17 */
+    const jo_mask small = JO_LESS(s, JO_SINC_SERIES);
+    if (jo_some(small)) {
         f[0] = 1.0 + s * (-1.0 / 6.0 + s * (1.0 / 120.0 + s * (-1.0 / 5040.0 + s * (1.0 / 362880.0 - s * (1.0 / 39916800.0)))));
         f[1] = 0.5 + s * (-1.0 / 24.0 + s * (1.0 / 720.0 + s * (-1.0 / 40320.0 + s * (1.0 / 3628800.0 - s * (1.0 / 479001600.0)))));
         f[2] = 1.0 / 6.0 + s * (-1.0 / 120.0 + s * (1.0 / 5040.0 + s * (-1.0 / 362880.0 + s * (1.0 / 39916800.0 - s * (1.0 / 6227020800.0)))));
@@ -215,7 +217,7 @@ static inline void jo_sinc(jo_real s, jo_real *f)
 /* derivatives of f[1], f[2] with respect to s, from f of jo_sinc */
 static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_real *df2)
 {
-    const jo_mask small = JO_LESS(s, 0.04);
+    const jo_mask small = JO_LESS(s, JO_SINC_SERIES);
     if (jo_some(small)) {
         *df1 = -1.0 / 24.0 + s * (1.0 / 360.0 - s * (1.0 / 13440.0 - s * (1.0 / 907200.0 - s * (1.0 / 95800320.0))));
         *df2 = -1.0 / 120.0 + s * (1.0 / 2520.0 - s * (1.0 / 120960.0 - s * (1.0 / 9979200.0 - s * (1.0 / 1245404160.0))));
@@ -230,7 +232,7 @@ static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_re
 static inline jo_real jo_inverse_root(jo_real s)
 {
     const jo_real off = s - 1.0;
-    if (jo_every(JO_LESS(jo_magnitude(off), 1e-6))) return 1.0 + off * (-0.5 + 0.375 * off);
+    if (jo_every(JO_LESS(jo_magnitude(off), JO_ROOT_SERIES))) return 1.0 + off * (-0.5 + 0.375 * off);
     return 1.0 / jo_sqrt(s);
 }
 

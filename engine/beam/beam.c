@@ -12,8 +12,9 @@
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 
-#define JO_MIN_HALF_COSINE 0.0707372 /* cosine of half of 3 rad: nearly half a turn, where the rotation vector would jump */
-#define JO_RIGHT_ANGLE_TAU2 0.1715729 /* tau^2 at pi/2 */
+#define JO_MIN_HALF_COSINE 0.0707372    /* cos(3 rad / 2): larger rotations between the ends are near the jump at pi */
+#define JO_RIGHT_ANGLE_TAU2 0.1715729   /* tau^2 = tan^2(pi/8) at a rotation of pi/2 between the ends */
+#define JO_ARC_SERIES 0.0225            /* tau^2 below which a series of atan is used, up to 0.6 rad: error below 1e-17 */
 
 /* z = x o y */
 static void product(jo_real *z, const jo_real *x, const jo_real *y)
@@ -35,7 +36,7 @@ static void transposed33(jo_real *restrict C, const jo_real *restrict A, const j
 static jo_real arc(jo_beam_work *w)
 {
     const jo_real s = w->square;
-    if (JO_RE(s) < 0.0225) {   /* up to 0.6 rad; error below 1e-17 */
+    if (JO_RE(s) < JO_ARC_SERIES) {
         const double c[12] = {1.0 / 3, 1.0 / 15, 1.0 / 35, 1.0 / 63, 1.0 / 99, 1.0 / 143, 1.0 / 195, 1.0 / 255, 1.0 / 323,
                               1.0 / 399, 1.0 / 483, 1.0 / 575};   /* 1 / (4 k^2 - 1) */
         jo_real mu = -c[11], dmu = -11.0 * c[11];

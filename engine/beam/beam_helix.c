@@ -9,6 +9,8 @@
  */
 #include "beam/beam.h"
 
+#define JO_SERIES 0.5   /* square of half the rotation between the ends, rad2, below which the series of x / sin(x) is used */
+
 /* k, k', k'': of x/sin(x) = 1 + 2 x^2 sum (-1)^(m+1) / (m^2 pi^2 - x^2) */
 static void factor(jo_real k[3], const jo_real x)
 {
@@ -17,7 +19,7 @@ static void factor(jo_real k[3], const jo_real x)
         2.1336045641601203e-05, 2.1633474427786609e-06, 2.1923271344567653e-07, 2.2213930853920427e-08,
         2.2507674795567888e-09, 2.2805107707218226e-10, 2.3106421580996986e-11, 2.3411704028931971e-12,
         2.3721016693292275e-13, 2.4034415154237387e-14, 2.435195398382435e-15, 2.4673688033682523e-16};
-    if (JO_RE(x) < 0.5) {
+    if (JO_RE(x) < JO_SERIES) {
         k[0] = k[1] = k[2] = 0.0;
         for (int j = 15; j >= 0; j--) {
             k[0] = c[j] + x * k[0];

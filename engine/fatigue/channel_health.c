@@ -5,6 +5,9 @@
 #include "jousto.h"
 #include <math.h>
 
+#define MIN_STEP 1e-12  /* smallest usual step between samples, unit of the channel: channels that stand still have steps of 0 */
+#define STEP_CAP 4.0    /* step / usual step up to which a step enters the mean */
+
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
@@ -26,7 +29,7 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
     const double step = fabs(x - m[JO_HEALTH_GOOD * n]), seen = m[JO_HEALTH_SEEN * n], usual = m[JO_HEALTH_USUAL * n];
     const int known = seen >= r->warm;
     if (r->spike > 0.0) {
-        const double limit = r->spike * larger(usual, 1e-12);
+        const double limit = r->spike * larger(usual, MIN_STEP);
         const int jump = known && state == JO_VALUE_OK && isfinite(step) && step > limit;
         const int near = isfinite(m[JO_HEALTH_LAST * n]) && fabs(x - m[JO_HEALTH_LAST * n]) <= limit;
         m[JO_HEALTH_LEVEL * n] = !jump ? 0.0 : near ? m[JO_HEALTH_LEVEL * n] + 1.0 : 1.0;
@@ -35,7 +38,7 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
     const int good = state == JO_VALUE_OK;
     if (good && isfinite(step)) {
         /* a believed jump must not make the next one look usual */
-        const double capped = known ? smaller(step, 4.0 * usual + 1e-12) : step;
+        const double capped = known ? smaller(step, STEP_CAP * usual + MIN_STEP) : step;
         m[JO_HEALTH_USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
         m[JO_HEALTH_SEEN * n] = seen + 1.0;
     }

@@ -11,6 +11,7 @@
 #include "jousto.h"
 
 enum { CHUNK = 64 };   /* instants of one tile at a time */
+#define NO_DEVIATOR 1e-150  /* sqrt(J2 / 3), unit of stress, below which the tensor is hydrostatic: its square must not underflow */
 
 /* Share of the difference of the extreme principal values up to which their sum is zero: in pure shear they are opposite and rounding
  * would choose the sign. Near two equal values the cubic equation below gives half the digits, 1e-8. */
@@ -53,7 +54,7 @@ static void principal(double s[6][JO_LANES], principals *restrict out)
         const double d1 = s11 - m, d2 = s22 - m, d3 = s33 - m;
         const double J2 = 0.5 * (d1 * d1 + d2 * d2 + d3 * d3) + s12 * s12 + s23 * s23 + s13 * s13;
         const double q = sqrt(J2 / 3.0);
-        const double inverse = q > 1e-150 ? 1.0 / q : 0.0;
+        const double inverse = q > NO_DEVIATOR ? 1.0 / q : 0.0;
         const double a = d1 * inverse, b = d2 * inverse, c = d3 * inverse;
         const double d = s12 * inverse, e = s23 * inverse, f = s13 * inverse;
         const double det = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f);

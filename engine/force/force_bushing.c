@@ -6,15 +6,18 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
+#define JO_SMALL_TANGENT2 1e-3  /* tan^2 of half the angle below which a series of atan is used: error below 1e-17 */
+#define JO_SMALL_ANGLE2 0.01    /* square of the angle, rad2, below which a series of (1 - x cot x) / x^2 is used */
+
 /* rotation vector of R, of at most half a turn */
 static void rotation_vector(jo_real *theta, const jo_real *R)
 {
     jo_real e[4];
     jo_quaternion(e, R);
     const jo_real square = jo_dot3(e + 1, e + 1), x = square / (e[0] * e[0]);
-    const jo_mask small = JO_LESS(square, 1e-3 * (e[0] * e[0]));
+    const jo_mask small = JO_LESS(square, JO_SMALL_TANGENT2 * (e[0] * e[0]));
     jo_real factor = jo_same(0.0);
-    if (jo_some(small))   /* 2 atan(|v| / e0) / |v|, error below 1e-17 */
+    if (jo_some(small))   /* series of 2 atan(|v| / e0) / |v| */
         factor = 2.0 / e[0] * (1.0 - x * (1.0 / 3.0 - x * (0.2 - x * (1.0 / 7.0 - x * (1.0 / 9.0 - x / 11.0)))));
     if (!jo_every(small)) {
         const jo_real sine = jo_sqrt(square);
@@ -28,7 +31,7 @@ static void rotation_vector(jo_real *theta, const jo_real *R)
 static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);
-    const jo_mask small = JO_LESS(s, 0.01);
+    const jo_mask small = JO_LESS(s, JO_SMALL_ANGLE2);
     jo_real c = jo_same(0.0), one[3], two[3];
     if (jo_some(small))
         c = 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s * (1.0 / 1209600.0 + s / 47900160.0)));
@@ -90,7 +93,7 @@ static void conjugate_rate(jo_real *M, jo_real *P, const jo_real *theta, const j
 {
     const jo_real s = jo_dot3(theta, theta);
     jo_real c, dc, one[3], two[3];
-    if (JO_COMMON(s) < 0.01) {
+    if (JO_COMMON(s) < JO_SMALL_ANGLE2) {
         c = 1.0 / 12.0 + s * (1.0 / 720.0 + s * (1.0 / 30240.0 + s * (1.0 / 1209600.0 + s / 47900160.0)));
         dc = 1.0 / 720.0 + s * (1.0 / 15120.0 + s * (1.0 / 403200.0 + s * (1.0 / 11975040.0 + s * 5.0 * 5.2840e-10)));
     } else {

@@ -11,6 +11,8 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
+#define JO_SLOW_SHARE 1e-3  /* rate x duration of the run / size of the mechanism below which rates do not count (step_control.c) */
+
 typedef struct {
     jo_real y, r, rest;     /* measured, wanted, u without I */
 } parts;
@@ -151,7 +153,7 @@ static void nominals(const jo_model *m, const jo_force *f, double duration, doub
     const jo_pid_data *p = numbers(f);
     const int angle = m->coordinate[f->coordinate].type == JO_COORDINATE_ANGLE;
     double y = angle || !(m->size > 0.0) ? 1.0 : m->size;
-    if (JO_COMMON(p->speed) > 0.0) y *= 1e-3 / duration;   /* slower motion does not matter, as of bodies in step_control.c */
+    if (JO_COMMON(p->speed) > 0.0) y *= JO_SLOW_SHARE / duration;
     x[0] = (jo_most(p->proportional) + jo_most(p->integral) * duration) * y;
     x[1] = y;
 }

@@ -2,6 +2,9 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
+#define JO_DIFFERENCE 1e-7       /* forward difference / size of the argument; rad for rotations; about the root of round-off, 1.5e-8 */
+#define JO_SMALL_DISTANCE 1e-3  /* smallest distance / size of the mechanism to which differences of positions are relative */
+
 /* what the user's function answers at `time`; it knows real numbers only */
 static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
 {
@@ -33,7 +36,6 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
 {
     (void)stage;
-    const double relative = 1e-7;
     jo_real x[18], y[6], X[6][12];
     (void)unused;
     jo_relative_pose(d, f, x, x + 3);
@@ -41,7 +43,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     if (ask(f, d->time[0], x, y) != JO_OK) return JO_CALLBACK_FAILED;
     for (int j = 0; j < 12; j++) {
         jo_real moved[18], z[6];
-        double step = relative;
+        double step = JO_DIFFERENCE;
         for (int k = 0; k < 18; k++) moved[k] = x[k];
         if (j >= 3 && j < 6) {
             jo_real angle[3] = {0.0}, q[4] = {1.0, 0.0, 0.0, 0.0}, E[9];
@@ -53,7 +55,7 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
             const int k = j < 3 ? j : 6 + j;
             const int group = j < 3 ? 0 : j < 9 ? 12 : 15;
             const double size = sqrt(JO_RE(jo_dot3(x + group, x + group)));
-            step *= j < 3 ? (size > 1e-3 * m->size ? size : 1e-3 * m->size) : (size > 1.0 ? size : 1.0);
+            step *= j < 3 ? (size > JO_SMALL_DISTANCE * m->size ? size : JO_SMALL_DISTANCE * m->size) : (size > 1.0 ? size : 1.0);
             moved[k] += step;
         }
         if (ask(f, d->time[0], moved, z) != JO_OK) return JO_CALLBACK_FAILED;

@@ -9,7 +9,7 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_OVERLOAD 1e-9      /* share of the static friction by which a joint may be overloaded, for round-off */
+#define JO_OVERLOAD 1e-9    /* excess of the holding force / static friction that counts as round-off */
 
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
 {
@@ -139,7 +139,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     if (f->law) {
         jo_friction_direction(m, d, i, e);
         const jo_real speed = jo_length2(s[0], s[1]);
-        const int follows = jo_slips(f) == 2 && JO_RE(speed) > 1e-10 * m->size;
+        const int follows = jo_slips(f) == 2 && JO_RE(speed) > JO_REST * m->size;
         for (int k = 0; k < 2; k++) {
             for (int j = 0; follows && j < 2; j++) E[k][j] = data->mu_kinetic * ((k == j) - e[k] * e[j]) / speed;
         }

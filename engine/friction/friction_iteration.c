@@ -9,9 +9,14 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-enum { JO_ITERATIONS = 60, JO_STAGNANT = 3 };   /* at most, and without coming nearer */
-#define JO_AGREED 1e-12    /* relative difference of the friction and of what its reaction makes of it */
-#define JO_NEARLY 1e-6     /* the same where rounding allows no better */
+enum { JO_MAX_ITERATIONS = 60 };
+enum { JO_MAX_STAGNANT = 3 };   /* iterations without reduction by JO_MIN_REDUCTION after which JO_NEARLY suffices */
+#define JO_AGREED 1e-12         /* |F(lam(f)) - f| / |F| at convergence */
+#define JO_NEARLY 1e-6          /* the same if round-off prevents JO_AGREED */
+#define JO_MIN_REDUCTION 0.5    /* residual / smallest residual before that counts as progress */
+#define JO_DERIVATIVE_WEIGHT 1e-2   /* weight of the residual of derivatives (imaginary part) against that of values */
+#define JO_INDEPENDENT 1e-12    /* square of the part of a vector orthogonal to others / its square below which it is dependent */
+#define JO_SHORT_START 1e-2     /* share of the first change in the second attempt, which approaches the smallest solution from f = 0 */
 
 #ifdef JO_COMPLEX
 #define JO_IM(x) cimag(x)
@@ -40,7 +45,7 @@ static inline void largest(const jo_real *x, const int n, double *y)
 /* relative size of the residual; derivatives, in the imaginary part, need two digits less */
 static double relative_size(const double *r, const double *f)
 {
-    const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? 1e-2 * r[1] / f[1] : 0.0;
+    const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? JO_DERIVATIVE_WEIGHT * r[1] / f[1] : 0.0;
     return re > im ? re : im;
 }
 
@@ -184,7 +189,7 @@ static void anderson_step(jo_anderson *w, int n, jo_real *change)
             for (int i = 0; i < n; i++) q[i] -= R[k][count] * w->Q[k][i];
         }
         const jo_real square = dot(q, q, n);
-        if (!(JO_RE(square) > 1e-12 * before)) continue;   /* adds nothing */
+        if (!(JO_RE(square) > JO_INDEPENDENT * before)) continue;
         R[count][count] = jo_sqrt(square);
         for (int i = 0; i < n; i++) q[i] /= R[count][count];
         used[count++] = p;
@@ -207,7 +212,7 @@ static inline int store_pair(jo_anderson *w, const int n, int unknowns, int stee
         w->dF[w->newest][i] = w->change[i];
         w->dR[w->newest][i] = w->r[i] - w->before[i];
     }
-    if (unknowns == 1 && JO_RE(dot(w->change, w->change, n)) > 1e-12 * JO_RE(dot(w->f, w->f, n)))
+    if (unknowns == 1 && JO_RE(dot(w->change, w->change, n)) > JO_INDEPENDENT * JO_RE(dot(w->f, w->f, n)))
         steep = JO_RE(dot(w->change, w->dR[w->newest], n)) >= 0.0;
     return steep;
 }
@@ -242,10 +247,10 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
         largest(w->g, n, all);
         if (!isfinite(off[0])) return !k;   /* the run has diverged before, which the step says */
         const double apart = relative_size(off, all);
-        stagnant = apart < 0.5 * best ? 0 : stagnant + 1;
+        stagnant = apart < JO_MIN_REDUCTION * best ? 0 : stagnant + 1;
         if (apart < best) best = apart;
-        if (apart <= JO_AGREED || (stagnant >= JO_STAGNANT && apart <= JO_NEARLY)) return !steep;
-        if (k == JO_ITERATIONS) return 0;
+        if (apart <= JO_AGREED || (stagnant >= JO_MAX_STAGNANT && apart <= JO_NEARLY)) return !steep;
+        if (k == JO_MAX_ITERATIONS) return 0;
         if (k) steep = store_pair(w, n, unknowns, steep);
         if (n == 1) {
             const int p = w->newest, known = w->pairs && w->dR[p][0] != 0.0;
@@ -320,7 +325,7 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     const jo_anderson *w = &d->anderson;
     jo_real *f = d->rub;
     find_sliding(m, d, stage);
-    if (w->n && !solve_forces(m, d, stage, 1.0) && !solve_forces(m, d, stage, 1e-2)) return report_failure(d);
+    if (w->n && !solve_forces(m, d, stage, 1.0) && !solve_forces(m, d, stage, JO_SHORT_START)) return report_failure(d);
     if (w->n) apply_friction(m, d, stage);
     for (int i = 0; i < 2 * m->nfriction; i++) f[i] = 0.0;
     for (int i = 0; i < w->nsliding; i++) {

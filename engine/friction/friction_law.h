@@ -4,7 +4,7 @@
 
 #include "friction/friction.h"
 
-#define JO_REST 1e-10      /* of the size of the mechanism, 1/s: slip below this is rest */
+#define JO_REST 1e-10   /* slip speed / size of the mechanism below which a joint is at rest, 1/s */
 
 static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }   /* coordinates along which it may slide */
 static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }

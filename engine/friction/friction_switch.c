@@ -4,7 +4,9 @@
 #include "friction/friction_law.h"
 #include "tree/tree.h"
 
-#define JO_PASSING_SPEED 1e-7      /* of the size of the mechanism per second: a slip along two coordinates that does not stop */
+#define JO_PASSING_SPEED 1e-7   /* slip speed / size of the mechanism, 1/s, above which a slip along two coordinates turns without a stop */
+#define JO_BACK_ACCELERATION 1e-9   /* acceleration against the slip / size of the mechanism, 1/s2, that ends the slip */
+enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* rounds of release(): at all, and for each friction */
 
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
@@ -56,14 +58,14 @@ static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
     jo_friction_slip(m, d, f, s);
     if (fabs(JO_RE(s[0])) > 2.0 * JO_REST * m->size) return 0;
     const jo_real second = jo_tree_active(d) ? jo_tree_slip_acceleration(m, d, f->coordinate) : jo_coordinate_acceleration(m, d, f->coordinate);
-    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -1e-9 * m->size;
+    return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -JO_BACK_ACCELERATION * m->size;
 }
 
 /* What cannot hold lets go, the most overloaded first. Others that have just let go may be pushed back by it: they hold again.
  * Coupled frictions seldom need more than a few rounds; the number is bounded. */
 static int release(const jo_model *m, jo_data *d)
 {
-    for (int round = 0; round < 8 + 4 * m->nfriction; round++) {
+    for (int round = 0; round < JO_ROUNDS + JO_ROUNDS_EACH * m->nfriction; round++) {
         int weakest = -1, back = -1;
         double least = 0.0;
         for (int i = 0; i < m->nfriction; i++) {

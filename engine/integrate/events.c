@@ -9,12 +9,17 @@
 #include <float.h>
 #include <string.h>
 
-enum { JO_TRIALS = 120 };   /* bisection alone needs 40 from 1 s to 1e-12 s */
+enum { JO_MAX_TRIALS = 120 };   /* steps tried for one crossing: three times the 40 bisections from 1 s to 1e-12 s */
+enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* entries of one step in the log: at all, and for each watched value */
+enum { JO_LOG_STEPS = 4 };      /* steps for which the log has room */
 
-#define JO_INSTANT 1e-12    /* s, to which an event is located */
-#define JO_TOUCH 1e-9       /* of the change in a step: so near to the threshold a start counts as on it */
+#define JO_TIME_RESOLUTION 1e-12    /* largest error of the time of an event, s */
+#define JO_TIME_ROUNDING (8.0 * DBL_EPSILON)   /* the same / time, where round-off of the time is larger */
+#define JO_TOUCH 1e-9       /* distance from the threshold / change in the step below which a step starts at the threshold */
+#define JO_JUMP 1e-6        /* jump / change in the step below which the jump of a value at an event is round-off */
+#define JO_VALUE_ROUNDING (2.0 * DBL_EPSILON)   /* distance from the threshold / threshold that is round-off */
 
-static double time_resolution(const jo_data *d) { return fmax(JO_INSTANT, 8.0 * DBL_EPSILON * fabs(JO_RE(d->time[0]))); }
+static double time_resolution(const jo_data *d) { return fmax(JO_TIME_RESOLUTION, JO_TIME_ROUNDING * fabs(JO_RE(d->time[0]))); }
 
 static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
@@ -24,7 +29,7 @@ static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
 
 /* most entries of one step in the log; more are a chain without end */
-static int max_entries(const jo_model *m) { return 32 + 8 * jo_watched(m); }
+static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m); }
 
 /* -- the state at the start of a step ----------------------------------------------------- */
 
@@ -131,7 +136,7 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
 static int at_threshold(const jo_model *m, const jo_data *d)
 {
     for (int i = 0; i < jo_watched(m); i++) {
-        const double small = 2.0 * DBL_EPSILON * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->scale[i]);
+        const double small = JO_VALUE_ROUNDING * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->scale[i]);
         if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) <= small)) return 0;
     }
     return 1;
@@ -154,7 +159,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     double a = 0.0, b = *length, at = b, wa = 1.0, wb = 1.0, before = 4.0 * b;
     int last = 0;
     memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
-    for (int k = 0; k < JO_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
+    for (int k = 0; k < JO_MAX_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
         double x = estimate_crossing(m, d, a, b, wa, wb);
         if (k % 3 == 2) {   /* three trials shall at least halve the interval */
             if (b - a > 0.5 * before) x = 0.5 * (a + b);
@@ -231,7 +236,7 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
         const int status = watched_values(m, d, d->above);
         if (status != JO_OK) return status;
         for (int i = 0; i < m->nevent; i++) {   /* round-off is no crossing */
-            const double jump = fabs(d->above[i] - d->below[i]), small = 1e-6 * d->scale[i];
+            const double jump = fabs(d->above[i] - d->below[i]), small = JO_JUMP * d->scale[i];
             if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) > small && jump > small)) d->above[i] = 0.0;
         }
     }
@@ -366,7 +371,7 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
     return JO_EVENT;
 }
 
-int jo_log_room(const jo_model *m) { return jo_watched(m) ? 4 * max_entries(m) : 0; }
+int jo_log_room(const jo_model *m) { return jo_watched(m) ? JO_LOG_STEPS * max_entries(m) : 0; }
 
 /* whether another step may be logged */
 int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + max_entries(m) <= jo_log_room(m); }

@@ -19,7 +19,8 @@ static double watch(void)
 /* in milliseconds, and the last of them awake: Sleep is no finer */
 static void pause_for(double seconds)
 {
-    Sleep(seconds > 2e-3 ? (DWORD)(1e3 * seconds - 1.0) : 0);
+    const double awake = 2e-3;   /* waiting time, s, below which the thread only yields */
+    Sleep(seconds > awake ? (DWORD)(1e3 * seconds - 1.0) : 0);
 }
 #else
 #include <time.h>

@@ -12,7 +12,22 @@
 #include "fatigue/fatigue.h"
 #include <float.h>
 
-#define JO_MAX_ROTATION 1.0     /* rad, largest turn of a body in a step */
+#define JO_MAX_ROTATION 1.0     /* planned rotation of a body in a step, rad; a step with twice this rotation is rejected */
+#define JO_SMALL_SHARE 1e-3     /* motion of a body / motion of the mechanism below which its errors are relative to the latter */
+#define JO_MIN_RATE 1e-6        /* smallest rate, 1/s, that the first step is inverse to */
+#define JO_ERROR_ORDER 0.2      /* exponent of the error: 1 / 5, as the step length changes the error of the pair with its fifth power */
+/* constants of the code DOPRI5 of Hairer, Norsett and Wanner: SAFE, BETA, FAC1, FAC2, FACOLD, and the stretch of the last step */
+#define JO_SAFETY 0.9           /* factor on the step length that the error allows */
+#define JO_PI_BETA 0.04         /* exponent of the error before: PI controller (Gustafsson 1991) */
+#define JO_PI_SHARE 0.75        /* share of JO_PI_BETA by which the exponent of the error is reduced */
+#define JO_MIN_FACTOR 0.2       /* step length / step length before, at least */
+#define JO_MAX_FACTOR 10.0      /* the same, at most */
+#define JO_MIN_LAST_ERROR 1e-4  /* smallest error before in the PI controller */
+#define JO_STRETCH 1.01         /* step length / planned length up to which a step is stretched to the end of the interval */
+#define JO_MIN_ERROR 1e-10      /* smallest error in the factor of the next step, against division by 0 */
+#define JO_ROTATED_FACTOR 0.5   /* factor on the step length after a rotation beyond twice JO_MAX_ROTATION */
+#define JO_FAILED_FACTOR 0.25   /* factor on the step length after a failed evaluation */
+#define JO_MIN_STEP (16.0 * DBL_EPSILON)   /* smallest step length / time, or / distance of the rows */
 
 /* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
 static int close_joints(const jo_model *m, jo_data *d)
@@ -108,7 +123,7 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         const double root = sqrt(JO_RE(b->mass[0]));
         double e[6], scale[6], x[3];
         extent_of(m, d, i, x);
-        const double speed = jo_larger(jo_larger(x[0], 1e-3 * top), DBL_MIN);
+        const double speed = jo_larger(jo_larger(x[0], JO_SMALL_SHARE * top), DBL_MIN);
         for (int k = 0; k < 2; k++) {   /* increments, velocities */
             const int at = k * d->nw + b->iv;
             e[3 * k] = jo_tree_active(d) ? jo_length(defect[k] + b->iv, 3) : jo_error_estimate(d, at, 3);
@@ -117,10 +132,10 @@ static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
         }
         scale[0] = jo_larger(s->tolerance * size, s->absolute);
         scale[1] = scale[0] / size;
-        scale[2] = jo_larger(s->tolerance * jo_larger(x[1], 1e-3 * size * root), s->absolute * root);
+        scale[2] = jo_larger(s->tolerance * jo_larger(x[1], JO_SMALL_SHARE * size * root), s->absolute * root);
         scale[3] = jo_larger(s->tolerance * speed, s->absolute);
         scale[4] = scale[3] / size;
-        scale[5] = jo_larger(s->tolerance * jo_larger(x[2], 1e-3 * speed * root), s->absolute * root);
+        scale[5] = jo_larger(s->tolerance * jo_larger(x[2], JO_SMALL_SHARE * speed * root), s->absolute * root);
         for (int k = 0; k < 6; k++) {
             const double ratio = e[k] / scale[k];
             if (ratio > error || ratio != ratio) {
@@ -158,7 +173,7 @@ static double first_step(const jo_model *m, const jo_data *d, const jo_solver *s
         rate = jo_larger(rate, sqrt(jo_larger(jo_length(a, 3) / size, jo_length(a + 3, 3))));
         for (int j = 0; j < b->n; j++) rate = jo_larger(rate, sqrt(JO_RE(b->K[j])));
     }
-    return pow(s->tolerance, 0.2) / jo_larger(rate, 1e-6);
+    return pow(s->tolerance, JO_ERROR_ORDER) / jo_larger(rate, JO_MIN_RATE);
 }
 
 /* the first break after t, or infinity */
@@ -218,7 +233,7 @@ static planned_step plan_step(const jo_model *m, const jo_data *d, const jo_solv
     if (s->largest > 0.0 && x.h > s->largest) x.h = s->largest;
     if (turn * x.h > JO_MAX_ROTATION) x.h = JO_MAX_ROTATION / turn;
     x.wanted = x.h;
-    x.whole = t + 1.01 * x.h >= x.limit;
+    x.whole = t + JO_STRETCH * x.h >= x.limit;
     if (x.whole) x.h = x.limit - t;
     else if (t + 2.0 * x.h > x.limit) x.h = 0.5 * (x.limit - t);   /* two steps of one length */
     x.broken = x.whole && kink <= end;
@@ -231,18 +246,19 @@ static int control_error(const jo_model *m, jo_data *d, const jo_solver *s, cons
 {
     jo_control *c = &d->control;
     if ((jo_tree_active(d) ? jo_tree_largest_rotation(m, d) : jo_increment_between(m, d->dq, d->q0, d->q)) > 2.0 * JO_MAX_ROTATION) {
-        reject_step(d, 0.5 * x->h);
+        reject_step(d, JO_ROTATED_FACTOR * x->h);
         return 0;
     }
     *error = step_error(m, d, s);
-    const double plain = 0.9 / pow(jo_larger(*error, 1e-10), 0.2 - 0.75 * 0.04);   /* factor of the next step */
+    /* factor of the next step: 0.9 error^-(1/5 - 0.75 beta) error_before^beta, within 0.2 .. 10 */
+    const double plain = JO_SAFETY / pow(jo_larger(*error, JO_MIN_ERROR), JO_ERROR_ORDER - JO_PI_SHARE * JO_PI_BETA);
     if (!(*error <= 1.0)) {
         c->status = JO_OK;
-        reject_step(d, x->h * (plain > 0.2 ? plain : 0.2));
+        reject_step(d, x->h * (plain > JO_MIN_FACTOR ? plain : JO_MIN_FACTOR));
         return 0;
     }
-    double factor = plain * pow(c->error, 0.04);   /* proportional and integral */
-    factor = factor < 0.2 ? 0.2 : factor > 10.0 ? 10.0 : factor;
+    double factor = plain * pow(c->error, JO_PI_BETA);
+    factor = factor < JO_MIN_FACTOR ? JO_MIN_FACTOR : factor > JO_MAX_FACTOR ? JO_MAX_FACTOR : factor;
     if (c->shortened && factor > 1.0) factor = 1.0;
     c->next = x->h * factor;
     if (x->h < x->wanted && c->next < x->wanted) c->next = x->wanted;   /* the limit made it short */
@@ -261,7 +277,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
         c->first = 0;
         if (shorter < x->h) x->whole = x->broken = 0;
     }
-    c->error = jo_larger(error, 1e-4);
+    c->error = jo_larger(error, JO_MIN_LAST_ERROR);
     c->shortened = 0;
     c->status = JO_OK;
     if (x->whole) d->time[0] = x->limit + (d->time[0] - JO_RE(d->time[0]));
@@ -282,7 +298,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
 static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
 {
     jo_control *c = &d->control;
-    if (!(c->next > 16.0 * DBL_EPSILON * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
+    if (!(c->next > JO_MIN_STEP * jo_larger(fabs(JO_RE(d->time[0])), s->step)) || c->tries >= s->iterations)
         return failure_status(d);
     c->tries++;
     int status = jo_accelerations_known(d) ? JO_OK : jo_accelerations(m, d);
@@ -293,7 +309,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     status = jo_step_dopri(m, d, s, x.h, x.seen);
     if (status != JO_OK) {
         c->status = status;
-        reject_step(d, 0.25 * x.h);
+        reject_step(d, JO_FAILED_FACTOR * x.h);
         return JO_OK;
     }
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
@@ -318,7 +334,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     c->start = JO_RE(d->time[0]);
     c->first = 1;
     c->duration = (double)last * s->step;
-    c->error = 1e-4;
+    c->error = JO_MIN_LAST_ERROR;
     c->next = s->first > 0.0 ? s->first : first_step(m, d, s);
     return JO_OK;
 }

@@ -8,6 +8,8 @@
 #include "tree/tree.h"
 #include "integrate/integrate.h"
 
+#define JO_ROS2_GAMMA (1.0 - 0.70710678118654752440)   /* g of ROS2: 1 - 1/sqrt(2), for which the method is L-stable */
+
 /* A stage joins the sums of increments and velocities; both move on by `next` for the stage after it. Where nothing has moved yet
  * increments grow by the velocities. */
 static void accumulate_stage(jo_data *d, int stage, double share, double next)
@@ -77,7 +79,7 @@ static void second_stage(const jo_model *m, jo_data *d, double gh)
  * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. Beams lag like modes, with the stiffness of the first stage. */
 static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage *stage)
 {
-    const double h = s->step, gh = (1.0 - 0.70710678118654752440) * h;
+    const double h = s->step, gh = JO_ROS2_GAMMA * h;
     const jo_real t0 = d->time[0];
     jo_use_step(m, d, gh);
     stage->set = 1;

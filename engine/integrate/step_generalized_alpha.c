@@ -15,12 +15,16 @@
 #include "beam/beam.h"
 #include "integrate/integrate.h"
 
-#define JO_SLOW_GAIN 0.1       /* kept factors are renewed when an iteration gains less than this */
-#define JO_MAX_AGE 0.01      /* rad: kept factors do not close joints of bodies that have turned further since */
-#define JO_ROUND_OFF_INCREMENT 1e-6 /* increments that no longer shrink below this are round-off */
-#define JO_MAX_HALVINGS 40    /* of an increment that leaps over a kink */
-#define JO_DAMPED_ITERATIONS 5     /* times the iterations of a step are allowed where they are shortened */
-#define JO_POSITION_ROUNDING 2.2e-15 /* rounding of positions, relative to the size of the mechanism: ten times that of a double */
+#define JO_SLOW_GAIN 0.1        /* increment / increment before above which kept factors are renewed */
+#define JO_MAX_AGE 0.01         /* rotation of a body, rad, since its factors were computed, up to which these close its joints */
+#define JO_ROUND_OFF_INCREMENT 1e-6   /* increment / reference below which an increment that does not shrink is round-off */
+#define JO_STAGNATION 0.5       /* increment / increment before above which an increment does not shrink */
+#define JO_MAX_HALVINGS 40      /* halvings of an increment across a kink of a force law */
+#define JO_DAMPED_ITERATIONS 5  /* iterations with shortened increments / iterations of a step */
+#define JO_POSITION_ROUNDING 2.2e-15   /* rounding of positions / size of the mechanism: ten times DBL_EPSILON */
+#define JO_STOPPING_SHARE2 1e-6 /* square of the share (1e-3) of the accelerations that stop all bodies within one step in the reference */
+#define JO_SAME_TIME 1e-6       /* difference of times / step that counts as equal */
+#define JO_MIN_REDUCTION 0.5    /* residual / residual before above which the joints are not corrected again */
 
 #ifdef JO_COMPLEX
 enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
@@ -51,7 +55,7 @@ static double reference(const jo_model *m, const jo_data *d, double h)
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
         const jo_real *a = d->a + b->iv;
-        sum += 1e-6 / (h * h) * size_of(m, d, i, d->v + b->iv);
+        sum += JO_STOPPING_SHARE2 / (h * h) * size_of(m, d, i, d->v + b->iv);
         for (int j = 0; j < 3; j++) {
             const double R = JO_RE(a[j] - m->gravity[j]), w = JO_RE(a[3 + j]);
             sum += JO_RE(b->mass[0]) * R * R + JO_RE(d->body[i].J[j]) * w * w;
@@ -121,7 +125,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
 /* whether the state is the one that the last step left */
 static int continues(const jo_model *m, const jo_data *d, double h)
 {
-    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->end_time)) < 1e-6 * h)) return 0;
+    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->end_time)) < JO_SAME_TIME * h)) return 0;
     for (int i = 0; i < m->nq; i++)
         if (d->q[i] != d->end_q[i]) return 0;
     for (int i = 0; i < d->nw; i++)
@@ -269,7 +273,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             continue;
         }
         if (after >= 0 || size <= small || rounding || (k && gain < 1.0 && size * gain / (1.0 - gain) <= small)
-            || (k > 1 && renewed && gain > 0.5 && size <= JO_ROUND_OFF_INCREMENT * work)) {
+            || (k > 1 && renewed && gain > JO_STAGNATION && size <= JO_ROUND_OFF_INCREMENT * work)) {
             if (++after == JO_AFTER) return JO_OK;
         }
         if (s->modified && !renewed && k && gain > JO_SLOW_GAIN) jo_newton_outdated(d);
@@ -313,16 +317,16 @@ static void correct(const jo_model *m, jo_data *d, int velocity)
  * are directions in which little holds, and no angle is small enough */
 static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    enum { JO_CORRECTIONS = 10 };
+    enum { JO_MAX_CORRECTIONS = 10 };   /* of positions and of velocities */
     const double small[2] = {JO_CLOSED * m->size, JO_CLOSED * jo_most(jo_speed(m, d))};
     jo_real largest[2];
     for (int velocity = 0; velocity < 2; velocity++) {
         double before = 0.0;
-        for (int k = 0; k < JO_CORRECTIONS; k++) {
+        for (int k = 0; k < JO_MAX_CORRECTIONS; k++) {
             if (k || velocity) jo_residuals(m, d, largest);
             else largest[0] = jo_largest_residual(m, d);   /* bodies and markers stand at q */
             const double residual = JO_RE(largest[velocity]);
-            if (residual <= small[velocity] || (k && !(residual < 0.5 * before))) break;
+            if (residual <= small[velocity] || (k && !(residual < JO_MIN_REDUCTION * before))) break;
             if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* the gaps are closed by these alone */
                 const int status = factor_matrix(m, d, stage);
                 if (status != JO_OK) return status;

@@ -26,7 +26,7 @@ int jo_gram_factor(jo_gram *g, int *row)
     for (int k = 0; k < g->n; k++) {
         const jo_real pivot = g->S[k * g->ld + k];
         *row = g->order[k] = k;
-        if (!(JO_RE(pivot) > 1e-12 * g->scale[k])) return isfinite(JO_RE(pivot)) ? 0 : -1;
+        if (!(JO_RE(pivot) > JO_SINGULAR_PIVOT * g->scale[k])) return isfinite(JO_RE(pivot)) ? 0 : -1;
         eliminate(g, k, 0);
     }
     return 1;

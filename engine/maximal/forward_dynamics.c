@@ -7,6 +7,8 @@
 #include "friction/friction.h"
 #include "tree/tree.h"
 
+#define JO_MIN_REDUCTION 0.5  /* residual / residual before above which a projection ends: the factors do not reduce it further */
+
 /* constants for the effective modal mass E + g h D + (g h)^2 K */
 void jo_use_step(const jo_model *m, jo_data *d, double gh)
 {
@@ -229,10 +231,10 @@ static void mark_diverged(const jo_model *m, jo_data *d)
 }
 
 /* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
- * nearly always suffices; at most JO_CORRECTIONS keep the work of a step bounded. */
+ * nearly always suffices; at most JO_MAX_CORRECTIONS keep the work of a step bounded. */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    enum { JO_CORRECTIONS = 4 };
+    enum { JO_MAX_CORRECTIONS = 4 };   /* of positions and of velocities, which bounds the work of a step */
     if (!m->njoint) return;
     const double small = JO_CLOSED * m->size;   /* m */
     jo_hybrid_begins(d);
@@ -240,7 +242,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     else jo_update_positions(m, d);
     jo_real residual = jo_largest_residual(m, d);
     jo_mask open = JO_ALL;
-    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+    for (int k = 0; k < JO_MAX_CORRECTIONS && jo_some(open); k++) {
         const jo_real before = residual;
         residual_correction(m, d, stage, 0);
         jo_only(open, d->rate, m->nv);
@@ -248,14 +250,14 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
             if (!jo_body_inactive(d, i)) jo_body_add_increment(&m->body[i], d->q, d->q, d->rate);
         jo_update_positions(m, d);
         residual = jo_largest_residual(m, d);
-        open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, 0.5 * before);   /* else closed, or no use */
+        open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, JO_MIN_REDUCTION * before);
     }
     const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* of any lane, whatever became of others */
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
     residual = jo_largest_residual_rate(m, d);
     open = JO_ALL;
-    for (int k = 0; k < JO_CORRECTIONS && jo_some(open); k++) {
+    for (int k = 0; k < JO_MAX_CORRECTIONS && jo_some(open); k++) {
         const jo_real before = residual;
         residual_correction(m, d, stage, 1);
         jo_only(open, d->rate, m->nv);
@@ -267,7 +269,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         }
         jo_marker_velocity(m, d, m->nactive);
         residual = jo_largest_residual_rate(m, d);
-        open &= JO_LESS(small_rate, residual) & JO_LESS(residual, 0.5 * before);
+        open &= JO_LESS(small_rate, residual) & JO_LESS(residual, JO_MIN_REDUCTION * before);
     }
     if (far) mark_diverged(m, d);
     jo_state_projected(d);
@@ -288,7 +290,7 @@ static double sum_of_squares(const jo_model *m, const jo_data *d)
  * velocities at the closed position */
 static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
-    enum { JO_SHORTENED = 10 };
+    enum { JO_MAX_HALVINGS = 10, JO_FINAL_ITERATIONS = 2 };   /* halvings of a step; iterations for derivatives, velocities */
     static const jo_stage geometry = {.smooth = 1};
     jo_state_changed(d);
     jo_update_positions(m, d);
@@ -302,17 +304,17 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         residual_correction(m, d, &geometry, 0);
         for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
         double part = 1.0;
-        for (int l = 0; l < JO_SHORTENED; l++, part *= 0.5) {
+        for (int l = 0; l < JO_MAX_HALVINGS; l++, part *= 0.5) {
             for (int i = 0; i < m->nv; i++) d->dq[i] = part * d->rate[i];
             jo_add_increment(m, d->q, d->q0, d->dq);
             jo_update_positions(m, d);
             residual = jo_most(jo_largest_residual(m, d));
             if (sum_of_squares(m, d) < merit) break;
         }
-        if (residual > 0.5 * before && residual < JO_CLOSED * m->size) break;   /* round-off */
+        if (residual > JO_MIN_REDUCTION * before && residual < JO_CLOSED * m->size) break;   /* round-off */
     }
 #ifdef JO_COMPLEX
-    for (int k = 0; k < 2; k++) {   /* derivatives converge behind the values: full steps, however small */
+    for (int k = 0; k < JO_FINAL_ITERATIONS; k++) {   /* derivatives converge behind the values: full steps, however small */
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;

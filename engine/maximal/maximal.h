@@ -6,6 +6,8 @@
 
 #define JO_MIN_PIVOT 1e-14  /* smallest pivot of an inertia / its value before elimination; 45 units of round-off of a double */
 
+#define JO_SINGULAR_PIVOT 1e-12  /* pivot of S = J M^-1 J^T / its value before elimination below which the row depends on others */
+
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
@@ -102,7 +104,7 @@ void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that r
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_sync_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
-#define JO_CLOSED 1e-12       /* of the size of a mechanism, or of its speed: residuals of closed joints, m and m/s */
+#define JO_CLOSED 1e-12       /* position residual / size of the mechanism, velocity residual / its speed, of closed joints */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
 

@@ -5,8 +5,8 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-#define JO_SCHUR_REGULARISATION 1e-8    /* added to the diagonal of S, relative, where rows repeat one another */
-enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the addition left open */
+#define JO_SCHUR_REGULARISATION 1e-8    /* share of the diagonal of S added to it if rows are redundant; about the root of round-off */
+enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
 
 /* L_k weight L_l^T of a pair of joint sides on one flexible body: constant without stiffening */
 static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
@@ -246,7 +246,7 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_rea
     for (int k = 0; k < n; k++) {
         jo_real *column = S + ld * k;
         jo_real x = column[k];
-        if (jo_spoil(&x, JO_LESS(1e-12 * sign * scale[k], sign * x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
+        if (jo_spoil(&x, JO_LESS(JO_SINGULAR_PIVOT * sign * scale[k], sign * x)) && regular == 1) regular = isfinite(jo_most(x)) ? 0 : -1;
         const jo_real inverse = 1.0 / x;
         for (int j = k + 1; j < n; j++) {
             const jo_real y = column[j] * inverse;
@@ -545,7 +545,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
             d->joint[i].right[r] = d->joint[i].x[r];
             d->joint[i].sum[r] = jo_same(0.0);
         }
-    for (int k = 0; k <= JO_REFINE; k++) {
+    for (int k = 0; k <= JO_REFINEMENTS; k++) {
         if (k) residual(m, d);
         solve_factored(m, d);
         for (int i = 0; i < m->njoint + m->nhub; i++)

@@ -4,6 +4,8 @@
 #include "beam/beam.h"
 #include "fatigue/fatigue.h"
 
+#define JO_ZERO_ENTRY 1e-30  /* off-diagonal entry / sum of all entries that counts as 0 in Jacobi's rotations */
+
 /* y as an observer sees it who moves and turns with o: v - v_o - om_o x r, and so on with all derivatives in its frame */
 static void observe(jo_motion *y, const jo_motion *o)
 {
@@ -136,14 +138,14 @@ static jo_real von_mises(const jo_real *s)
 /* principal stresses of [s11 s22 s33 s12 s23 s13] in a lane, largest first, by Jacobi's rotations: exact also where two are equal */
 static void principal_of(jo_real *out, const jo_real *s, int lane)
 {
-    enum { JO_SWEEPS = 8 };   /* convergence is quadratic, five are enough */
+    enum { JO_SWEEPS = 8 };   /* upper bound: convergence is quadratic, five sweeps reach round-off */
     jo_real S[3][3] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
     jo_real y[3];
     double size = 0.0;
     for (int i = 0; i < 6; i++) size += fabs(JO_PART(s[i], lane));
     for (int k = 0; k < 3 * JO_SWEEPS; k++) {
         const int i = k % 3 == 2, j = k % 3 == 0 ? 1 : 2, l = 3 - i - j;
-        if (fabs(JO_PART(S[i][j], lane)) <= 1e-30 * size) continue;
+        if (fabs(JO_PART(S[i][j], lane)) <= JO_ZERO_ENTRY * size) continue;
         const jo_real x = 0.5 * (S[j][j] - S[i][i]) / S[i][j], root = jo_sqrt(x * x + 1.0);
         const jo_real t = 1.0 / (JO_PART(x, lane) < 0.0 ? x - root : x + root), c = 1.0 / jo_sqrt(t * t + 1.0);
         const jo_real u = S[i][l], v = S[j][l];

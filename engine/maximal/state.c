@@ -7,7 +7,7 @@
 #include "beam/beam.h"
 #include "tree/tree.h"
 
-#define JO_MAX_STATE 1e15   /* no coordinate of a machine is as large, in any unit: the run has diverged */
+#define JO_MAX_STATE 1e15   /* sum of the magnitudes of coordinates and velocities of a body, SI units, above which the run has diverged */
 
 void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
 {

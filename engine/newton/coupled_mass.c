@@ -11,7 +11,7 @@
 #include "force/force.h"
 #include "beam/beam.h"
 
-enum { JO_REFINE = 2 };    /* steps of refinement, each closing what the regularisation left open */
+enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
 
 /* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
@@ -52,7 +52,7 @@ static void solve(const jo_model *m, jo_data *d)
             jo_real *x = part_of(m, d, i), *sum = d->sum + m->body[i].iv;
             for (int j = 0; j < 6 + m->body[i].n; j++) {
                 sum[j] += x[j];
-                x[j] = k < JO_REFINE ? 0.0 : sum[j];
+                x[j] = k < JO_REFINEMENTS ? 0.0 : sum[j];
             }
         }
         for (int i = 0; i < m->njoint; i++) {
@@ -60,10 +60,10 @@ static void solve(const jo_model *m, jo_data *d)
             for (int r = 0; r < m->joint[i].nrow; r++) {
                 const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].soft[r] * x[r];
                 sum[r] += x[r];
-                x[r] = k < JO_REFINE ? left : sum[r];
+                x[r] = k < JO_REFINEMENTS ? left : sum[r];
             }
         }
-        if (k == JO_REFINE) return;
+        if (k == JO_REFINEMENTS) return;
         jo_newton_solve(m, d);
     }
 }

@@ -7,8 +7,8 @@
 #include "valid.h"
 #include "newton/newton.h"
 
-#define JO_SCHUR_REGULARISATION 1e-8       /* subtracted from the diagonal of the joints, relative, where rows repeat one another */
-#define JO_DEPENDENT_PIVOT 1e-14     /* a pivot below this, relative to the units of its row and column, repeats others */
+#define JO_SCHUR_REGULARISATION 1e-8    /* share of the scale of a joint row subtracted from its diagonal if rows are redundant */
+#define JO_DEPENDENT_PIVOT 1e-14        /* pivot / (unit of its row x unit of its column) below which the row depends on others */
 
 /* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
