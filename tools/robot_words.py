@@ -22,12 +22,12 @@ kind: reference
 The readers of `jo.robots` treat every word of their formats, attributes and elements as follows.
 A word is
 
-* **done**: it counts as the format says;
+* **done**: it has the meaning of the format;
 * **without effect** on the motion;
 * **warned of**, with its line and effect, where its value changes the motion;
-* **refused**, with its line and what to write instead.
+* **refused**, with its line and the remedy.
 
-A word that is not here is warned of as not read. The tests compare the lists with the schemas of
+A word that is not in the lists gets a warning. The tests compare the lists with the schemas of
 the formats.
 """
 TITLES = dict(zip(TREATMENTS, ("Done", "Without effect", "Warned of", "Refused"), strict=True))

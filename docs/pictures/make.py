@@ -34,7 +34,7 @@ PANELS = {  # left, top, right and bottom of the panel that a thumbnail shows, s
     "hotspots_von_mises.png": (0.0, 0.06, 0.85, 0.6),
     "monitor.png": (0.0, 0.02, 1.0, 0.33),
     "offset_boom.png": (0.0, 0.0, 0.33, 1.0),
-    "rail_frame.png": (0.0, 0.03, 1.0, 0.29),
+    "rail_frame.png": (0.05, 0.04, 0.98, 0.38),
     "rail_wheel.png": (0.0, 0.33, 1.0, 0.64),
     "rod_at_speed.png": (0.0, 0.0, 0.5, 1.0),
     "shape_functions.png": (0.0, 0.0, 0.33, 1.0),
@@ -46,6 +46,7 @@ PANELS = {  # left, top, right and bottom of the panel that a thumbnail shows, s
     "trolley.png": (0.0, 0.04, 1.0, 0.48),
     "link_arm_still.png": (0.0, 0.08, 0.88, 1.0),
 }
+GREY = ("rail_frame.png",)  # machines without colour
 BANNER = (1240, 330)  # pixels of the picture in front
 FRONT = ("link_arm_still.png", "crane_still.png", "six_axis_arm_still.png", "robot_still.png")
 WIDTHS = {  # pixels
@@ -159,6 +160,8 @@ def shown(name: str) -> Image.Image:
     hsv = np.asarray(image.convert("HSV")).astype(int)
     # of 255: neither grey nor as dark as text; bodies of earlier instants are pale
     mask = (hsv[..., 1] > (30 if scene else 64)) & (hsv[..., 2] > 90)
+    if name in GREY:
+        mask = hsv[..., 2] < 200
     if scene:  # without the letters of its axes
         thick = Image.fromarray((255 * mask).astype("uint8")).filter(ImageFilter.MinFilter(3))
         mask = np.asarray(thick) > 0
