@@ -1,41 +1,41 @@
-/* jousto.h - the public interface of the jousto engine (C99).
+/* jousto.h - public interface of the jousto engine (C99): simulation of flexible multibody systems.
  *
- * A const jo_model holds sizes and constants, a jo_data the state and the workspace of one run.
- * A step allocates nothing, touches no globals and prints nothing; every function is re-entrant.
+ * A const jo_model contains the sizes and constants of a model, a jo_data the state and the work space of one run.
+ * A step allocates no memory, uses no global data and prints nothing; every function is re-entrant.
  *
  * Frames: no suffix = resolved in the world frame, _local = resolved in the body frame.
  * Units: SI. Symmetric 3x3 tensors are stored as xx yy zz yz xz xy.
  * Modal arrays are component-major, (c x np), np = n padded with zeros to a multiple of JO_PAD.
  *
- * The lines between the marks BEGIN and END are also read by the Python binding; they hold only
+ * The Python binding reads the lines between the marks BEGIN and END; these contain only
  * enums, structs with pointers and plain integers and doubles, and function declarations.
  */
 #ifndef JOUSTO_H
 #define JOUSTO_H
 
-#if defined(JO_VECTOR)            /* how many machines of one structure lie side by side in the lanes of a vector */
+#if defined(JO_VECTOR)            /* number of machines of one structure, one in each lane of a vector */
 typedef double jo_real __attribute__((vector_size(8 * JO_VECTOR)));
 #elif defined(JO_COMPLEX)
 #include <complex.h>
-typedef double complex jo_real;  /* complex-step derivatives of anything the engine computes */
+typedef double complex jo_real;  /* complex-step derivatives of all results */
 #else
 typedef double jo_real;
 #endif
 
-/* The kinds of force: a row each, ROW(name, its numbers), read by the Python binding as well. A row makes the number of the kind,
- * JO_FORCE_name, and the type of its data, jo_name_data, and puts jo_force_name, which its file force_name.c defines, into the
- * table of force_table.c.
+/* The kinds of force, one row ROW(name, numbers) each; the Python binding reads the rows as well. A row defines the number of the kind
+ * (JO_FORCE_name) and the type of its data (jo_name_data), and enters jo_force_name, defined in force_name.c, into the table of
+ * force_table.c.
  *
- * load: at b; in the world or following b, times signal
+ * load: force (N) and torque (N m) at b, resolved in the world frame or in the frame of b, times signal
  * along: f = stiffness (reference - s) + damping (reference' - s') + preload signal(t) + spring(s) + damper(s'),
- *   reference = free + its signal; limited to +-limit if limit > 0
+ *   reference = free + reference signal; |f| <= limit if limit > 0
  * bushing: [force, torque] on b, resolved in a, from [r_b - r_a, rotation vector]; matrices by rows
- * stop: f = -stiffness d (1 + loss s(d'/speed)) against d, how far s is beyond lower or upper; see force_stop.c
- * modal_load: on the body's frame, local, then (np) on its modes; times signal
- * user: calls its function, has no data
- * pid: a controller with an integral part and a filter, see force_pid.c; its two states from `state` on
- * moving_load: a force in the world or following the body; then s.. (count), then (count - 1) pieces (1 + modes) x 3 x 4:
- *   (s - s_k)^0..3 of the position and of each mode; at s = reference(t), times signal; nothing beyond the ends */
+ * stop: f = -stiffness d (1 + loss s(d'/speed)), d: distance of s beyond lower or upper; see force_stop.c
+ * modal_load: force and torque on the body frame, resolved in it, followed by (np) modal forces; times signal
+ * user: result of jo_force.function; no data
+ * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
+ * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
+ *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
 #define JO_FORCES(ROW) \
     ROW(load, force[3], torque[3]) \
     ROW(along, stiffness, damping, free, preload, limit) \
@@ -53,28 +53,28 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 16 };           /* raised whenever a struct or a meaning below changes */
-enum { JO_PAD = 4 };           /* modal coordinates are padded to a multiple of this */
+enum { JO_ABI = 16 };           /* version of the structs and their meaning below */
+enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
-enum { JO_DENSE = 32 };        /* np up to which ED, EB are blocks of rows, above it triangles of tiles */
+enum { JO_DENSE = 32 };        /* largest np for which ED, EB are stored as blocks of rows; as triangles of tiles above */
 enum { JO_MAX_ROWS = 6 };      /* constraint rows of one joint */
 
-/* numbers of a damage meter before its turning points, see jo_meter */
+/* places in the memory of a damage meter before its turning points, see jo_meter */
 typedef enum { JO_METER_POINTS = 0, JO_METER_SAMPLES = 1, JO_METER_DROPPED = 2, JO_METER_DAMAGE = 3, JO_METER_ROUNDING = 4,
                JO_METER_CLOSED = 5, JO_METER_FORCED = 6, JO_METER_LARGEST_FORCED = 7, JO_METER_SHED = 8,
                JO_METER_SHED_DAMAGE = 9, JO_METER_TIME = 10, JO_METER_SMALLEST = 11, JO_METER_LARGEST = 12,
                JO_METER = 13 } jo_meter_place;
-enum { JO_MAX_SIDES = 4 };     /* markers of one joint: two, or those of two coupled coordinates */
+enum { JO_MAX_SIDES = 4 };     /* markers of one joint: 2, or 4 for two coupled coordinates */
 
 typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_JOINT = 3, JO_NO_MEMORY = 4,
                JO_CALLBACK_FAILED = 5,    /* error_index: force */
-               JO_NO_CONVERGENCE = 6,     /* Newton's iteration of a step; error_index: body of the largest residual */
-               JO_FRICTION_FAILED = 7,    /* no reaction agrees with its own friction; error_index: friction */
-               JO_EVENT = 8,              /* the state stands at an event; error_index: event */
+               JO_NO_CONVERGENCE = 6,     /* of Newton's method in a step; error_index: body of the largest increment */
+               JO_FRICTION_FAILED = 7,    /* no solution of friction forces and reactions; error_index: friction */
+               JO_EVENT = 8,              /* the run ended at an event; error_index: event */
                JO_STEP_TOO_SMALL = 9,
-               JO_ENDLESS = 10,           /* events without end within one step; error_index: event, or nevent + friction */
-               JO_BENT = 11               /* a beam element is bent by half a turn; error_index: beam */
+               JO_ENDLESS = 10,           /* too many events within one step; error_index: event, or nevent + friction */
+               JO_BENT = 11               /* rotation of about pi between the ends of a beam element; error_index: beam */
 } jo_status;
 typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
@@ -83,7 +83,7 @@ typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE =
 typedef enum { JO_COORDINATE_AXES = 1,        /* (axis_a of a) . (axis_b of b) */
                JO_COORDINATE_ALONG = 2,       /* (axis_a of a) . (r_b - r_a), m */
                JO_COORDINATE_DISTANCE = 3,    /* |r_b - r_a|, m */
-               JO_COORDINATE_ANGLE = 4        /* turn of b against a about z of a, rad, without jumps of 2 pi */
+               JO_COORDINATE_ANGLE = 4        /* rotation of b relative to a about z of a, rad, counted beyond 2 pi */
 } jo_coordinate_type;
 typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTATION = 3, JO_SENSOR_ANGULAR_VELOCITY = 4,
                JO_SENSOR_MODAL = 5, JO_SENSOR_REACTION = 6, JO_SENSOR_STRESS = 7, JO_SENSOR_ACCELERATION = 8,
@@ -99,25 +99,25 @@ typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2
 typedef enum { JO_MEAN_NONE = 0, JO_MEAN_LINE = 1, JO_MEAN_GERBER = 2, JO_MEAN_WALKER = 3, JO_MEAN_FKM = 4,
                JO_MEAN_WELD = 5, JO_MEAN_COMPRESSION = 6 } jo_mean;
 
-/* Energy that a mechanism has, J: that of modes and beams is `strain`. */
+/* Energies of a mechanism, J; strain: of modes and beams. */
 typedef struct { jo_real kinetic, strain, potential, springs; } jo_energies;
 
-/* Energy lost to damping and to friction and work done by forces and drives, J, or their rates, W. */
+/* Energy dissipated by damping and by friction, and work of forces and drives, J; or the rates of these, W. */
 typedef struct { jo_real damping, friction, forces; } jo_work;
 
-/* What a row of results says of the instant, between the multipliers and the sensors: energy, J; largest |C| and |Cq v|;
- * since the start evaluations, Newton iterations, steps and those tried again; length of the last step, s. */
+/* Part of a row of results between multipliers and sensors: energies, J; largest |C|, m, and |Cq v|, m/s; counts of evaluations, Newton
+ * iterations, steps and rejected steps since the start; length of the last step, s. */
 typedef struct {
     jo_real kinetic, strain, potential, springs, dissipated, friction, work, position_residual, velocity_residual;
     jo_real evaluations, iterations, steps, rejected, step;
 } jo_diagnostics;
 
-/* How often something was done; singular: evaluations in a singular position. */
+/* Counts since the start; singular: evaluations in a singular position. */
 typedef struct { long long evaluations, iterations, factorisations, rejected, singular, steps; } jo_counts;
 
 /* A rigid (n = 0) or modal body: displacement field u = u0 + Phi p in a floating frame. */
 typedef struct {
-    int n, np;              /* modal coordinates, and padded */
+    int n, np;              /* number of modal coordinates, and padded number */
     int iq, iv;             /* offsets of [R e p] in q and of [R' w_local p'] in v */
     const jo_real *mass;    /* (1)       kg */
     const jo_real *S0;      /* (3)       first moment I2 */
@@ -125,60 +125,60 @@ typedef struct {
     const jo_real *I3;      /* (3 x np)  int phi dm */
     const jo_real *B0;      /* (3 x np)  I4: int u0 x phi_j dm */
     const jo_real *D0;      /* (6 x np)  half the derivative of J with respect to p_j at p = 0 */
-    /* np <= JO_DENSE: rows c np + j in blocks of JO_ROW_D or JO_ROW_B, each block (n x rows).
-     * Else for every component c the tiles [k][j] of 4 x 4 with j-block >= k-block, k-block after k-block. */
+    /* Layout for np <= JO_DENSE: rows c np + j in blocks of JO_ROW_D or JO_ROW_B, each block (n x rows);
+     * else for each component c the 4 x 4 tiles [k][j] with j-block >= k-block, ordered by k-block. */
     const jo_real *ED;      /* (6 np x n) d D_j / d p_k, symmetric in j, k */
     const jo_real *EB;      /* (3 np x n) int phi_k x phi_j dm, antisymmetric */
     const jo_real *K;       /* (np)      modal stiffness omega^2, rad^2/s^2 */
     const jo_real *D;       /* (np)      modal damping 2 zeta omega, 1/s */
-    double alpha;           /*           damping of the momenta, 1/s: forces -alpha M v; bodies without modes only */
+    double alpha;           /*           mass-proportional damping, 1/s: forces -alpha M v; rigid bodies only */
 } jo_body;
 
-/* A frame on a body: at a node with translation and rotation mode shapes, or rigid. */
+/* Frame on a body: at a node with translation and rotation mode shapes, or rigid. */
 typedef struct {
     int body;               /* -1: ground */
-    int turns;              /* its orientation is needed at every evaluation, not only by sensors */
+    int turns;              /* whether every evaluation needs its orientation; otherwise only sensors do */
     const jo_real *u0;      /* (3)       undeformed position, local */
     const jo_real *A0;      /* (9)       undeformed orientation, local, row-major */
-    const jo_real *Phi;     /* (3 x np)  translation mode shapes, 0 where rigid */
-    const jo_real *Psi;     /* (3 x np)  rotation mode shapes, 0 where rigid or not needed */
-    const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0 without stiffening */
+    const jo_real *Phi;     /* (3 x np)  translation mode shapes; 0: rigid */
+    const jo_real *Psi;     /* (3 x np)  rotation mode shapes; 0: rigid or not needed */
+    const jo_real *chi;     /* (6 n x np) second-order translation and rotation chi_jk, symmetric; 0: no geometric stiffening */
 } jo_marker;
 
-/* A geometrically exact beam element between two bodies without modes, see beam.c. Matrices by rows. */
+/* Geometrically exact beam element between two rigid bodies, see beam.c. Matrices by rows. */
 typedef struct {
-    jo_real length;
-    jo_real u_a[3], B_a[9], u_b[3], B_b[9];   /* ends and their frames (x along the beam) on the bodies */
-    jo_real C[36];          /* section stiffness on [Gamma, kappa] */
-    jo_real e0[6];          /* strains of the unstressed shape */
-    jo_real beta;           /* damping of the stiffness, s */
-    jo_real alpha;          /* damping of the consistent mass, 1/s (the bodies damp their own) */
-    jo_real share;          /* of the consistent mass beyond the bodies' lumped one */
-    jo_real mass, J[6];     /* mass and rotary inertia of the whole element in the frames of its ends */
-    jo_real limit;          /* tension times this is compared with 1; 0: never */
-    jo_real helical;        /* 1 if the axis is a screw line between the ends (beam_helix.c), 0 if it is their chord */
-    jo_real polar;          /* Ip/A about the shear centre, m2: twist stretches the fibres (beam_fibre.c); 0: not */
+    jo_real length;         /* m */
+    jo_real u_a[3], B_a[9], u_b[3], B_b[9];   /* positions (m) and frames (x along the beam) of the ends on the bodies */
+    jo_real C[36];          /* section stiffness for [Gamma, kappa], N, N m, N m2 */
+    jo_real e0[6];          /* strains [Gamma, kappa] of the unstressed shape */
+    jo_real beta;           /* stiffness-proportional damping, s */
+    jo_real alpha;          /* mass-proportional damping of the consistent mass, 1/s; jo_body.alpha damps the lumped mass */
+    jo_real share;          /* share of (consistent - lumped mass) added to the lumped mass of the bodies */
+    jo_real mass, J[6];     /* mass (kg) and rotary inertia (kg m2) of the element in the frames of its ends */
+    jo_real limit;          /* inverse of the largest admissible tension, 1/N; 0: no limit */
+    jo_real helical;        /* 1: the axis is a helix between the ends (beam_helix.c), 0: their chord */
+    jo_real polar;          /* Ip/A about the shear centre, m2, for the Wagner effect (beam_fibre.c); 0: none */
 } jo_beam_data;
 typedef struct {
     int a, b;               /* bodies */
     const jo_beam_data *data;
 } jo_beam;
 
-/* A scalar function of two frames a, b. */
+/* Scalar function of two frames a, b. */
 typedef struct {
     int type;               /* jo_coordinate_type */
     int a, b;               /* markers */
     int axis_a, axis_b;     /* AXES, ALONG */
-    int turn;               /* ANGLE: its place among the counted turns, else -1 */
-    int link;               /* whose joint coordinate it is, up to the sign; -1: of none */
+    int turn;               /* ANGLE: index of its counted angle, else -1 */
+    int link;               /* link whose joint coordinate equals plus or minus this coordinate; -1: none */
 } jo_coordinate;
 
-/* One row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; optional joints hold the offsets of jo_data_held(). */
+/* Constraint row: sum over i of factor_i coordinate_i - offset - signal(t) = 0; the offsets of optional joints are jo_data_held(). */
 typedef struct { jo_real offset, factor[2]; } jo_line_data;
 typedef struct {
     int count;              /* 1 or 2 coordinates */
     int coordinate[2];
-    int side[2];            /* side of the joint that is marker a of the coordinate; b is the next */
+    int side[2];            /* side of the joint that is marker a of the coordinate; b is the next side */
     int signal;             /* -1: none */
     const jo_line_data *data;
 } jo_line;
@@ -190,55 +190,56 @@ typedef struct {
     int side[4];            /* markers */
     int coincident, nperp, nline;
     int perp_a[3], perp_b[3];
-    int line;               /* first of its lines */
+    int line;               /* index of its first line */
     int nrow, row;          /* rows, and offset in lam */
-    int lock;               /* the rows exist only while jo_data_locked()[lock] is not 0; -1: always */
-    int release;            /* the rows exist only until this event has happened; -1: always */
+    int lock;               /* index in jo_data_locked(): the rows are active while it is not 0; -1: always */
+    int release;            /* event that deactivates the rows; -1: none */
 } jo_joint;
 
-/* A tree of rigid bodies in joint coordinates, see tree.c: a link moves against the one before it, which may be the ground, in the
- * frame of a marker of that one's body. Its own frame is that of its inner marker; a hinge turns about z and a slide moves along it.
- * A joint of two motions has a link without a body for the first one: slide, then hinge of a cylindrical joint; of a universal joint
- * hinge about z, then about what was x. */
+/* Tree of rigid bodies in joint coordinates, see tree.c. A link moves relative to its parent (a link or the ground), in the frame of the
+ * outer marker on the body of the parent. The frame of the link is its inner marker; hinges rotate about z, slides move along z.
+ * A joint with two degrees of freedom is two links, the first one without a body: slide and hinge of a cylindrical joint; hinge about z
+ * and hinge about the former x of a universal joint. */
 typedef enum { JO_LINK_FIXED = 0, JO_LINK_HINGE = 1, JO_LINK_SLIDE = 2, JO_LINK_BALL = 3, JO_LINK_FREE = 4,
-               JO_LINK_BODY = 5     /* runs by the rows of its joints and carries rigid trees, see tree_on_flexible_bodies.c; all of them come first */
+               JO_LINK_BODY = 5     /* body in maximal coordinates that carries trees (tree_on_flexible_bodies.c); first links */
 } jo_link_type;
 typedef struct {
-    int type;               /* jo_link_type; BALL: (4) quaternion, (3) angular velocity against the parent, local;
+    int type;               /* jo_link_type; coordinates of BALL: (4) quaternion, (3) relative angular velocity, local;
                              * FREE, BODY: [R e p] and [R' w_local p'] of the body */
-    int parent;             /* a link before it; -1: ground */
-    int body;               /* -1: none, its only child has the body of the joint */
-    int outer;              /* marker on the body of the parent; -1: the frame of the parent, which has no body; ground: of FREE, BODY */
-    int crossed;            /* outer -1: y, z, x of the parent are its x, y, z */
-    int inner;              /* marker on its body; -1: none, or FREE, BODY */
-    int joint;              /* whose reaction it bears; -1: none */
-    int reversed;           /* its body has side 0 of the joint: the coordinates of the joint are the opposite of its own */
-    int x, u;               /* first of its coordinates and of their rates */
-    int drive, driven;      /* joint of one line that prescribes it, and its line; -1: none */
-    int lock;               /* lock of the friction that may hold it; -1: none */
+    int parent;             /* index of the parent, less than that of the link; -1: ground */
+    int body;               /* -1: none; the only child has the body of the joint */
+    int outer;              /* marker on the body of the parent; -1: frame of a parent without a body; FREE, BODY: ground */
+    int crossed;            /* for outer -1: x, y, z of the link are y, z, x of the parent */
+    int inner;              /* marker on the body of the link; -1: none, or FREE, BODY */
+    int joint;              /* joint that the link represents; -1: none */
+    int reversed;           /* whether its body is on side 0 of the joint: joint coordinates with the opposite sign */
+    int x, u;               /* index of its first coordinate and of its first rate */
+    int drive, driven;      /* joint with one line that prescribes its motion, and that line; -1: none */
+    int lock;               /* index in jo_data_locked() of the friction of the joint; -1: none */
 } jo_link;
 
-/* A joint, coupling or drive that no link of the tree is: its rows close loops, see tree_loop_closure.c. */
+/* Joint, coupling or drive that is not a link of the tree: its rows close loops, see tree_loop_closure.c. */
 typedef struct {
     int joint;
-    int group, row;         /* loops with a link in common, and its first row among theirs; loops of a group follow one another */
+    int group, row;         /* group of loops with common links (consecutive), and first row within the group */
     int first, count;       /* range in reach[] */
 } jo_loop;
-typedef struct { int link, next; } jo_reach;   /* a link that bears sides of a loop, children first; reach of its parent, -1: ground */
-typedef struct { int one, other; } jo_meet;    /* two reaches of one link, that of the loop first that comes first; or one twice */
+/* link on the path from the sides of a loop to the root, children first; reach of the parent, -1: ground */
+typedef struct { int link, next; } jo_reach;
+typedef struct { int one, other; } jo_meet;    /* two reaches (of loops one <= other) of one link, or one reach twice */
 
-/* Two joint sides on one body: their contribution to one block of S = Cq M^-1 Cq^T. */
+/* Two joint sides on one body, which contribute to one block of S = Cq M^-1 Cq^T. */
 typedef struct {
     int joint_k, side_k, joint_l, side_l;   /* elimination order of k >= that of l */
-    int block;              /* block of S, or its transpose, that receives it */
+    int block;              /* block of S, or its transpose, that they contribute to */
 } jo_pair;
 
-/* A hub is a rigid body with many joints, whose rows would fill a dense S. Its six velocities in units of unit mass are
- * unknowns of the factorisation beside the multipliers, pseudo joints without a side behind the joints:
+/* A hub is a rigid body with many joints, whose rows would make S dense. Its six velocities, scaled to unit mass, are additional
+ * unknowns of the factorisation (pseudo joints without sides, stored after the joints):
  * [D V; V^T -1] with S = D + V V^T, V = Cq L^-T of the rows on hubs and M = L L^T. */
 typedef struct {
-    int joint, side;        /* on a hub */
-    int block, later;       /* that V goes to; whether the joint is eliminated after the hub */
+    int joint, side;        /* joint and side on a hub */
+    int block, later;       /* block of V; whether the joint is eliminated after the hub */
 } jo_pull;
 
 /* Sparse block Cholesky S = L L^T: S_ij is block `block` (36 reals, leading dimension 6). */
@@ -246,29 +247,29 @@ typedef struct { int joint, first, count; } jo_column;   /* diagonal; range in b
 typedef struct { int block, joint; } jo_below;           /* L_ij below the diagonal of a column */
 typedef struct { int target, left, right, left_rows, right_rows; } jo_update;   /* S_target -= L_left L_right^T */
 
-/* Newton's matrix [M^ Cq^T; Cq 0] of the implicit methods by nodes: a body with the joints that carry it, or joints that
+/* Newton's matrix [M^ Cq^T; Cq 0] of the implicit methods by nodes: a body with the joints to its parent, or joints that
  * close a loop. Strides of blocks are rounded up to a multiple of JO_PAD. */
 typedef struct {
     int body;               /* -1: joints only */
-    int size, lead, at;     /* unknowns, those of the body, which come first, and the first one in the vector of unknowns */
-    int diagonal;           /* first real of the diagonal block (size x size) */
+    int size, lead, at;     /* number of unknowns; of these of the body, which come first; index of the first unknown */
+    int diagonal;           /* offset of the diagonal block (size x size) in Newton's matrix */
     int first, count;       /* range in branch[] */
 } jo_node;
-/* blocks of a node with a later one, of which `width` leading unknowns count: lower (width x size), upper (size x width) */
+/* blocks of a node and a later node, coupled by the first `width` unknowns of the latter: lower (width x size), upper (size x width) */
 typedef struct { int node, width, lower, upper; } jo_branch;
-typedef struct { int target, stride, left, right; } jo_fill;   /* target -= lower of branch left, upper of branch right */
-typedef struct { int node, local; } jo_place;   /* of a body or joint among the nodes */
+typedef struct { int target, stride, left, right; } jo_fill;   /* block target -= lower of branch left times upper of branch right */
+typedef struct { int node, local; } jo_place;   /* node of a body or joint, and index of its first unknown there */
 
-/* Data of signals: CONSTANT and INPUT, HARMONIC, STEP, SPEED as here; TABLE: t.., f..;
- * PIECES: t.., then (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; held outside */
+/* Data of signals: of CONSTANT, INPUT, HARMONIC, STEP, SPEED the structs below; TABLE: t_k (count), f_k (count);
+ * PIECES: t_k (count), (count - 1) x (degree + 1) coefficients of (t - t_k)^0, ^1, ..; constant beyond the ends */
 typedef struct { jo_real value; } jo_constant_data;
 typedef struct { jo_real offset, amplitude, omega, phase; } jo_harmonic_data;
 typedef struct { jo_real time, before, after; } jo_step_data;
 typedef struct { jo_real offset, speed; } jo_speed_data;
 typedef struct {
     int type;               /* jo_signal_type */
-    int count;              /* TABLE, PIECES: times; INPUT: its place among the inputs; SWITCHED: event */
-    int degree;             /* PIECES: of the polynomials */
+    int count;              /* TABLE, PIECES: number of times; INPUT: index of the input; SWITCHED: event */
+    int degree;             /* PIECES: degree of the polynomials */
     int child[2];           /* SUM, PRODUCT: signals; SWITCHED: before and after the event */
     const jo_real *data;
 } jo_signal;
@@ -277,95 +278,97 @@ typedef struct {
  * velocity (3), angular velocity (3)] of b against a, resolved in a. Returns 0, or not 0 for an error. */
 typedef int (*jo_callback)(double time, const double *x, double *y, void *user);
 
-/* Where something pushes. */
+/* Force element. */
 typedef struct {
     int type;               /* jo_force_type: JO_FORCE_load, ... */
     int a, b;               /* markers, -1 where not used */
     int coordinate, body;   /* -1 where not used */
-    int follow, active;     /* active: its power counts as work, nothing as stored or dissipated */
-    int signal, reference, spring, damper;   /* signals, -1: none; spring and damper take s and s' instead of time */
-    const jo_real *data;    /* of its kind; USER: none, it calls its function */
+    int follow, active;     /* follow: force in the frame of b; active: its power counts as work, not as stored or dissipated energy */
+    int signal, reference, spring, damper;   /* signals, -1: none; arguments of spring and damper are s and s' instead of time */
+    const jo_real *data;    /* numbers of its kind, see JO_FORCES */
     jo_callback function;
     void *user;
-    int release;            /* it acts only until this event has happened; -1: always */
-    int state, states;      /* first of its states and how many, of kinds that have some; -1, 0: none */
+    int release;            /* event that deactivates the force; -1: none */
+    int state, states;      /* index of its first state, and number of states; -1, 0: none */
 } jo_force;
 
-/* Velocity in m/s, lengths in m, preload in N. */
+/* Coefficients of friction; velocity, m/s, at which the regularised law reaches mu_static; lengths, m; preload, N. */
 typedef struct { jo_real mu_kinetic, mu_static, velocity, radius, bearing, collar, preload; } jo_friction_data;
-/* Friction of a joint along one or two of its coordinates, pressed by the joint's own reaction on side 1, resolved in side 0:
+/* Coulomb friction of a joint along one or two of its coordinates. Normal force from the reaction F, M on side 1, resolved in side 0:
  * N = preload + |F_xy| + |M_xy| / bearing. Revolute (an angle): N at the pin radius and |F_z| at the collar radius; prismatic (a
- * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. Lengths
- * of 0 do not count. */
+ * displacement along z): |M_z| / collar adds to N; cylindrical (displacement and angle): against the slip at the radius. A
+ * length of 0 omits its term. */
 typedef struct {
     int joint, coordinate;
     int other;              /* second coordinate, -1: none */
     int law;                /* 0: regularised, 1: stick-slip */
-    int lock;               /* stick-slip: joint whose rows hold the coordinates while they stick */
+    int lock;               /* stick-slip: joint whose rows lock the coordinates while the joint sticks */
     const jo_friction_data *data;
 } jo_friction;
 
-/* A sensor value crosses a threshold. */
+/* Event: a sensor value crosses a threshold. */
 typedef struct {
-    int output;             /* place in the sensor vector */
-    int direction;          /* 1 rising, -1 falling, 0 both */
-    int stop;               /* jo_run returns JO_EVENT */
-    double threshold;
+    int output;             /* index in the sensor vector */
+    int direction;          /* crossings that count: 1 rising, -1 falling, 0 both */
+    int stop;               /* whether jo_run ends and returns JO_EVENT */
+    double threshold;       /* unit of the sensor value */
 } jo_event;
 
 typedef struct {
     int type;               /* jo_sensor_type */
     int object;             /* marker, body, joint, coordinate, force, signal, beam, or jo_energy_kind;
                              * SECTION: strains (6) and resultants (6) in the middle of the beam element, in its axes */
-    int other, frame;       /* markers: of the observer, of the axes; -1: the world. ACCELERATION_PARTS (5 x 3: of the observer's frame,
-                             * normal, tangential, Coriolis, relative): other -1 is the frame of the marker's own body. ELEMENT, SECTION: other is the first component;
-                             * STRESS, BRIDGE: other is a signal of apparent strain, of change of temperature; -1: none */
-    int offset, count;      /* place in the sensor vector */
+    int other, frame;       /* marker of the observer, marker of the axes; -1: world. ACCELERATION_PARTS (5 x 3: of the observer's
+                             * frame, normal, tangential, Coriolis, relative): other -1 is the frame of the marker's body.
+                             * ELEMENT, SECTION: other is the index of the first component; STRESS, BRIDGE: other is the signal of the
+                             * apparent strain or of the change of temperature, -1: none */
+    int offset, count;      /* range in the sensor vector */
     const jo_real *rows;    /* STRESS: (count x np), VON_MISES: (6 count x np), PRINCIPAL: (2 count x np), row-major;
-                             * BRIDGE: (5 x np) relative resistance of four arms, then in the last row their drifts */
+                             * BRIDGE: (5 x np) relative resistance of four arms; the last row has their drifts, 1/K */
 } jo_sensor;
 
-/* A damage meter: rainflow count of one value as it comes (four-point rule) and Miner's sum.
+/* Damage meter: rainflow count of a value, sample by sample (four-point rule), and Miner's sum.
  *
  * Damage of a cycle of amplitude s = |range| / 2: (s / amplitude)^slope / cycles, below the knee with the slope `below`
- * (infinite: none), none at all below `cut`. Before that s is corrected for the mean stress M of the cycle:
- * LINE: s / (1 - M / strength), M < 0 counts if `credit` (Goodman, Soderberg, Morrow); GERBER: s / (1 - (M / strength)^2), M > 0
+ * (infinite: no damage), 0 below `cut`. s is first corrected for the mean stress M of the cycle:
+ * LINE: s / (1 - M / strength), M < 0 included if `credit` is set (Goodman, Soderberg, Morrow); GERBER: s / (1 - (M / strength)^2), M > 0
  * WALKER: (M + s)^(1 - exponent) s^exponent (1/2: Smith, Watson, Topper); FKM: `sensitivity`
- * WELD: s / f(R) of the IIW, `relief` 0, 1, 2: high, medium, low residual stress; COMPRESSION counts by its `share`
+ * WELD: s / f(R) of the IIW, `relief` 0, 1, 2: high, medium, low residual stress; COMPRESSION: the compressive part times `share`
  *
- * Memory (JO_METER + depth doubles): points on the stack, samples, samples dropped (not finite), damage of closed cycles
- * and what its sum lost to rounding, closed cycles, of these closed by force, their largest range, half cycles taken from
- * the front, their damage as full cycles, time of the last sample, smallest, largest sample, then the stack. All 0: new. */
+ * Memory (JO_METER + depth doubles): number of turning points, samples, dropped samples (not finite), damage of
+ * closed cycles and rounding error of its sum, closed cycles, forced ones of these, largest range of the forced ones, half cycles
+ * removed from the front, their damage as full cycles, time of the last sample, smallest and largest sample; then the turning points.
+ * All 0: no samples. */
 typedef struct {
-    int depth;              /* turning points that it remembers, at least 6 */
+    int depth;              /* largest number of stored turning points, at least 6 */
     int mean;               /* jo_mean */
     int residue;            /* jo_residue */
-    int output;             /* in a model: place of the value in the sensor vector */
-    int at;                 /* in a model: first double of its memory */
-    double factor;          /* in a model: samples are values times it */
-    double width;           /* samples are rounded to multiples of it; 0: not */
-    double amplitude, cycles, slope, below, cut;   /* of the S-N curve; amplitudes in the unit of the samples */
-    double strength, credit, exponent, sensitivity, relief, share;   /* of the mean stress correction, those that it has */
+    int output;             /* in a model: index of the value in the sensor vector */
+    int at;                 /* in a model: offset of its memory in jo_data_memory() */
+    double factor;          /* in a model: sample / sensor value */
+    double width;           /* class width to which samples are rounded; 0: not rounded */
+    double amplitude, cycles, slope, below, cut;   /* S-N curve; amplitudes in the unit of the samples */
+    double strength, credit, exponent, sensitivity, relief, share;   /* parameters of the mean stress correction */
 } jo_meter;
 
 typedef struct {
     int nbody, nmarker, nactive, ncoordinate, njoint, nline, npair, ncolumn, nblock, nsignal, nforce, nfriction, nevent, nsensor;
     int nturn, nlock, ninput, nnode, nnewton;   /* nnewton: reals of Newton's matrix */
-    int nmeter, nmemory;    /* damage meters and the doubles that they remember */
+    int nmeter, nmemory;    /* number of damage meters and of doubles of their memory */
     int nbeam;
     int nstate;             /* first-order states of forces, x' = f(t, q, v, x) */
-    int nbreak;             /* times at which a signal jumps or has a kink */
+    int nbreak;             /* number of times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
-    int nlink, nx, nu;      /* joint coordinates and rates of a tree; 0: everything runs in q and v */
+    int nlink, nx, nu;      /* links, joint coordinates and rates of trees; 0: maximal coordinates q, v only */
     int nloop, nreach, nmeet;
-    int nhub, npull;        /* rigid bodies with many joints */
-    int redundant;          /* 1: rows repeat one another, multipliers of least norm; 0: only in singular positions;
-                             * -1: never, a singular position is an error */
-    double size;            /* m, of the mechanism: measure of what is small */
+    int nhub, npull;        /* hubs, and joint sides on hubs */
+    int redundant;          /* 1: redundant rows, multipliers of least norm; 0: redundant in singular positions only;
+                             * -1: a singular position is an error */
+    double size;            /* size of the mechanism, m: scale of tolerances */
     const jo_real *gravity; /* (3) m/s^2 */
     const jo_body *body;
     const jo_beam *beam;
-    const jo_marker *marker;   /* the first nactive belong to joints and forces, the rest to sensors */
+    const jo_marker *marker;   /* the first nactive are those of joints and forces, the others of sensors */
     const jo_coordinate *coordinate;
     const jo_joint *joint;     /* (njoint + nhub) */
     const jo_line *line;
@@ -374,11 +377,11 @@ typedef struct {
     const jo_column *column;
     const jo_below *below;
     const jo_update *update;
-    const int *update_first;   /* (ncolumn + 1) range of updates made by each column */
+    const int *update_first;   /* (ncolumn + 1) range in update[] of each column */
     const jo_node *node;       /* in elimination order */
     const jo_branch *branch;
     const jo_fill *fill;
-    const int *fill_first;     /* (nnode + 1) range of fills made by each node */
+    const int *fill_first;     /* (nnode + 1) range in fill[] of each node */
     const jo_place *place;     /* (nbody + njoint) */
     const jo_signal *signal;
     const jo_force *force;
@@ -386,7 +389,7 @@ typedef struct {
     const jo_event *event;
     const jo_sensor *sensor;
     const jo_meter *meter;  /* DAMAGE: object is the first of count / 2 meters, values damage and closed cycles of each */
-    const jo_real *breaks;  /* (nbreak) s, ascending: adaptive steps end there */
+    const jo_real *breaks;  /* (nbreak) times, s, ascending, at which adaptive steps end */
     const jo_link *link;    /* parents first */
     const jo_loop *loop;
     const jo_reach *reach;
@@ -395,30 +398,30 @@ typedef struct {
 
 typedef struct {
     int method;             /* jo_method */
-    int projection;         /* positions and velocities are projected after every step */
-    double step;            /* s; jo_follow: between rows */
-    double alpha, beta;     /* Baumgarte: C'' + 2 alpha C' + beta^2 C = 0; 0 = off */
+    int projection;         /* whether positions and velocities are projected onto the constraints after every step */
+    double step;            /* step length, s; jo_follow: time between rows */
+    double alpha, beta;     /* Baumgarte, 1/s: C'' + 2 alpha C' + beta^2 C = 0; 0: off */
     double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* ALPHA */
-    double tolerance;       /* ALPHA: Newton, relative, 0: always all iterations; DOPRI: relative error of a step */
-    double absolute;        /* DOPRI: errors below it do not matter, m (m/s; rotations: over the size of the mechanism) */
-    double largest;         /* DOPRI: largest step, s; 0: none */
+    double tolerance;       /* ALPHA: relative size of the last increment, 0: fixed iterations; DOPRI: relative error of a step */
+    double absolute;        /* DOPRI: absolute error of a step, m and m/s; of rotations: this / size of the mechanism */
+    double largest;         /* DOPRI: largest step, s; 0: no limit */
     double first;           /* DOPRI: first step, s; 0: automatic */
-    int iterations;         /* ALPHA: most iterations of a step; DOPRI: most steps between two rows */
-    int modified;           /* ALPHA: keep the factors while they converge */
-    int plain_inertia;      /* ALPHA: how inertia forces change with positions and velocities is left out of Newton's matrix */
+    int iterations;         /* ALPHA: largest number of iterations of a step; DOPRI: of steps between two rows */
+    int modified;           /* ALPHA: modified Newton method, which keeps factors while the iteration converges */
+    int plain_inertia;      /* ALPHA: Newton's matrix without derivatives of inertia forces with respect to positions and velocities */
 } jo_solver;
 
 typedef struct jo_data jo_data;
 
 int jo_abi(void);
-int jo_model_size(void);                         /* bytes of a jo_model, to compare with the caller's */
-int jo_machines(void);                           /* machines side by side: numbers in a jo_real, and so in every array of them */
+int jo_model_size(void);                         /* size of a jo_model, bytes, for a check by the caller */
+int jo_machines(void);                           /* number of machines computed at once: lanes of a jo_real */
 int jo_cpu_level(void);                          /* x86-64 level of this processor (1, 3 or 4); 0 elsewhere */
-jo_data *jo_data_new(const jo_model *m);         /* 0 if there is no memory */
-long long jo_data_bytes(const jo_model *m);      /* of a jo_data and all it points to but the model */
-long long jo_data_room(const jo_model *m);       /* bytes that jo_data_place needs, at any address */
-jo_data *jo_data_place(const jo_model *m, void *memory);   /* the same as jo_data_new in memory of the caller's, without jo_data_free */
-void jo_data_gravity(const jo_model *m, jo_data *d);       /* the gravity of the model was changed */
+jo_data *jo_data_new(const jo_model *m);         /* NULL without memory */
+long long jo_data_bytes(const jo_model *m);      /* size of a jo_data and all its arrays, bytes */
+long long jo_data_room(const jo_model *m);       /* memory that jo_data_place needs, bytes, at any address */
+jo_data *jo_data_place(const jo_model *m, void *memory);   /* jo_data_new in memory of the caller; without jo_data_free */
+void jo_data_gravity(const jo_model *m, jo_data *d);       /* to be called after a change of the gravity of the model */
 void jo_data_free(jo_data *d);
 jo_real *jo_data_q(jo_data *d);                  /* (nq) */
 jo_real *jo_data_v(jo_data *d);                  /* (nv) */
@@ -426,144 +429,144 @@ jo_real *jo_data_a(jo_data *d);                  /* (nv) */
 jo_real *jo_data_lam(jo_data *d);                /* (nrow) */
 jo_real *jo_data_time(jo_data *d);               /* (1) s */
 jo_work *jo_data_work(jo_data *d);
-const jo_work *jo_data_power(const jo_data *d);  /* W, of the last evaluation of the accelerations */
+const jo_work *jo_data_power(const jo_data *d);  /* rates, W, at the last evaluation of the accelerations */
 jo_real *jo_data_input(jo_data *d);              /* (ninput) external inputs */
-jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of every unwrapped angle, rad */
-int *jo_data_locked(jo_data *d);                 /* (nlock) optional joints that hold now */
-int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: +-1 slips this way, 0 sticks or is not decided */
+jo_real *jo_data_turn(jo_data *d);               /* (nturn) last accepted value of each counted angle, rad */
+int *jo_data_locked(jo_data *d);                 /* (nlock) whether each optional joint is active */
+int *jo_data_slip(jo_data *d);                   /* (nfriction) stick-slip: direction of the slip, +1 or -1; 0: sticks or undetermined */
 jo_real *jo_data_direction(jo_data *d);          /* (2 nfriction) direction of the slip along two coordinates */
-jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values of the coordinates that optional joints hold */
-jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction along the coordinates, on b, N or N m */
-double *jo_data_memory(jo_data *d);              /* (nmemory) of the damage meters */
-double *jo_data_bent(jo_data *d);                /* (nbeam x 2) at the ends of steps so far: largest rotation between the ends
-                                                  * of an element, rad, and largest tension over its limit */
-int *jo_data_happened(jo_data *d);               /* (nevent) how often each event has happened */
-const double *jo_data_log(const jo_data *d);     /* (logged x 3) of the last jo_run or jo_step: time, event and +1 rising
-                                                  * or -1 falling, or nevent + friction and its slip from then on */
+jo_real *jo_data_held(jo_data *d);               /* (2 nlock) values at which optional joints hold their coordinates */
+jo_real *jo_data_rub(jo_data *d);                /* (2 nfriction) friction force along each coordinate on b, N or N m */
+double *jo_data_memory(jo_data *d);              /* (nmemory) memory of the damage meters */
+double *jo_data_bent(jo_data *d);                /* (nbeam x 2) largest values at the ends of steps: rotation between the ends of
+                                                  * an element, rad, and tension / limit */
+int *jo_data_happened(jo_data *d);               /* (nevent) number of occurrences of each event */
+const double *jo_data_log(const jo_data *d);     /* (logged x 3) log of the last jo_run or jo_step: time; event, +1 rising or -1
+                                                  * falling; or nevent + friction, new direction of its slip */
 int jo_data_logged(const jo_data *d);
-jo_real *jo_data_states(const jo_model *m, jo_data *d);    /* (nstate) of forces */
-jo_real *jo_data_state_rates(const jo_model *m, jo_data *d);   /* (nstate) of the last evaluation */
-jo_real *jo_data_joint(jo_data *d);              /* (nx + nu) joint coordinates and rates, as q and v have them after a call */
+jo_real *jo_data_states(const jo_model *m, jo_data *d);    /* (nstate) states of forces */
+jo_real *jo_data_state_rates(const jo_model *m, jo_data *d);   /* (nstate) their rates at the last evaluation */
+jo_real *jo_data_joint(jo_data *d);              /* (nx + nu) joint coordinates and rates, which agree with q and v after a call */
 jo_counts *jo_data_counts(jo_data *d);
-void jo_data_count_turns(const jo_model *m, jo_data *d);   /* angles of the present state are accepted */
-int jo_data_error_index(const jo_data *d);       /* body or joint of the last error */
+void jo_data_count_turns(const jo_model *m, jo_data *d);   /* counted angles at the present state */
+int jo_data_error_index(const jo_data *d);       /* body, joint, force ... of the last error, see jo_status */
 
 int jo_accelerations(const jo_model *m, jo_data *d);          /* a, lam from time, q, v */
-int jo_tree_accelerations(const jo_model *m, jo_data *d);     /* the same by the recursion of a tree, which the model has to have */
-int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot);   /* the same with Baumgarte's terms; q' (nq) */
-int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);
+int jo_tree_accelerations(const jo_model *m, jo_data *d);     /* the same in joint coordinates; requires nlink > 0 */
+int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot);   /* the same with Baumgarte terms; qdot (nq): q' */
+int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);   /* q, v that satisfy the constraints; tolerance in m */
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
-void jo_start_states(const jo_model *m, jo_data *d);      /* states of forces as they are where a run begins at q, v */
-void jo_restart(jo_data *d);      /* the state was replaced: what methods and events remember of the last step is forgotten */
+void jo_start_states(const jo_model *m, jo_data *d);      /* initial states of forces at q, v */
+void jo_restart(jo_data *d);      /* to be called after a replacement of the state: resets the history of methods and events */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
-void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times their metres */
-/* (nrow) m of a unit of each row of C: 1 where it is a length, the size of the mechanism where it is an angle or a cosine */
+void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times jo_row_metres */
+/* (nrow) length, m, that a unit of each row of C counts as: 1 for lengths, the size of the mechanism for angles and cosines */
 void jo_row_metres(const jo_model *m, jo_real *out);
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */
 /* (nv + nrow)^2 [ca M + cv D + cq K, Cq^T; d(Cq v)], the last with the same weights, at time, q, v, a, lam */
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
-/* (nnewton) the same as it lies in memory, in the blocks of jo_node and jo_branch */
+/* (nnewton) the same in its memory layout, the blocks of jo_node and jo_branch */
 int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out);     /* (nout), after jo_accelerations */
 
-/* Advance nsteps; whenever the step count is a multiple of `every` write one row
+/* Carry out nsteps steps; write a row whenever the step count is a multiple of `every`:
  * [time q v lam jo_diagnostics sensors states turn locked slip held direction happened input memory
  * joint].
- * `count` holds the steps done before and is advanced, `written` the rows. At an event that stops the run a row more is
- * written there. Does fewer steps when the log of events is full. Returns a jo_status. */
+ * count: number of steps so far, updated; written: number of rows. An event that stops the run writes an additional row. Fewer
+ * steps are carried out if the log of events is full. Returns a jo_status. */
 int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
            long long *count, int *written, jo_real *rows);
-/* How steps keep time by the watch; s of it. */
+/* Real-time execution of steps; wall-clock times, s. */
 typedef struct {
-    double step, farthest;     /* between two steps; behind at most: further behind it returns */
-    double ahead;              /* until the next step is due, below 0 if that was before: in and out */
-    double latest, worst;      /* largest lateness and longest step so far */
-    long long missed, done;    /* steps so far that ended after the next one was due; steps of the last call */
+    double step, farthest;     /* period of the steps; largest lateness, above which jo_paced returns */
+    double ahead;              /* time until the next step is due, < 0: lateness; input and output */
+    double latest, worst;      /* largest lateness and longest execution of a step so far */
+    long long missed, done;    /* number of steps that ended after the next one was due; steps of the last call */
 } jo_pace;
-/* jo_run, at most nsteps, each of them when it is due. Counts in late (nedge + 1) the steps that began late by less than each
- * of the rising edges. Returns after a step in which something happened as well. */
+/* jo_run in real time, at most nsteps steps. late (nedge + 1): histogram of the lateness of the steps with the ascending edges.
+ * Returns early after a step with an event. */
 int jo_paced(const jo_model *m, jo_data *d, const jo_solver *s, jo_pace *p, int nsteps, int nedge, const double *edge,
              long long *late, long long every, long long *count, int *written, jo_real *rows);
-/* With error control (DOPRI): rows at start + k step, k = *count .. last, from steps of their own length. *count = 0 begins
- * at the present state, which is the first row; later calls go on where the one before stopped. Stops after `tries`
- * steps or `room` rows as well. */
+/* Error control (DOPRI): rows at start + k step, k = *count .. last, from steps of variable length. *count = 0 starts at the present
+ * state, which is the first row; later calls continue. Returns after `tries` steps or `room` rows at the latest. */
 int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
               long long *count, int *written, jo_real *rows);
-int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* one such row of the present state */
+int jo_row(const jo_model *m, jo_data *d, jo_real *row);   /* row of the present state, as jo_run writes it */
 int jo_row_size(const jo_model *m);
 
-/* Damage meters on their own; memory as said at jo_meter, in a block of n meters one after another. */
-double jo_cycle_amplitude(const jo_meter *r, double from, double to);   /* corrected for its mean stress */
+/* Damage meters without a model; memory as at jo_meter, of n meters consecutively. */
+double jo_cycle_amplitude(const jo_meter *r, double from, double to);   /* amplitude corrected for the mean stress */
 double jo_cycle_damage(const jo_meter *r, double from, double to);
 void jo_meter_push(const jo_meter *r, double *memory, const double *x, long long count);
 void jo_meter_block(const jo_meter *r, double *memory, const double *x, long long count, long long n);   /* x (count x n) */
-/* the same and every closed cycle [from to] in `cycles`, room for count / 2; returns how many */
+/* the same, with the closed cycles [from to] in `cycles` (count / 2 x 2); returns their number */
 long long jo_meter_trace(const jo_meter *r, double *memory, const double *x, long long count, double *cycles);
-/* damage with the residue counted by a jo_residue; scratch (JO_METER + 2 depth + 2) for REPEAT */
+/* damage including the residue by the rule jo_residue; scratch (JO_METER + 2 depth + 2) for REPEAT */
 double jo_meter_damage(const jo_meter *r, const double *memory, int residue, double *scratch);
 void jo_meter_damages(const jo_meter *r, const double *memory, long long n, int residue, double *scratch, double *out);
-int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the memory may be that of such a meter */
-/* Count a whole history: cycles (count / 2 x 2) [from to] and where (count / 2 x 2) they were, residue (count) and where
- * (count), its length; count samples, which must be finite. Returns the number of closed cycles. */
+int jo_meter_valid(const jo_meter *r, const double *memory);   /* whether the memory is consistent */
+/* Rainflow count of a history of `count` finite samples: cycles (count / 2 x 2) [from to] and their indices where (count / 2 x 2),
+ * residue (count) and its indices residue_where (count), its length. Returns the number of closed cycles. */
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
                       long long *residue_where, long long *length);
 
-/* Damage on planes (critical_planes.c) through a place: the worst of `turns` lines of shear in each plane, or of the normal stress.
+/* Damage on planes through a point (critical_planes.c): largest damage of `turns` shear directions in each plane, or by normal stress.
  * Damage of a cycle of shear amplitude a and largest normal stress n in it:
- * FINDLEY: of the S-N curve at 2 (a + k n) / (k + sqrt(1 + k^2)); STRAIN: of ln(1 / N) over ln(a (1 + k n)), a table */
+ * FINDLEY: S-N curve at 2 (a + k n) / (k + sqrt(1 + k^2)); STRAIN: table of ln(1 / N) over ln(a (1 + k n)) */
 typedef enum { JO_PLANE_NORMAL = 0, JO_PLANE_FINDLEY = 1, JO_PLANE_STRAIN = 2 } jo_plane_kind;
 typedef struct {
     int kind;               /* jo_plane_kind */
     int residue;            /* jo_residue */
     double k;
-    double p;               /* damage grows at least with this power of the amplitude; 0: unknown */
+    double p;               /* smallest exponent with which damage grows with the amplitude; 0: unknown */
     long long planes, turns, points;
-    const double *rows;     /* (planes x 3 x 6) of stresses 11 22 33 12 23 13: normal stress, shear along two directions */
-    const double *turn;     /* (turns x 2) cosine and sine of the lines */
-    const double *table;    /* STRAIN: (points) from ln(a) = first on, each by step */
+    const double *rows;     /* (planes x 3 x 6) rows for stresses 11 22 33 12 23 13: normal stress, shear along two directions */
+    const double *turn;     /* (turns x 2) cosine and sine of the shear directions */
+    const double *table;    /* STRAIN: (points) at ln(a) = first + i step */
     double first, step;
 } jo_planes;
-/* s (nt x 6); scratch (6 nt + 4 + planes turns), order (planes turns); damage and place of the worst plane, the first of those that
- * are equal to 1e-9 */
+/* s (nt x 6); scratch (6 nt + 4 + planes turns), order (planes turns); damage and index of the plane with the largest damage, the
+ * first one of planes that agree to 1e-9 */
 void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, double *scratch,
                      long long *order, double *damage, long long *plane);
 
-/* States of measured channels (channel_health.c); a value is not there or is, with its `cells` saying why, if not */
+/* States of values of measured channels (channel_health.c) */
 typedef enum { JO_VALUE_OK = 0, JO_VALUE_DROPOUT = 1, JO_VALUE_NAN = 2, JO_VALUE_SATURATED = 3, JO_VALUE_STUCK = 4,
                JO_VALUE_SPIKE = 5, JO_VALUE_BACK = 6 } jo_value;
-/* rows of what is remembered of a channel: last value, last good one, usual step and samples in it, samples of the same value and
- * of those in which others changed, samples at a new level, good samples in a row */
+/* rows of the memory of a channel: last value, last valid value, mean step and number of samples in it, consecutive samples of the same
+ * value and those of them in which other channels changed, samples at a new level, consecutive valid samples */
 typedef enum { JO_HEALTH_LAST = 0, JO_HEALTH_GOOD = 1, JO_HEALTH_USUAL = 2, JO_HEALTH_SEEN = 3, JO_HEALTH_SAME = 4,
                JO_HEALTH_MOVES = 5, JO_HEALTH_LEVEL = 6, JO_HEALTH_WELL = 7 } jo_health_row;
 typedef struct {
-    int empty, infinite;    /* numbers in `cells` of nothing there, and of an infinite value */
-    double range, stuck, spike, back;   /* magnitude; samples; usual steps, 0: not; samples */
-    double follow, warm, persist;       /* share of a step in the usual one; samples */
+    int empty, infinite;    /* codes in `cells` of a missing and of an infinite value */
+    double range, stuck, spike, back;   /* largest magnitude; samples; step / mean step, 0: not checked; samples */
+    double follow;          /* weight of a step in the mean step */
+    double warm, persist;   /* samples before spikes are detected; samples after which a new level is valid */
 } jo_health;
-/* x, states (count x n), cells too or NULL; memory: n of each jo_health_row; before (n) */
+/* x, states (count x n); cells (count x n) or NULL; memory (jo_health_row x n); before (n): states of the last samples */
 void jo_health_check(const jo_health *r, double *memory, const unsigned char *before, const double *x,
                      const unsigned char *cells, unsigned char *states, long long count, long long n);
 
-/* Stress fields (stress_recovery.c), without a model: p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last
- * one filled up with zeros. */
+/* Stress fields without a model (stress_recovery.c): p (nt x k), S in tiles of JO_LANES sites, (k x rows x JO_LANES) each, the last tile
+ * padded with 0. */
 enum { JO_LANES = 8 };
 typedef enum { JO_NORM = 0,             /* scale |rows| */
-               JO_WEIGHTED = 1,         /* scale w . rows, w (nt x rows), or their sum */
-               JO_SIGNED_MISES = 2,     /* this and below of 6 rows, a tensor 11 22 33 12 23 13 */
+               JO_WEIGHTED = 1,         /* scale w . rows, w (nt x rows); NULL: their sum */
+               JO_SIGNED_MISES = 2,     /* this one and those below: 6 rows, a tensor 11 22 33 12 23 13 */
                JO_PRINCIPAL_1 = 3, JO_PRINCIPAL_2 = 4, JO_PRINCIPAL_3 = 5,
                JO_SIGNED_PRINCIPAL = 6,
                JO_SHEAR = 7             /* scale (largest - smallest principal value) */
 } jo_criterion;
-/* out (nt x stride), of which ns columns are written */
+/* out (nt x stride), of which the first ns columns are written */
 void jo_recover(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
                 int criterion, double scale, double *out, long long stride);
-/* low, high (ns) become smaller and larger where a value is; low_at, high_at (ns) its instant, counted from `first` */
+/* low, high (ns): minima and maxima, updated; low_at, high_at (ns): their instants, counted from `first` */
 void jo_recover_extremes(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
                          int criterion, double scale, long long first, double *low, long long *low_at, double *high,
                          long long *high_at);
-/* s (count x 6) -> values (count x 3), the largest first; directions (count x 3 x 3) in columns, or 0 */
+/* principal values (count x 3), descending, of s (count x 6); directions (count x 3 x 3) in columns, or NULL */
 void jo_principal(const double *s, long long count, double *values, double *directions);
 /* END */
 

@@ -1,16 +1,16 @@
-/* force_along.c - a force along a coordinate: springs, dampers, servos and actuators. */
+/* force_along.c - force along a coordinate: springs, dampers, servos and actuators. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
 
-/* value of a signal, 0 and no rate for none */
+/* signal at `time`; 0 for signal -1 */
 static jo_signal_work optional(const jo_model *m, const jo_data *d, int signal, jo_real time)
 {
     const jo_signal_work none = {0.0, 0.0, 0.0};
     return signal < 0 ? none : jo_signal_at(m, d, signal, time);
 }
 
-/* force of a spring, damper, servo or actuator at `time` */
+/* f = stiffness (free + r - s) + damping (r' - s') + preload signal + spring(s) + damper(s'), within +-limit, at `time` */
 static jo_real along_at(const jo_model *m, const jo_data *d, const jo_force *f, jo_real time)
 {
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
@@ -24,7 +24,7 @@ static jo_real along_at(const jo_model *m, const jo_data *d, const jo_force *f, 
     return jo_choose(limited & JO_LESS(y, -x->limit), -x->limit, y);
 }
 
-/* energy in the linear part of a passive spring, 0 at its free length without preload */
+/* energy of the linear part of a passive spring, U = k (s - free)^2 / 2 - preload (s - free) */
 static jo_real stored(const jo_data *d, const jo_force *f)
 {
     const jo_along_data *x = (const jo_along_data *)f->data;

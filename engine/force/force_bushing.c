@@ -1,4 +1,4 @@
-/* force_bushing.c - stiffness and damping in six directions between two markers, for rotations of up to half a turn.
+/* force_bushing.c - stiffness and damping in six directions between two markers, for relative rotations up to pi.
  *
  * [F, T] on b, resolved in a: springs by the energy of [r_b - r_a, rotation vector], dampers -D [relative velocity, relative angular
  * velocity]: isotropic ones give T = -c omega at any attitude. */
@@ -9,7 +9,7 @@
 #define JO_SMALL_TANGENT2 1e-3  /* tan^2 of half the angle below which a series of atan is used: error below 1e-17 */
 #define JO_SMALL_ANGLE2 0.01    /* square of the angle, rad2, below which a series of (1 - x cot x) / x^2 is used */
 
-/* rotation vector of R, of at most half a turn */
+/* theta = 2 atan(|v| / e0) v / |v|: rotation vector of R, |theta| <= pi, from its quaternion [e0, v] */
 static void rotation_vector(jo_real *theta, const jo_real *R)
 {
     jo_real e[4];
@@ -26,8 +26,8 @@ static void rotation_vector(jo_real *theta, const jo_real *R)
     for (int i = 0; i < 3; i++) theta[i] = factor * e[1 + i];
 }
 
-/* y = x + sign theta x x / 2 + c theta x (theta x x): with sign -1 theta' of an angular velocity in frame a, with
- * sign +1 the torque that does the work of a load on theta; c = (1 - (t/2) cot(t/2)) / t^2, t = |theta| */
+/* y = x + sign theta x x / 2 + c theta x (theta x x): sign -1: theta' for the angular velocity x in frame a; sign +1:
+ * torque for the force x conjugate to theta; c = (1 - (t/2) cot(t/2)) / t^2, t = |theta| */
 static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);
@@ -44,7 +44,7 @@ static void conjugate(jo_real *y, const jo_real *theta, const jo_real *x, double
     for (int i = 0; i < 3; i++) y[i] = x[i] + sign * 0.5 * one[i] + c * two[i];
 }
 
-/* U = x^T K x / 2 - x . preload of x = [r_b - r_a, rotation vector], resolved in a; K x into y */
+/* y = K x; returns U = x^T K x / 2 - x . preload, x = [r_b - r_a, rotation vector], resolved in a */
 static jo_real energy(const jo_force *f, const jo_real *x, jo_real *y)
 {
     const jo_bushing_data *c = (const jo_bushing_data *)f->data;
@@ -88,7 +88,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
-/* M (3x3) = d(x + sign theta x x / 2 + c theta x (theta x x)) / dtheta of conjugate, and the same with respect to x in P */
+/* derivatives of y = x + sign theta x x / 2 + c theta x (theta x x) of conjugate(): M = dy/dtheta, P = dy/dx */
 static void conjugate_rate(jo_real *M, jo_real *P, const jo_real *theta, const jo_real *x, double sign)
 {
     const jo_real s = jo_dot3(theta, theta);

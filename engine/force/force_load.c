@@ -1,4 +1,4 @@
-/* force_load.c - force and torque at a marker, in the world or following its body, times a signal. */
+/* force_load.c - force and torque at a marker, constant in the world or in the marker frame, times a signal. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -32,7 +32,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
-/* loads in the world do not change, those that follow turn with the marker */
+/* derivatives: 0 for loads in the world; dF = dphi x F, dT = dphi x T for loads in the marker frame */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     (void)stage;

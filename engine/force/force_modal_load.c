@@ -1,4 +1,4 @@
-/* force_modal_load.c - a load with a pattern over a body: force and torque on its frame and forces on its modes, times a signal. */
+/* force_modal_load.c - distributed load on a body: force and torque on its frame and modal forces, times a signal. */
 #include "newton/newton.h"
 #include "force/force.h"
 
@@ -26,7 +26,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
-/* the force on the origin turns with the body: r_R -= A f */
+/* derivative of the force A f on the origin, which rotates with the body: r_R -= A (dtheta x f) */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_block N = jo_newton_find(m, d, f->body, f->body);

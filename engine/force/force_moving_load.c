@@ -1,8 +1,8 @@
-/* force_moving_load.c - a force that travels along a body. */
+/* force_moving_load.c - force at a point that moves along a body with s = reference(t). */
 #include "newton/newton.h"
 #include "force/force.h"
 
-/* the piece of a path at s and the powers of the way into it; 0 beyond the ends */
+/* coefficients of the piece of the path at s, and powers (s - s_k)^0..3; NULL beyond the ends */
 static const jo_real *piece(const jo_moving_load_data *x, jo_real s, jo_real *power)
 {
     const int count = (int)JO_RE(x->count), n = (int)JO_RE(x->modes);
@@ -15,7 +15,7 @@ static const jo_real *piece(const jo_moving_load_data *x, jo_real s, jo_real *po
     return at + count + 12 * (1 + n) * k;
 }
 
-/* a point or a mode shape (3) there */
+/* y (3) = cubic polynomials of a position or mode shape */
 static void shape(jo_real *y, const jo_real *c, const jo_real *power)
 {
     for (int i = 0; i < 3; i++, c += 4) y[i] = c[0] + c[1] * power[1] + c[2] * power[2] + c[3] * power[3];
@@ -29,7 +29,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     const double lead[2] = {0.0, stage->lead};
     jo_real power[4], F[3], u[3], v[3], phi[3], t[3];
     for (int i = 0; i < 3; i++) out->y[i] = 0.0;
-    /* its power now, what it pushes a lead ahead */
+    /* power at the present time; force at the present time + lead */
     for (int ahead = 0; ahead < 2; ahead++) {
         const jo_real time = d->time[0] + lead[ahead];
         const jo_real *c = piece(x, jo_signal_at(m, d, f->reference, time).value, power);

@@ -1,6 +1,6 @@
-/* force_pid.c - a PID controller along a coordinate, with a filtered derivative and back-calculation against wind-up.
+/* force_pid.c - PID controller along a coordinate with filtered derivative and back-calculation (anti-windup).
  *
- * Of the reference r and the measured value y, which is the coordinate or its rate (Astrom and Hagglund, Advanced PID Control,
+ * Reference r, measured value y (coordinate or its rate) (Astrom and Hagglund, Advanced PID Control,
  * 2006, ch. 3):
  *   u = kp (b r - y) + I - kd cut (y - yf) + feedforward, f = u within lower .. upper
  *   I' = ki (r - y) + unwind (f - u), yf' = cut (y - yf)
@@ -14,12 +14,12 @@
 #define JO_SLOW_SHARE 1e-3  /* rate x duration of the run / size of the mechanism below which rates do not count (step_control.c) */
 
 typedef struct {
-    jo_real y, r, rest;     /* measured, wanted, u without I */
+    jo_real y, r, rest;     /* measured value, reference, u - I */
 } parts;
 
 static const jo_pid_data *numbers(const jo_force *f) { return (const jo_pid_data *)f->data; }
 
-/* one over a time, or where that is 0 a share of a quotient of gains; 0 where that is no time */
+/* 1 / time, or 1 / (share gain / by) for time 0; 0 if both times are 0 */
 static jo_real rate_of(jo_real time, jo_real share, jo_real gain, jo_real by)
 {
     const jo_real none = jo_same(0.0), usual = jo_choose(JO_LESS(none, share), share * gain / by, none);
@@ -53,14 +53,14 @@ static jo_real limited(const jo_pid_data *x, jo_real u)
     return jo_choose(JO_LESS(u, x->lower), x->lower, u);
 }
 
-/* whether u is beyond a limit */
+/* u > upper or u < lower */
 static jo_mask beyond(const jo_pid_data *x, jo_real u)
 {
     return JO_LESS(x->upper, u) | JO_LESS(u, x->lower);
 }
 
-/* The states that an implicit step has at this position and velocity. Where I as it would be without limits is beyond one, its rate
- * has the back-calculation; that is falling in I, so that there is one solution, on the same side. */
+/* States of an implicit step at the present position and velocity. If u without limits is beyond a limit, the rate of I includes the
+ * back-calculation; this rate decreases with I: the solution is unique and beyond the same limit. */
 static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
 {
     const jo_pid_data *x = numbers(f);
@@ -74,7 +74,7 @@ static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const
     jo_condense_state(m, d, stage, f->state, rate + unwind * (limited(x, u) - u), unwind);
 }
 
-/* What ROS2 has in its matrix: nothing moves the force beyond a limit. */
+/* derivatives for the matrix of ROS2; 0 for the force beyond a limit */
 static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);
@@ -116,8 +116,8 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
-/* In a step with what the states answer; else, of a state at rest or of vibrations, the integral part stands still and the
- * filter follows. */
+/* derivatives of the force: in a step including the response of the states; for equilibria and vibrations with constant I and
+ * yf = y */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);
@@ -147,7 +147,7 @@ static void start(const jo_model *m, const jo_data *d, const jo_force *f, jo_rea
     x[1] = measured(d, f);
 }
 
-/* of the filter that of the coordinate: the size of the mechanism or 1 rad; of I what that is worth by its gains */
+/* nominal values: of yf size of the mechanism or 1 rad (rates: JO_SLOW_SHARE of this / duration), of I this times kp + ki duration */
 static void nominals(const jo_model *m, const jo_force *f, double duration, double *x)
 {
     const jo_pid_data *p = numbers(f);

@@ -1,9 +1,9 @@
 /* force_states.c - first-order states x' = f(t, q, v, x) of forces, as the methods integrate them.
  *
- * They follow the velocities in what is integrated. RK4 and DormandPrince take f as it is; so does ROS2, but for forces along joint
- * coordinates, whose states it has in its matrix (tree_forces.c). The implicit methods take the generalised alpha method for
- * equations of first order, of the same coefficients, and solve for the state at every position and velocity that Newton's method
- * tries: a force with states is then one of q and v, and its tangent has what the states answer.
+ * The states are the last entries of the integrated velocities. RK4 and DormandPrince evaluate f; so does ROS2, except for forces along
+ * joint coordinates, whose states are in its matrix (tree_forces.c). The implicit methods use the generalised alpha method for first-order
+ * equations with the same coefficients and solve for x at each position and velocity of Newton's method: the force is then a function
+ * of q and v, and its tangent includes the response of x.
  */
 #include "force/force.h"
 

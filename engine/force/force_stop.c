@@ -1,10 +1,10 @@
-/* force_stop.c - stops at the limits of a coordinate: a push back that is softer on the way out, so that a blow loses energy.
+/* force_stop.c - stops at the limits of a coordinate: contact force with dissipation by a given coefficient of restitution.
  *
- *   F = k d (1 + loss s(d'/speed)),   d = how far the coordinate is beyond the limit, d' its rate,
+ *   F = k d (1 + loss s(d'/speed)),   d: penetration beyond the limit, d' its rate,
  *   s(x) = x (3 - x^2)/2 for |x| < 1, else the sign of x
  *
- * loss = (1 - e^2)/(1 + e^2) gives the restitution e whatever strikes and however stiff the stop is: with phi = 1 + loss s the equation
- * m v dv = -k d phi(v) dd separates, so that int_0^in v/phi(v) dv = int_0^out v/phi(-v) dv. As loss <= 1 it never pulls. */
+ * loss = (1 - e^2)/(1 + e^2) gives the coefficient of restitution e for any mass and stiffness: with phi = 1 + loss s the equation
+ * m v dv = -k d phi(v) dd separates, so that int_0^in v/phi(v) dv = int_0^out v/phi(-v) dv. F >= 0 as loss <= 1. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
@@ -30,7 +30,7 @@ static jo_stop_state state_of(const jo_data *d, const jo_force *f)
     return y;
 }
 
-/* energy of the stop as a spring; what it loses is not stored */
+/* energy k d^2 / 2 of the elastic part */
 static jo_real stored(const jo_data *d, const jo_force *f)
 {
     const jo_stop_state s = state_of(d, f);

@@ -1,4 +1,4 @@
-/* force_table.c - the table of forces: what the file of each kind defines; see force.h. */
+/* force_table.c - table of the kinds of force, and loops over all forces: apply, energy, tangent, states. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "force/force.h"
@@ -6,7 +6,7 @@
 #define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
 static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
-/* the states of a force that an event has released stay as they are */
+/* states of a released force: constant */
 static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
 {
     const jo_real none = jo_same(0.0);

@@ -1,11 +1,11 @@
-/* force_user.c - a function of the user pushes between two markers. */
+/* force_user.c - force between two markers by a function of the user (jo_callback). */
 #include "newton/newton.h"
 #include "force/force.h"
 
 #define JO_DIFFERENCE 1e-7       /* forward difference / size of the argument; rad for rotations; about the root of round-off, 1.5e-8 */
 #define JO_SMALL_DISTANCE 1e-3  /* smallest distance / size of the mechanism to which differences of positions are relative */
 
-/* what the user's function answers at `time`; it knows real numbers only */
+/* y (6) = result of the user's function at `time`, for real arguments; JO_CALLBACK_FAILED if it fails or is not finite */
 static int ask(const jo_force *f, jo_real time, const jo_real *x, jo_real *y)
 {
     double given[18], answer[6] = {0.0};
@@ -32,7 +32,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return status;
 }
 
-/* the derivatives of a user's function by forward differences: Newton's method converges still, no longer quadratically */
+/* derivatives of the user's function by forward differences; Newton's method then converges linearly */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *unused)
 {
     (void)stage;

@@ -1,7 +1,7 @@
-/* signal.c - functions of time with their first and second derivatives. */
+/* signal.c - signals: functions of time with first and second derivatives. */
 #include "force/force.h"
 
-/* the last interval [x_k, x_k+1] that starts at or before t */
+/* index k of the interval [x_k, x_k+1] that contains t, by bisection */
 static int interval(const jo_real *x, int count, double t, int lane)
 {
     int low = 0, high = count - 1;
@@ -21,7 +21,7 @@ static jo_signal_work harmonic(const jo_harmonic_data *c, jo_real time)
     return y;
 }
 
-/* the interval in which a lane is, -1 before and count - 1 after all of them */
+/* interval of `time` in a lane; -1 before the first, count - 1 after the last point */
 static int place(const jo_signal *s, jo_real time, int lane)
 {
     const jo_real *x = s->data;
@@ -30,7 +30,7 @@ static int place(const jo_signal *s, jo_real time, int lane)
     return t >= JO_PART(x[s->count - 1], lane) ? s->count - 1 : interval(x, s->count, t, lane);
 }
 
-/* straight lines between points, constant outside */
+/* linear interpolation; constant beyond the ends */
 static jo_signal_work table(const jo_signal *s, jo_real time, int k)
 {
     const jo_real *x = s->data, *f = x + s->count;
@@ -44,7 +44,7 @@ static jo_signal_work table(const jo_signal *s, jo_real time, int k)
     return y;
 }
 
-/* polynomials by Horner, outside held at the ends */
+/* piecewise polynomials by Horner's scheme; constant beyond the ends */
 static jo_signal_work pieces(const jo_signal *s, jo_real time, int found)
 {
     const jo_real *x = s->data;
@@ -62,7 +62,7 @@ static jo_signal_work pieces(const jo_signal *s, jo_real time, int found)
     return y;
 }
 
-/* lanes may be in different intervals */
+/* table or pieces, interval by interval: lanes may be in different intervals */
 static jo_signal_work by_interval(const jo_signal *s, jo_real time)
 {
     jo_signal_work x = {0.0, 0.0, 0.0}, y = x;
@@ -91,7 +91,7 @@ static jo_signal_work product(jo_signal_work a, jo_signal_work b)
     return y;
 }
 
-/* value, rate and second derivative of a signal whose children are known, at `time` */
+/* value, rate and second derivative of a signal at `time` */
 jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_real time)
 {
     const jo_signal *s = &m->signal[signal];

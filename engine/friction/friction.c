@@ -1,8 +1,8 @@
-/* friction.c - Coulomb friction along the coordinates of joints, pressed by the joint's own reaction.
+/* friction.c - Coulomb friction along the coordinates of joints, with the normal force from the reaction of the same joint.
  *
  * Sliding: f = -mu N arm s' / |slip|, N from the reaction resolved in the axes of side 0 (Altarriba 2010, eq. S37-S38), so
- * that f and the multipliers are found together. Sticking: the coordinate is held by a row of a joint of its own, whose
- * multiplier is the force of the static friction, limited by mu_static N (eq. S39-S40).
+ * that f depends on the multipliers and vice versa. Sticking: a row of an optional joint locks the coordinate; its multiplier is
+ * the static friction force, limited by mu_static N (eq. S39-S40).
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -11,6 +11,7 @@
 
 #define JO_OVERLOAD 1e-9    /* excess of the holding force / static friction that counts as round-off */
 
+/* y (6) = reaction of the joint for multipliers lam, in the axes of side 0 */
 void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y)
 {
     const jo_joint *k = &m->joint[f->joint];
@@ -20,12 +21,14 @@ void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction
     jo_mul3t(y + 3, A, y + 3);
 }
 
+/* y (6) = reaction of the joint at the last evaluation, in the axes of side 0 */
 void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
     if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, f, 0, y);
     else jo_friction_reaction(m, d, f, d->lam, y);
 }
 
+/* normal force N and torque of the collar, N m, at the last evaluation */
 static jo_real normal_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *collar)
 {
     jo_real y[6];
@@ -33,8 +36,8 @@ static jo_real normal_force(const jo_model *m, const jo_data *d, const jo_fricti
     return jo_friction_normal_force(m, f, y, collar);
 }
 
-/* mu / speed of the regularised law from the square of the speed: mu_static w (15 - 10 w^2 + 3 w^4) / 8 with w = speed / velocity
- * up to `velocity`, from there down to mu_kinetic at twice of it; two continuous derivatives */
+/* mu / speed of the regularised law, w = speed / velocity: mu = mu_static w (15 - 10 w^2 + 3 w^4) / 8 for w < 1, then a quintic down to
+ * mu_kinetic at w = 2; twice continuously differentiable */
 static jo_real mu_by_speed(const jo_friction *f, jo_real square)
 {
     const jo_real kinetic = f->data->mu_kinetic, top = f->data->mu_static, velocity = f->data->velocity;
@@ -45,13 +48,14 @@ static jo_real mu_by_speed(const jo_friction *f, jo_real square)
     return (top + (kinetic - top) * x * x * x * (10.0 - x * (15.0 - 6.0 * x))) / speed;
 }
 
+/* slip velocity s (2) = arm times rate, m/s */
 void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s)
 {
     s[1] = 0.0;
     for (int k = 0; k < jo_slips(f); k++) s[k] = jo_slip_arm(m, f, k) * d->coordinate[jo_slip_of(f, k)].rate;
 }
 
-/* unit direction of the slip: the state says it; while nothing is decided, the velocity */
+/* unit direction e (2) of the slip: of the stored state, or of the velocity while the state is undetermined */
 void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e)
 {
     const jo_friction *f = &m->friction[i];
@@ -74,6 +78,7 @@ void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *
     }
 }
 
+/* friction forces per normal force, -mu e arm, and per torque of the collar, -mu e */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar)
 {
     const jo_friction *f = &m->friction[i];
@@ -91,7 +96,7 @@ int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *pre
     return e[0] != 0.0 || e[1] != 0.0;
 }
 
-/* forces y (2) along the coordinates while they slide, 0 while they stick */
+/* friction forces y (2) along the coordinates of a sliding joint; 0 if it sticks */
 static void sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_friction *f = &m->friction[i];
@@ -103,7 +108,7 @@ static void sliding_force(const jo_model *m, const jo_data *d, int i, jo_real *y
     for (int k = 0; k < jo_slips(f); k++) y[k] = pressed[k] * N + turned[k] * collar;
 }
 
-/* gradient of |(x, y)| */
+/* g = factor times the gradient of |(x, y)| */
 static void gradient_of_length(jo_real *g, jo_real x, jo_real y, jo_real factor)
 {
     const jo_real whole = jo_length2(x, y);
@@ -123,6 +128,7 @@ static jo_real mu_rate(const jo_friction *f, jo_real square)
     return (rate - mu_by_speed(f, square)) / (2.0 * square);
 }
 
+/* derivatives of the friction forces with respect to rates and reaction: f = -e(s') (arm N + around collar) */
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y)
 {
     const jo_friction *f = &m->friction[i];
@@ -136,6 +142,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     const jo_real N = jo_friction_normal_force(m, f, F, &collar);
     jo_friction_slip(m, d, f, s);
     const jo_real square = s[0] * s[0] + s[1] * s[1];
+    /* e = mu direction and E = de/ds' */
     if (f->law) {
         jo_friction_direction(m, d, i, e);
         const jo_real speed = jo_length2(s[0], s[1]);
@@ -169,6 +176,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
     }
 }
 
+/* forces y (2) along the coordinates of a sticking joint, -lam factor of its lock rows */
 void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y)
 {
     const jo_joint *k = &m->joint[f->lock];
@@ -180,19 +188,19 @@ void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_fr
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 
-/* the friction that belongs to given multipliers and velocities */
+/* friction forces at given multipliers and velocities, on the bodies and in rub */
 void jo_friction_apply_forces(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) sliding_force(m, d, i, d->rub + 2 * i);
     for (int i = 0; i < m->nfriction; i++)
         for (int k = 0; k < jo_slips(&m->friction[i]); k++)
             if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
-    for (int i = 0; i < m->nfriction; i++)   /* what sticks is held by its row */
+    for (int i = 0; i < m->nfriction; i++)   /* sticking: force of the lock row */
         if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], d->rub + 2 * i);
 }
 
-/* Positive while friction i keeps its state, after jo_evaluate: N or N m that it could hold more while it sticks, speed
- * along its direction, m/s, while it slips. Both begin a little above zero, so that round-off is no change of state. */
+/* margin of friction i after jo_evaluate, positive while its state persists: sticking: static limit - holding force, N or N m; sliding: slip
+ * speed along its direction, m/s. Both limits are exceeded by JO_OVERLOAD and JO_REST to exclude round-off. */
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -209,7 +217,7 @@ jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i)
     return JO_REST * m->size + (jo_slips(f) == 1 ? d->slip[i] * y[0] : e[0] * y[0] + e[1] * y[1]);
 }
 
-/* at the end of a step: friction that slips along two coordinates follows the velocity */
+/* end of a step: direction of slip along two coordinates = direction of the slip velocity */
 void jo_friction_update_direction(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) {

@@ -1,4 +1,4 @@
-/* friction.h - friction in joints: the law, its forces, sticking: what other rooms may use. */
+/* friction.h - friction in joints: forces, sticking, tangents; functions for other rooms. */
 #ifndef JO_FRICTION_H
 #define JO_FRICTION_H
 
@@ -8,7 +8,7 @@
 void jo_friction_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 void jo_friction_update_direction(const jo_model *m, jo_data *d);
-/* changes of the two sliding forces with the rates of the coordinates, and with force and moment (world) of the reaction */
+/* Derivatives of the two friction forces with respect to rates of the coordinates, force and moment (world) of the reaction. */
 typedef struct { jo_real rate[2][2], force[2][3], moment[2][3]; } jo_slopes;
 void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y);
 

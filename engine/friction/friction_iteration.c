@@ -1,7 +1,7 @@
-/* friction_iteration.c - friction forces and multipliers that belong together: f = F(lam(f)).
+/* friction_iteration.c - friction forces f that agree with the multipliers which they change: fixed point f = F(lam(f)).
  *
- * The multipliers are linear in the forces, so that with a few of them what a unit of each adds to the reactions is worked
- * out once, and an iteration costs some products; with more the factors solve for each change of all forces.
+ * The multipliers are linear in f. With up to JO_REACH forces the changes of the reactions by unit forces are computed once, and an
+ * iteration needs products only; with more forces each iteration solves for the change of the multipliers with the factors.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -31,7 +31,7 @@ static inline jo_real dot(const jo_real *x, const jo_real *y, const int n)
     return s;
 }
 
-/* largest real and imaginary part of n numbers */
+/* y (2): largest magnitude of the real and imaginary parts of x (n) */
 static inline void largest(const jo_real *x, const int n, double *y)
 {
     y[0] = y[1] = 0.0;
@@ -42,14 +42,14 @@ static inline void largest(const jo_real *x, const int n, double *y)
     }
 }
 
-/* relative size of the residual; derivatives, in the imaginary part, need two digits less */
+/* relative size of the residual; imaginary parts (derivatives) with weight JO_DERIVATIVE_WEIGHT */
 static double relative_size(const double *r, const double *f)
 {
     const double re = r[0] > 0.0 ? r[0] / f[0] : 0.0, im = r[1] > 0.0 ? JO_DERIVATIVE_WEIGHT * r[1] / f[1] : 0.0;
     return re > im ? re : im;
 }
 
-/* ---- the effect of forces on the multipliers --------------------------------------------------- */
+/* ---- change of the multipliers by friction forces ------------------------------------------------ */
 
 /* x = Cq M^-1 Q of one joint for the changes of force Q in y, reduced, and yp of the bodies */
 static void free_change(const jo_model *m, const jo_data *d, int set, int joint, jo_real *x)
@@ -75,7 +75,7 @@ static void free_change(const jo_model *m, const jo_data *d, int set, int joint,
     }
 }
 
-/* joint[].x = the change of the multipliers by the change f of the friction; on a tree the links have it */
+/* joint[].x = change of the multipliers by friction forces f; in trees the response of the links instead */
 static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
     if (jo_tree_active(d)) {
@@ -97,7 +97,7 @@ static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *st
     jo_joint_solve(m, d);
 }
 
-/* lam += the change in joint[].x, or = */
+/* lam = joint[].x, or lam += joint[].x if `add` */
 static void store_multipliers(const jo_model *m, const jo_data *d, jo_real *lam, int add)
 {
     if (jo_tree_active(d)) return;
@@ -105,14 +105,14 @@ static void store_multipliers(const jo_model *m, const jo_data *d, jo_real *lam,
         for (int r = 0; r < m->joint[i].nrow; r++, lam++) *lam = d->joint[i].x[r] + (add ? *lam : 0.0);
 }
 
-/* the reaction of a s's joint that belongs to the last response, whose multipliers are lam */
+/* y = change of the reaction of a sliding joint by the last change_multipliers, whose multipliers are lam */
 static void reaction_change(const jo_model *m, const jo_data *d, const jo_sliding_friction *s, const jo_real *lam, jo_real *y)
 {
     if (jo_tree_active(d)) jo_tree_joint_reaction(m, d, &m->friction[s->friction], 1, y);
     else jo_friction_reaction(m, d, &m->friction[s->friction], lam, y);
 }
 
-/* which frictions slide, their reactions without friction, and what a unit of each force adds */
+/* list of sliding frictions, their reactions without friction, and changes of these by unit forces */
 static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_anderson *w = &d->anderson;
@@ -146,7 +146,7 @@ static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
-/* the reactions with the friction f, which has just changed by w->change */
+/* reactions y with friction forces f, after the change w->change of f */
 static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int nsliding)
 {
     jo_anderson *w = &d->anderson;
@@ -166,14 +166,14 @@ static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stag
         jo_real before[6];
         for (int j = 0; j < 6; j++) before[j] = s->y[j];
         reaction_change(m, d, s, d->lam, s->y);
-        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* lam has the sum already */
+        for (int j = 0; j < 6 && jo_tree_active(d); j++) s->y[j] += before[j];   /* in trees y is the change only */
     }
 }
 
-/* ---- the fixed point --------------------------------------------------------------------------- */
+/* ---- fixed-point iteration ----------------------------------------------------------------------- */
 
 /* change (n) = r - sum_j gamma_j (dF_j + dR_j) with dR gamma = r in least squares, by orthogonalisation, newest pair first
- * (Anderson, J. ACM 12, 1965); for one unknown this is the secant method, which `search` writes down itself */
+ * (Anderson, J. ACM 12, 1965); for one unknown the secant method, see iterate() */
 static void anderson_step(jo_anderson *w, int n, jo_real *change)
 {
     jo_real gamma[JO_PAIRS] = {0.0}, R[JO_PAIRS][JO_PAIRS] = {{0.0}};
@@ -203,7 +203,7 @@ static void anderson_step(jo_anderson *w, int n, jo_real *change)
         for (int i = 0; i < n; i++) change[i] -= gamma[k] * (w->dF[used[k]][i] + w->dR[used[k]][i]);
 }
 
-/* the last change of f and of r; 1 if the single unknown's slope of F(lam(f)) is above 1 */
+/* store the last changes of f and r; returns, for a single unknown, whether the slope of F(lam(f)) is 1 or more */
 static inline int store_pair(jo_anderson *w, const int n, int unknowns, int steep)
 {
     w->newest = (w->newest + 1) % JO_PAIRS;
@@ -217,8 +217,8 @@ static inline int store_pair(jo_anderson *w, const int n, int unknowns, int stee
     return steep;
 }
 
-/* The fixed point f = F(lam(f)) from f = 0; 0 where it is not found, or, with one sliding coordinate, where the slope of
- * F(lam(f)) is above 1. The first change is `first` of the residual. */
+/* Iteration for f = F(lam(f)) from f = 0 with the first change `first` times the residual. Returns 0 without convergence and, for one sliding
+ * coordinate, if the slope of F(lam(f)) is 1 or more. */
 static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
                          const int nsliding)
 {
@@ -232,6 +232,7 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
     for (int i = 0; i < nsliding; i++)
         for (int j = 0; j < 6; j++) w->sliding[i].y[j] = w->sliding[i].start[j];
     for (int k = 0;; k++) {
+        /* g = press N + collar torque, r = g - f */
         int unknowns = 0;
         for (int i = 0; i < nsliding; i++) {
             const jo_sliding_friction *s = &w->sliding[i];
@@ -245,12 +246,13 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
         }
         largest(w->r, n, off);
         largest(w->g, n, all);
-        if (!isfinite(off[0])) return !k;   /* the run has diverged before, which the step says */
+        if (!isfinite(off[0])) return !k;   /* not finite from the start: the step reports divergence */
         const double apart = relative_size(off, all);
         stagnant = apart < JO_MIN_REDUCTION * best ? 0 : stagnant + 1;
         if (apart < best) best = apart;
         if (apart <= JO_AGREED || (stagnant >= JO_MAX_STAGNANT && apart <= JO_NEARLY)) return !steep;
         if (k == JO_MAX_ITERATIONS) return 0;
+        /* next change: secant method or Anderson */
         if (k) steep = store_pair(w, n, unknowns, steep);
         if (n == 1) {
             const int p = w->newest, known = w->pairs && w->dR[p][0] != 0.0;
@@ -273,6 +275,7 @@ static int solve_forces(const jo_model *m, jo_data *d, const jo_stage *stage, do
     return w->n == 1 ? iterate(m, d, stage, first, 1, 1) : iterate(m, d, stage, first, w->n, w->nsliding);   /* loops over one force unroll */
 }
 
+/* error_index = friction with the largest residual */
 static int report_failure(jo_data *d)
 {
     const jo_anderson *w = &d->anderson;
@@ -287,7 +290,7 @@ static int report_failure(jo_data *d)
     return JO_FRICTION_FAILED;
 }
 
-/* the friction that was found acts on the bodies */
+/* converged friction forces on the bodies, and multipliers with friction */
 static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_anderson *w = &d->anderson;
@@ -316,10 +319,9 @@ static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = *lam++;
 }
 
-/* Friction and multipliers that belong together, after the multipliers without friction stand in joint[].x. The normal
- * force is convex in the friction: with one sliding coordinate secants from a short first change stay on the side of
- * f = 0 and find the smallest solution, if there is one. Beyond it friction presses the joint more than it needs to
- * (Painleve). */
+/* Friction forces and multipliers, from the multipliers without friction in joint[].x. The normal force is a convex function of the friction
+ * force: for one sliding coordinate the secant method with a short first change stays between f = 0 and the smallest solution, if there is
+ * one. A larger solution is not physical: its friction increases the normal force by more than it needs (Painleve). */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_anderson *w = &d->anderson;

@@ -1,4 +1,4 @@
-/* friction_law.h - what the law of friction and the search for its forces share. */
+/* friction_law.h - normal force and slip of a friction, for the files of this room and for trees. */
 #ifndef JO_FRICTION_LAW_H
 #define JO_FRICTION_LAW_H
 
@@ -6,7 +6,8 @@
 
 #define JO_REST 1e-10   /* slip speed / size of the mechanism below which a joint is at rest, 1/s */
 
-static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }   /* coordinates along which it may slide */
+/* number of coordinates along which a joint slides, and coordinate k of these */
+static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }
 static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
@@ -17,7 +18,7 @@ static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_fricti
     return f->law && d->locked[m->joint[f->lock].lock];
 }
 
-/* slip, m, for a unit of the coordinate */
+/* slip / coordinate: pin radius, m, for angles, else 1 */
 static inline jo_real jo_slip_arm(const jo_model *m, const jo_friction *f, int k)
 {
     return jo_slip_turns(m, f, k) ? f->data->radius : 1.0;
@@ -31,8 +32,8 @@ static inline jo_real jo_length2(jo_real x, jo_real y)
 
 static inline jo_real jo_size(jo_real x) { return JO_RE(x) < 0.0 ? -x : x; }
 
-/* what presses on the slipping surface, N, and the moment arm times force of a thrust collar, N m, from the reaction y
- * in the axes of side 0 of the joint */
+/* normal force N = preload + |F_xy| + |M_xy| / bearing (+ |M_z| / collar) from the reaction y in the axes of side 0, and torque of a thrust
+ * collar, collar |F_z|, N m */
 static inline jo_real jo_friction_normal_force(const jo_model *m, const jo_friction *f, const jo_real *y, jo_real *collar)
 {
     const jo_friction_data *data = f->data;
@@ -48,12 +49,12 @@ static inline jo_real jo_friction_normal_force(const jo_model *m, const jo_frict
 }
 
 /* friction.c */
-void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s);   /* velocity (2), m/s */
+void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *s);   /* slip velocity (2), m/s */
 void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e);
-/* sliding forces (2) for a unit of what presses and of the moment of a collar; 1 unless all are 0 */
+/* friction forces (2) per normal force and per torque of the collar; returns whether any is not 0 */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
-void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
-void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* the same of the last evaluation */
-void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* forces with which it sticks */
+void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* in axes of side 0 */
+void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* last evaluation */
+void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* static friction */
 
 #endif

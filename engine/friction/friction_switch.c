@@ -1,4 +1,4 @@
-/* friction_switch.c - frictions that begin and end to stick: what cannot hold lets go, what comes to rest holds if it can. */
+/* friction_switch.c - transitions between sticking and sliding of stick-slip frictions. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction_law.h"
@@ -10,7 +10,7 @@ enum { JO_ROUNDS = 8, JO_ROUNDS_EACH = 4 };   /* rounds of release(): at all, an
 
 static int *lock_of(const jo_model *m, jo_data *d, const jo_friction *f) { return &d->locked[m->joint[f->lock].lock]; }
 
-/* friction i lets go: it slips where the held force pushed it */
+/* friction i starts to slide, in the direction opposite to its holding force */
 static void start_sliding(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -24,7 +24,7 @@ static void start_sliding(const jo_model *m, jo_data *d, int i)
     jo_forces_jumped(d);
 }
 
-/* friction i holds its coordinates where they are */
+/* friction i starts to stick at the present coordinates */
 static void start_sticking(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -35,7 +35,7 @@ static void start_sticking(const jo_model *m, jo_data *d, int i)
     jo_forces_jumped(d);
 }
 
-/* the velocities obey the rows that hold now; what they lose is lost to friction */
+/* velocities that satisfy the lock rows; the loss of kinetic energy is work of friction */
 static int stop_sliding(const jo_model *m, jo_data *d)
 {
     jo_energies before, after;
@@ -49,7 +49,7 @@ static int stop_sliding(const jo_model *m, jo_data *d)
     return jo_accelerations(m, d);
 }
 
-/* whether friction i is to slip along its one coordinate from rest, but is accelerated against that */
+/* whether friction i, which slides from rest along one coordinate, is accelerated against its slip */
 static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -61,8 +61,8 @@ static int is_accelerated_back(const jo_model *m, const jo_data *d, int i)
     return d->slip[i] * JO_RE(jo_slip_arm(m, f, 0) * second) < -JO_BACK_ACCELERATION * m->size;
 }
 
-/* What cannot hold lets go, the most overloaded first. Others that have just let go may be pushed back by it: they hold again.
- * Coupled frictions seldom need more than a few rounds; the number is bounded. */
+/* Frictions above their static limit start to slide, the one with the largest relative overload first; frictions that are accelerated against
+ * their slip stick again. Repeated until no state changes, at most JO_ROUNDS + JO_ROUNDS_EACH n times. */
 static int release(const jo_model *m, jo_data *d)
 {
     for (int round = 0; round < JO_ROUNDS + JO_ROUNDS_EACH * m->nfriction; round++) {
@@ -82,14 +82,14 @@ static int release(const jo_model *m, jo_data *d)
         if (weakest >= 0) start_sliding(m, d, weakest);
         else if (back >= 0) start_sticking(m, d, back);
         else break;
-        if (jo_tree_active(d)) jo_tree_hold_sticking(m, d);   /* at rest to round-off, now it stays there */
+        if (jo_tree_active(d)) jo_tree_hold_sticking(m, d);   /* locked coordinates exactly at rest */
         const int status = jo_accelerations(m, d);
         if (status != JO_OK) return status;
     }
     return JO_OK;
 }
 
-/* the state of friction i ends, after jo_evaluate: what sticks lets go, what slips sticks if it can, else it turns round */
+/* end of the state of friction i, after jo_evaluate: sticking to sliding, or sliding to sticking and, above the static limit, to sliding back */
 int jo_friction_switch(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -102,7 +102,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         jo_real e[2];
         jo_friction_slip(m, d, f, e);
         const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* it turned past rest without coming to rest */
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* slip along two coordinates: changes direction without a stop */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
             jo_forces_jumped(d);
             return jo_accelerations(m, d);
@@ -113,7 +113,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
     return status == JO_OK ? release(m, d) : status;
 }
 
-/* frictions whose state nobody has said: what moves slips, what rests sticks if it can */
+/* initial states of undetermined frictions: sliding if the joint moves, else sticking up to the static limit */
 int jo_friction_initialise_states(const jo_model *m, jo_data *d)
 {
     int undecided = 0, resting = 0, status = JO_OK;

@@ -1,10 +1,10 @@
-/* friction_tangent.c - friction in Newton's matrix: its forces change with rates, positions and the multipliers of the joint. */
+/* friction_tangent.c - derivatives of friction forces with respect to rates, positions and multipliers, in Newton's matrix. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "friction/friction_law.h"
 
-/* Change of the reaction of a joint, of which d(force of friction) = force . dF + moment . dM: with the motion of the
- * markers into x (24), with the multipliers into l. The axes of side 0, in which it is resolved, turn with it. */
+/* Derivatives of force . F + moment . M of the reaction F, M of a joint: with respect to the motion of the markers, x (24), and to the
+ * multipliers, l. F and M are resolved in the axes of side 0, which rotate. */
 static void reaction_rate(const jo_model *m, const jo_data *d, const jo_joint *k, const jo_real *force,
                           const jo_real *moment, jo_real *x, jo_real *l)
 {
@@ -48,7 +48,7 @@ static void reaction_rate(const jo_model *m, const jo_data *d, const jo_joint *k
     }
 }
 
-/* friction of a joint: its forces depend on rates, positions and the multipliers of the joint */
+/* friction forces of one joint in Newton's matrix */
 static void friction_tangent(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -57,7 +57,7 @@ static void friction_tangent(const jo_model *m, jo_data *d, int i)
     jo_slopes slopes;
     jo_gradients g[2];
     jo_element e;
-    if (f->law && d->locked[m->joint[f->lock].lock]) return;   /* it sticks: its row holds it */
+    if (f->law && d->locked[m->joint[f->lock].lock]) return;   /* sticking: lock rows instead */
     jo_friction_slopes(m, d, i, &slopes);
     jo_element_start(&e, k->side[0], k->side[1]);
     for (int c = 0; c < count; c++) jo_element_gradients(m, d, coordinate[c], &g[c]);
@@ -71,7 +71,7 @@ static void friction_tangent(const jo_model *m, jo_data *d, int i)
         for (int p = 0; p < 3; p++) { y[p] = -w->along[p]; y[3 + p] = w->turn_a[p]; y[6 + p] = w->along[p]; y[9 + p] = w->turn_b[p]; }
         for (int p = 0; p < 12; p++)
             for (int q = 0; q < 24; q++) e.Y[p][q] += y[p] * x[q];
-        for (int side = 0; side < 2; side++) {   /* by the multipliers: r -= L^T y l */
+        for (int side = 0; side < 2; side++) {   /* with respect to the multipliers: r -= L^T y l */
             const int body = m->marker[k->side[side]].body;
             if (body < 0) continue;
             const jo_real *L = d->marker[k->side[side]].L;

@@ -1,7 +1,7 @@
-/* events.c - zero crossings: found at the end of a step, located in time by repeating the step with other lengths.
+/* events.c - zero crossings: detected at the end of a step, located in time by repetition of the step with other lengths.
  *
- * Watched are first the events, sensor values less thresholds, then the margins within which frictions keep their state.
- * `side` tells on which side of zero each is; a margin is positive. */
+ * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin). side: sign of each
+ * value; of margins 1. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
@@ -25,13 +25,13 @@ static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
 static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 
-/* events and frictions that may stick */
+/* number of watched values: events, and frictions if any of these can stick */
 int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
 
-/* most entries of one step in the log; more are a chain without end */
+/* largest number of log entries of one step; more are an endless chain of events */
 static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m); }
 
-/* -- the state at the start of a step ----------------------------------------------------- */
+/* -- saved state at the start of a step --------------------------------------------------- */
 
 static void save_state(jo_data *d)
 {
@@ -59,9 +59,9 @@ static void restore_state(jo_data *d)
     jo_step_repeated(d, &k->valid);
 }
 
-/* -- what is watched ------------------------------------------------------------------------ */
+/* -- watched values ------------------------------------------------------------------------- */
 
-/* the watched sensors alone, `list` has room for them */
+/* model d->watch with the sensors of events only, in `list` */
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
 {
     d->watch = *m;
@@ -81,7 +81,7 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
     }
 }
 
-/* all that is watched where the engine stands */
+/* g = watched values at the present state */
 static int watched_values(const jo_model *m, jo_data *d, double *g)
 {
     const int status = jo_ready_sensors(m, d, d->demanding);
@@ -93,7 +93,7 @@ static int watched_values(const jo_model *m, jo_data *d, double *g)
     return JO_OK;
 }
 
-/* from its side to the other one, in a direction that counts */
+/* whether value i has changed its side in a direction that counts */
 static int crosses(const jo_model *m, const jo_data *d, int i, double g)
 {
     const int now = sign(g), direction = is_event(m, i) ? m->event[i].direction : -1;
@@ -107,7 +107,7 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
     return 0;
 }
 
-/* where the engine stands is accepted */
+/* accept the values g of the present state: sides, levels, directions of slip */
 static void accept_values(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < jo_watched(m); i++) {
@@ -117,9 +117,9 @@ static void accept_values(const jo_model *m, jo_data *d, const double *g)
     if (m->nlock) jo_friction_update_direction(m, d);
 }
 
-/* -- when ------------------------------------------------------------------------------------- */
+/* -- location in time ------------------------------------------------------------------------- */
 
-/* earliest crossing between a and b by straight lines between weighted values */
+/* earliest crossing between a and b by linear interpolation of the weighted values (regula falsi) */
 static double estimate_crossing(const jo_model *m, const jo_data *d, double a, double b, double wa, double wb)
 {
     double first = b;
@@ -132,7 +132,7 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
     return first;
 }
 
-/* whether all that cross stand at their threshold to round-off */
+/* whether all crossing values equal their thresholds to round-off */
 static int at_threshold(const jo_model *m, const jo_data *d)
 {
     for (int i = 0; i < jo_watched(m); i++) {
@@ -151,8 +151,8 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double le
     return status == JO_OK ? watched_values(m, d, g) : status;
 }
 
-/* The step from the kept state of *length crosses; shorten it to the first crossing and stay just behind it: the Illinois
- * method, with bisection where that is slow. Values at the start are in `level`, at the end in `above`. */
+/* Length of the step from the saved state to just behind the first crossing: Illinois method in the bracket [a, b], with bisection if three
+ * trials do not halve it. Values at the start: level, at the end: above. */
 static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *length)
 {
     const double narrow = time_resolution(d);
@@ -161,7 +161,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
     for (int k = 0; k < JO_MAX_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
         double x = estimate_crossing(m, d, a, b, wa, wb);
-        if (k % 3 == 2) {   /* three trials shall at least halve the interval */
+        if (k % 3 == 2) {   /* bisection if the last three trials did not halve the bracket */
             if (b - a > 0.5 * before) x = 0.5 * (a + b);
             before = b - a;
         }
@@ -175,7 +175,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
         d->trial = values_at;
         if (side > 0) b = x;
         else a = x;
-        if (side == last) {   /* the other end stays: it counts half */
+        if (side == last) {   /* same end twice: halve the weight of the other one */
             if (side > 0) wa *= 0.5;
             else wb *= 0.5;
         } else {
@@ -187,7 +187,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     return at == b ? JO_OK : try_step(m, d, s, b, d->above);
 }
 
-/* -- what happens ----------------------------------------------------------------------------- */
+/* -- effects of events ------------------------------------------------------------------------ */
 
 static int log_entry(const jo_model *m, jo_data *d, int i, int value, int *chain)
 {
@@ -203,7 +203,7 @@ static int log_entry(const jo_model *m, jo_data *d, int i, int value, int *chain
     return JO_OK;
 }
 
-/* event i happens; what is stored in a force that it releases is lost */
+/* occurrence of event i; the energy of springs that it releases is dissipated */
 static void apply_event(const jo_model *m, jo_data *d, int i)
 {
     jo_energies before, after;
@@ -217,7 +217,7 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
     d->work.damping += before.springs - after.springs;
 }
 
-/* events that cross where the engine stands, and those that cross because of them; *stop: the first that ends the run */
+/* events at the present state and, repeatedly, those that they cause; *stop: first event that ends the run, -1: none */
 static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     for (int before = -1; before != d->logged;) {
@@ -235,7 +235,7 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
         memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
         const int status = watched_values(m, d, d->above);
         if (status != JO_OK) return status;
-        for (int i = 0; i < m->nevent; i++) {   /* round-off is no crossing */
+        for (int i = 0; i < m->nevent; i++) {   /* changes by round-off are no crossings */
             const double jump = fabs(d->above[i] - d->below[i]), small = JO_JUMP * d->scale[i];
             if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) > small && jump > small)) d->above[i] = 0.0;
         }
@@ -243,7 +243,7 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     return JO_OK;
 }
 
-/* frictions that leave their state where the engine stands, after watched_values() */
+/* frictions whose margin is exceeded at the present state */
 static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
 {
     const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
@@ -258,18 +258,18 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     jo_forces_jumped(d);
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
         if (d->slip[k] != before[k]) status = log_entry(m, d, m->nevent + k, d->slip[k], chain);
-    if (d->logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* back in its state, again and again */
+    if (d->logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* unchanged state after a transition */
         d->error_index = last;
         status = JO_ENDLESS;
     }
     return status == JO_OK ? watched_values(m, d, d->above) : status;
 }
 
-/* all that happens where the engine stands */
+/* events and friction transitions at the present state */
 static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
     *stop = -1;
-    /* the power until here, before forces jump */
+    /* work of the step with the power before the forces jump */
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_add_step_work(d);
@@ -283,7 +283,7 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     return status;
 }
 
-/* -- a step to the end of s->step ---------------------------------------------------------------- */
+/* -- steps of fixed length --------------------------------------------------------------------- */
 
 static int start(const jo_model *m, jo_data *d)
 {
@@ -293,7 +293,7 @@ static int start(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* a value that starts at its threshold belongs to the side it goes to */
+/* values that start at their threshold: side of their first change */
 static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < m->nevent; i++)
@@ -334,7 +334,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     return status;
 }
 
-/* -- the same for steps of another length ------------------------------------------------------- */
+/* -- steps of variable length ------------------------------------------------------------------- */
 
 int jo_event_keep(const jo_model *m, jo_data *d)
 {
@@ -343,7 +343,7 @@ int jo_event_keep(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* the step from the kept state of *length ends at the first crossing, if there is one */
+/* shorten the step of *length from the saved state to its first crossing; *found: whether there is one */
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     *found = 0;
@@ -373,5 +373,5 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
 
 int jo_log_room(const jo_model *m) { return jo_watched(m) ? JO_LOG_STEPS * max_entries(m) : 0; }
 
-/* whether another step may be logged */
+/* whether the log has room for the entries of another step */
 int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + max_entries(m) <= jo_log_room(m); }

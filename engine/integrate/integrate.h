@@ -1,4 +1,4 @@
-/* integrate.h - methods of integration, step control, events, rows of results: what other rooms may use. */
+/* integrate.h - integrators, step control, events, rows of results; functions for other rooms. */
 #ifndef JO_INTEGRATE_H
 #define JO_INTEGRATE_H
 
@@ -13,20 +13,20 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
 /* step_dormand_prince.c */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
 double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
-void jo_restore_stage(jo_data *d, int last);   /* the first or the last stage of the step */
+void jo_restore_stage(jo_data *d, int last);   /* accelerations and power of the first or last stage */
 void jo_interpolate(const jo_model *m, jo_data *d, double u);
 double jo_error_estimate(const jo_data *d, int i, int n);
 void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
 
 /* step_explicit.c */
-int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* by exactly s->step */
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
 /* events.c */
-int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with the events on the way */
+int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with location of events */
 void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
 int jo_watched(const jo_model *m);
-int jo_event_keep(const jo_model *m, jo_data *d);   /* the state from which a step may be repeated */
-int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* after it */
+int jo_event_keep(const jo_model *m, jo_data *d);   /* saves the state for repetition of a step */
+int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* first crossing in the step */
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);

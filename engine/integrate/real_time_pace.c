@@ -1,4 +1,4 @@
-/* real_time_pace.c - steps at their time by the watch, with nothing of the caller between them. */
+/* real_time_pace.c - execution of steps in real time (wall clock), without calls of the caller in between. */
 #ifndef _WIN32
 #define _POSIX_C_SOURCE 200112L
 #endif
@@ -16,7 +16,7 @@ static double watch(void)
     return (double)now.QuadPart / (double)rate.QuadPart;
 }
 
-/* in milliseconds, and the last of them awake: Sleep is no finer */
+/* Sleep has a resolution of milliseconds: the last one is busy waiting */
 static void pause_for(double seconds)
 {
     const double awake = 2e-3;   /* waiting time, s, below which the thread only yields */
@@ -41,7 +41,7 @@ static void pause_for(double seconds)
 }
 #endif
 
-/* wait until an instant of the watch, and count how late it has become */
+/* wait until `due`, s, and enter the lateness into the histogram; returns the time */
 static double wait_until(jo_pace *p, double due, int nedge, const double *edge, long long *late)
 {
     double now = watch();
@@ -72,7 +72,7 @@ int jo_paced(const jo_model *m, jo_data *d, const jo_solver *s, jo_pace *p, int 
         p->done++;
         p->missed += ended > due;
         if (ended - began > p->worst) p->worst = ended - began;
-        /* what happened is known of one call of jo_run alone; who is far behind has to plan anew */
+        /* return: the log has the events of one call of jo_run only; large lateness needs a new schedule */
         if (jo_data_logged(d) || ended - due > p->farthest) break;
     }
     *written = total;

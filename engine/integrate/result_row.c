@@ -1,4 +1,4 @@
-/* result_row.c - one row of results: the state, its energies and residuals, counts, sensors and what methods remember. */
+/* result_row.c - one row of results: state, energies, residuals, counts, sensors, and discrete states. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "friction/friction.h"
@@ -8,12 +8,14 @@
 
 enum { JO_DIAGNOSTICS = sizeof(jo_diagnostics) / sizeof(jo_real) };
 
+/* number of reals of a row, in the order of jo_write_row */
 int jo_row_size(const jo_model *m)
 {
     return 1 + m->nq + m->nv + m->nrow + JO_DIAGNOSTICS + m->nout + m->nstate + m->nturn + 3 * m->nlock + 3 * m->nfriction
            + m->nevent + m->ninput + m->nmemory + m->nx + m->nu;
 }
 
+/* energies, work, residuals and counts */
 static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
 {
     jo_energies energy;
@@ -36,6 +38,7 @@ static void diagnose(const jo_model *m, jo_data *d, jo_diagnostics *y)
     y->step = jo_same(d->control.length);
 }
 
+/* row [time q v lam diagnostics sensors states turn locked slip held direction happened input memory joint] */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
 {
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);

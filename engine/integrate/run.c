@@ -1,4 +1,4 @@
-/* run.c - many steps of a fixed length, with the events on the way and the rows that are asked for. */
+/* run.c - runs of steps of fixed length with events and rows of results. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree.h"
@@ -10,7 +10,7 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
     return jo_watched(m) ? jo_event_step(m, d, s) : jo_one_step(m, d, s);
 }
 
-/* the caller may have changed the state: what hangs on it is computed again */
+/* start of a call: the caller may have changed the state, results of the last evaluation are invalid */
 static void invalidate(jo_data *d)
 {
     jo_call_begins(d);
@@ -18,7 +18,7 @@ static void invalidate(jo_data *d)
     if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
 }
 
-/* what is integrated: a tree in joint coordinates, unless the method is implicit, or errors of modal bodies are controlled */
+/* joint coordinates for models with trees and explicit methods; with error control only without bodies in maximal coordinates */
 static int select_coordinates(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
@@ -36,13 +36,14 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     return status;
 }
 
-/* rounded before it is added, so that time does not depend on how a run is cut into calls */
+/* count step, rounded before the addition to the start (no FMA): time must not depend on how a run is split into calls */
 static double instant(long long count, double step)
 {
     volatile double product = (double)count * step;
     return product;
 }
 
+/* nsteps steps, with rows at multiples of `every` and at events that stop */
 static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, long long every,
                long long *count, int *written, jo_real *rows)
 {

@@ -1,4 +1,4 @@
-/* step_control.c - a run with error control: how long each step of step_dormand_prince.c is, and the rows between its steps.
+/* step_control.c - runs with error control: lengths of the steps of step_dormand_prince.c, and rows between the steps.
  *
  * Control as in Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I (1993), II.4.
  */
@@ -29,11 +29,11 @@
 #define JO_FAILED_FACTOR 0.25   /* factor on the step length after a failed evaluation */
 #define JO_MIN_STEP (16.0 * DBL_EPSILON)   /* smallest step length / time, or / distance of the rows */
 
-/* joints closed with the factors of the end of the step; 0 if the state is so far from it that they need their own */
+/* projection with the factors of the end of the step; returns whether the residuals are within JO_CLOSED */
 static int close_joints(const jo_model *m, jo_data *d)
 {
     if (jo_tree_active(d)) {
-        jo_tree_prescribe_motion(m, d);   /* interpolated they are off by the error of the method */
+        jo_tree_prescribe_motion(m, d);   /* instead of their interpolated values */
         return jo_tree_close_loops(m, d);
     }
     jo_project(m, d, &jo_now);
@@ -41,7 +41,7 @@ static int close_joints(const jo_model *m, jo_data *d)
            && jo_most(jo_largest_residual_rate(m, d)) <= JO_CLOSED * jo_most(jo_speed(m, d));
 }
 
-/* a row at a time within the last step; the state stays at its end */
+/* row at time t within the last step, by dense output; the state at the end of the step is restored */
 static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, double t, jo_real *row)
 {
     const int known = jo_accelerations_known(d);
@@ -72,7 +72,7 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
 
 static double size_of(const jo_model *m) { return m->size > 0.0 ? m->size : 1.0; }
 
-/* largest speed (m/s), modal coordinates and their speed of a body, up to now and at present */
+/* out (3): largest speed, m/s, modal coordinates and their rates of a body until now */
 static void extent_of(const jo_model *m, const jo_data *d, int body, double *out)
 {
     const jo_body *b = &m->body[body];
@@ -93,14 +93,14 @@ static double largest_speed(const jo_model *m, const jo_data *d)
     return top;
 }
 
-/* the same of the states of forces, against their largest and what matters of them */
+/* error of the states of forces / tolerance, relative to their largest and nominal values */
 static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     double error = 0.0;
     for (int i = 0; i < m->nstate; i++) {
         const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
         const double defect = jo_error_estimate(d, 2 * d->nw - m->nstate + i, 1);
-        if (defect == 0.0) continue;   /* such as a part without a gain, which is 0 and has no size */
+        if (defect == 0.0) continue;   /* such as an unused state, without size */
         const double ratio = defect / (s->tolerance * jo_larger(largest, d->nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
         if (error != error) return error;
@@ -108,10 +108,9 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
     return error;
 }
 
-/* error of the step against the tolerance, the largest over the bodies of: position against the size of the mechanism,
- * turn against 1 rad, modal coordinates against their largest; speeds against their largest. What moves less than a
- * thousandth of the whole mechanism is measured against that, and what is slower than a thousandth of the size of the
- * mechanism in the time of the run, against that. */
+/* error of the step / tolerance, the largest one of: positions / size of the mechanism, rotations / 1 rad, modal coordinates / their largest
+ * values, velocities / largest speeds. Lower limits of these references: JO_SMALL_SHARE of the reference of the mechanism; for speeds
+ * also JO_SMALL_SHARE of the size of the mechanism / duration of the run. */
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_real *const defect[2] = {d->lag, d->sum};
@@ -161,7 +160,7 @@ static void update_extent(const jo_model *m, jo_data *d)
     }
 }
 
-/* a first step well below the times in which bodies move, accelerate and vibrate */
+/* first step: tolerance^(1/5) / largest rate of velocities, accelerations and vibrations */
 static double first_step(const jo_model *m, const jo_data *d, const jo_solver *s)
 {
     const double size = size_of(m);
@@ -176,7 +175,7 @@ static double first_step(const jo_model *m, const jo_data *d, const jo_solver *s
     return pow(s->tolerance, JO_ERROR_ORDER) / jo_larger(rate, JO_MIN_RATE);
 }
 
-/* the first break after t, or infinity */
+/* first time of m->breaks after t; infinity if there is none */
 static double next_break(const jo_model *m, double t)
 {
     int low = 0, high = m->nbreak;   /* breaks below `low` are not after t, those from `high` on are */
@@ -195,7 +194,7 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
     return w;
 }
 
-/* back to the start of a step that is not taken */
+/* reject the last step: state at its start, next length `shorter` */
 static void reject_step(jo_data *d, double shorter)
 {
     for (int i = 0; i < d->ny; i++) d->y[i] = d->q0[i];
@@ -216,14 +215,14 @@ static int failure_status(jo_data *d)
     return JO_STEP_TOO_SMALL;
 }
 
-/* the length of a step that is tried */
+/* Length of a step. */
 typedef struct {
-    double h, wanted;       /* s; what it would be without a limit */
-    double limit, seen;     /* it ends there at most; forces at its end are seen as at that time */
-    int whole, broken;      /* it goes up to the limit, and forces of the next step may differ at once */
+    double h, wanted;       /* length, s; length without the limit, s */
+    double limit, seen;     /* latest end, s; time for the evaluation of forces at the end, s */
+    int whole, broken;      /* whether it ends at the limit; whether forces may jump there */
 } planned_step;
 
-/* the next step, not beyond a break or `end` */
+/* length of the next step, up to the next break or `end` */
 static planned_step plan_step(const jo_model *m, const jo_data *d, const jo_solver *s, double end)
 {
     const double t = JO_RE(d->time[0]), kink = next_break(m, t), turn = fastest_turn(m, d);
@@ -235,13 +234,13 @@ static planned_step plan_step(const jo_model *m, const jo_data *d, const jo_solv
     x.wanted = x.h;
     x.whole = t + JO_STRETCH * x.h >= x.limit;
     if (x.whole) x.h = x.limit - t;
-    else if (t + 2.0 * x.h > x.limit) x.h = 0.5 * (x.limit - t);   /* two steps of one length */
+    else if (t + 2.0 * x.h > x.limit) x.h = 0.5 * (x.limit - t);   /* two equal steps to the limit */
     x.broken = x.whole && kink <= end;
     x.seen = x.broken ? nextafter(x.limit, t) : x.whole ? x.limit : t + x.h;
     return x;
 }
 
-/* whether the step that was tried is short enough, with the length of the next one; else it is withdrawn */
+/* whether the rotations and the error of the step are small enough; length of the next step. Otherwise the step is rejected */
 static int control_error(const jo_model *m, jo_data *d, const jo_solver *s, const planned_step *x, double *error)
 {
     jo_control *c = &d->control;
@@ -261,16 +260,16 @@ static int control_error(const jo_model *m, jo_data *d, const jo_solver *s, cons
     factor = factor < JO_MIN_FACTOR ? JO_MIN_FACTOR : factor > JO_MAX_FACTOR ? JO_MAX_FACTOR : factor;
     if (c->shortened && factor > 1.0) factor = 1.0;
     c->next = x->h * factor;
-    if (x->h < x->wanted && c->next < x->wanted) c->next = x->wanted;   /* the limit made it short */
+    if (x->h < x->wanted && c->next < x->wanted) c->next = x->wanted;   /* step shortened by the limit only */
     return 1;
 }
 
-/* the step is taken, up to the first event in it */
+/* accept the step up to the first event in it */
 static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planned_step *x, double error)
 {
     jo_control *c = &d->control;
     int found = 0;
-    if (jo_watched(m)) {   /* the step may end earlier */
+    if (jo_watched(m)) {   /* shorten to the first event */
         double shorter = x->h;
         const int status = jo_event_find(m, d, s, c->first, &shorter, &found);
         if (status != JO_OK) return status;
@@ -285,7 +284,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
     d->counts.steps++;
     if (m->nturn && jo_tree_active(d)) jo_tree_count_turns(m, d);
     else if (m->nturn) jo_count_turns(m, d);
-    jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* an event may have shortened the step */
+    jo_sync_maximal_state(m, d, JO_SYNC_STATE);   /* after the location of an event */
     update_extent(m, d);
     if (m->nbeam) jo_beam_accept(m, d);
     jo_damage_outdated(d);
@@ -294,7 +293,7 @@ static int accept_step(const jo_model *m, jo_data *d, const jo_solver *s, planne
     return JO_OK;
 }
 
-/* try one step, not beyond `end`; JO_OK if it was taken or has to be tried again with a shorter one */
+/* try one step up to `end`; JO_OK also if the step was rejected */
 static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double end)
 {
     jo_control *c = &d->control;
@@ -339,7 +338,7 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     return JO_OK;
 }
 
-/* what changes at the state that a step has reached, once all rows before it are written */
+/* events and damage meters at the end of a step, after all rows within the step */
 static int process_arrival(const jo_model *m, jo_data *d)
 {
     jo_control *c = &d->control;
@@ -360,6 +359,7 @@ static int process_arrival(const jo_model *m, jo_data *d)
     return jo_measure(m, d);
 }
 
+/* steps and rows until row `last`, `tries` steps or `room` rows */
 static int follow_rows(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
                   long long *count, int *written, jo_real *rows)
 {

@@ -1,9 +1,8 @@
-/* step_dormand_prince.c - one step of the pair of orders 5 and 4 of Dormand and Prince, its error and its dense output.
+/* step_dormand_prince.c - one step of the Runge-Kutta pair of orders 5 and 4 of Dormand and Prince, error estimate, dense output.
  *
  * Dormand, Prince, J. Comp. Appl. Math. 6 (1980); dense output as in Hairer, Norsett, Wanner, Solving Ordinary
- * Differential Equations I (1993), II.6. The method runs in the increments of state.c, so that a state is moved on its
- * group. A step is projected before its last stage is evaluated there: what the error is estimated with is the
- * first stage of the next step.
+ * Differential Equations I (1993), II.6. The method integrates the increments of state.c (Lie group of poses). The new state is
+ * projected before the last stage is evaluated, so that this stage is also the first one of the next step.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -13,7 +12,7 @@
 enum { JO_STAGES = 7 };
 
 static const double NODE[JO_STAGES] = {0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0};
-static const double WEIGHT[JO_STAGES][JO_STAGES - 1] = {   /* the last row is the step itself */
+static const double WEIGHT[JO_STAGES][JO_STAGES - 1] = {   /* last row: weights of the step */
     {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0},
     {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0},
@@ -21,17 +20,17 @@ static const double WEIGHT[JO_STAGES][JO_STAGES - 1] = {   /* the last row is th
     {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0},
     {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0},
     {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0}};
-/* the step of order 5 less that of order 4 */
+/* weights of order 5 - weights of order 4 */
 static const double ERROR[JO_STAGES] = {71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0,
                                         22.0 / 525.0, -1.0 / 40.0};
-/* dense output of order 4 (Shampine 1986): the part that vanishes twice at both ends */
+/* dense output of order 4 (Shampine 1986): coefficients of the term with double zeros at both ends */
 static const double DENSE[JO_STAGES] = {-12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0,
                                         -10690763975.0 / 1880347072.0, 701980252875.0 / 199316789632.0,
                                         -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0};
 
 static int width(const jo_data *d) { return 2 * d->nw + 3; }
 
-/* sum of the first `count` stages at place i */
+/* sum of weight_k stage_k at entry i over the first `count` stages */
 static jo_real blend(const jo_data *d, const double *weight, int count, int nk, int i)
 {
     jo_real sum = 0.0;
@@ -39,7 +38,7 @@ static jo_real blend(const jo_data *d, const double *weight, int count, int nk, 
     return sum;
 }
 
-/* increments from q0 to q; returns the largest turn */
+/* x = increments from q0 to q; returns the largest rotation, rad */
 double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q)
 {
     double turn = 0.0;
@@ -55,7 +54,7 @@ double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, co
     return turn;
 }
 
-/* what follows the increments and the velocities of a stage or a change */
+/* work, the last entries of a stage or a change */
 static jo_work *work_of(const jo_data *d, jo_real *x) { return (jo_work *)(x + 2 * d->nw); }
 
 static void store_stage(jo_data *d, int k, const jo_real *rate)
@@ -77,7 +76,7 @@ void jo_restore_stage(jo_data *d, int last)
     jo_stage_recalled(d, 1);
 }
 
-/* what is prescribed at the end of a step on a tree, its loops closed, and the increments that this makes */
+/* end of a step of a tree: drives, projection of the loops, resulting increments */
 static void close_tree(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     jo_tree_prescribe_end_of_step(m, d);
@@ -86,7 +85,7 @@ static void close_tree(const jo_model *m, jo_data *d, const jo_solver *s)
     jo_tree_increment_between(m, d->dq, d->q0, d->y);
 }
 
-/* one step of length h; forces that jump at its end are `seen` as they are at that time */
+/* one step of length h; forces at its end are evaluated at time `seen`, just before a jump at the end */
 int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
 {
     const int nv = d->nw, nk = width(d);
@@ -111,7 +110,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         jo_integrate_positions(m, d, d->dq);
         d->time[0] = k < 5 ? t0 + NODE[k] * h : seen + (t0 - JO_RE(t0));
         jo_state_changed(d);
-        if (k == JO_STAGES - 1) {   /* the new state */
+        if (k == JO_STAGES - 1) {   /* new state: projection, increments */
             int status = jo_check(m, d);
             if (status != JO_OK) return status;
             if (s->projection && !jo_tree_active(d)) {
@@ -140,7 +139,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     return JO_OK;
 }
 
-/* what has changed at the part `u` of the last step */
+/* change of entry i at share u of the last step, by dense output */
 static jo_real changed(const jo_data *d, double u, int nk, int i)
 {
     const double h = d->control.length;
@@ -149,7 +148,7 @@ static jo_real changed(const jo_data *d, double u, int nk, int i)
     return u * (y + (1.0 - u) * (r3 + u * (r4 + (1.0 - u) * r5)));
 }
 
-/* the state at the part `u` of the last step */
+/* state and work at share u of the last step */
 void jo_interpolate(const jo_model *m, jo_data *d, double u)
 {
     const int nv = d->nw, nk = width(d);
@@ -164,7 +163,7 @@ void jo_interpolate(const jo_model *m, jo_data *d, double u)
     jo_integrate_positions(m, d, d->dq);
 }
 
-/* estimated errors of increments and velocities of the bodies, from those of a tree */
+/* error estimates of increments and velocities (nv) of the bodies of a tree */
 void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity)
 {
     jo_real *const out[2] = {increment, velocity};
@@ -174,7 +173,7 @@ void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, j
     }
 }
 
-/* length of the estimated error of n entries from place i on */
+/* norm of the error estimate of entries i .. i + n - 1 */
 double jo_error_estimate(const jo_data *d, int i, int n)
 {
     double sum = 0.0;

@@ -1,6 +1,6 @@
-/* step_explicit.c - time integration with a fixed step and fixed work.
+/* step_explicit.c - steps of fixed length of RK4 and ROS2, and the common step function of all methods.
  *
- * Positions move by increments [R' h, theta, p' h] from the start of the step; orientations are e o exp(theta).
+ * Positions are q0 o increments [dR, dtheta, dp] from the start of the step; orientations are e o exp(dtheta).
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -10,8 +10,7 @@
 
 #define JO_ROS2_GAMMA (1.0 - 0.70710678118654752440)   /* g of ROS2: 1 - 1/sqrt(2), for which the method is L-stable */
 
-/* A stage joins the sums of increments and velocities; both move on by `next` for the stage after it. Where nothing has moved yet
- * increments grow by the velocities. */
+/* dq += share rate, dv += share wd of a stage; rate, w = v0 + next wd for the next stage. In stage 0 the rate of the increments is w. */
 static void accumulate_stage(jo_data *d, int stage, double share, double next)
 {
     jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
@@ -42,7 +41,7 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
         if (k || !jo_accelerations_valid(d) || baumgarte) {
             int status = jo_evaluate(m, d, stage);
             if (status != JO_OK) return status;
-            if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;   /* counts do not tell how a run is cut into calls */
+            if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;   /* evaluation counts must not depend on how a run is split into calls */
         }
         jo_first_stage_done(d);
         if (k) jo_position_rate(m, d, d->rate, d->rate);
@@ -60,8 +59,7 @@ static void clear_extra_forces(const jo_model *m, jo_data *d)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
 }
 
-/* the second stage starts from accelerations and multipliers of the first; beams lag by
- * g h K (2 v0 - x' + 4 g h a1) + 2 g h D a1 less M^ - M times a1, which is gone already */
+/* stage 2 of ROS2 with beams, solved for the change from a1, lam1 of stage 1: lag = g h K (2 v0 - x' + 4 g h a1) + 2 g h D a1 - (M^ - M) a1 */
 static void second_stage(const jo_model *m, jo_data *d, double gh)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
@@ -76,7 +74,8 @@ static void second_stage(const jo_model *m, jo_data *d, double gh)
 }
 
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.
- * With k2 = k2' - 2 k1 the step is y + (k1 + k2')/2. Beams lag like modes, with the stiffness of the first stage. */
+ *   (1 - g h A) k1 = F(y0), (1 - g h A) k2 = F(y0 + h k1) - 2 k1, y1 = y0 + h (3 k1 + k2) / 2
+ * With k2' = k2 + 2 k1 the step is y0 + h (k1 + k2') / 2. Beams are treated like modes, with the stiffness of stage 1. */
 static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage *stage)
 {
     const double h = s->step, gh = JO_ROS2_GAMMA * h;
@@ -88,7 +87,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
         const jo_body *b = &m->body[i];
         for (int j = 0; j < b->n; j++) d->body[i].extra[j] = -gh * b->K[j] * d->w[d->body[i].modes + j];
     }
-    stage->lead = gh;   /* the matrix of the W-method knows the time derivative of the forces */
+    stage->lead = gh;   /* time derivative of the forces: evaluate them g h later */
     int status = jo_evaluate(m, d, stage);
     if (status != JO_OK) {
         clear_extra_forces(m, d);
@@ -106,7 +105,7 @@ static int step_ros2(const jo_model *m, jo_data *d, const jo_solver *s, jo_stage
     d->power0 = d->power;
     d->power0.forces -= d->drive;
     d->work.friction += 0.5 * h * d->power.friction;
-    d->work.forces += 0.5 * h * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
+    d->work.forces += 0.5 * h * d->drive;   /* errors of the multipliers in stages 1 and 2 cancel */
     jo_integrate_positions(m, d, d->dq);
     d->time[0] = t0 + h;
     for (int i = 0; i < m->nbody; i++) {   /* stage 2: extra = -g h K (p' - 2 g h a1) + 2 g h (K (p0' + g h a1) + D a1) */
@@ -145,8 +144,8 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
         status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
         jo_state_changed(d);
-        if (implicit) jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);   /* it knows a and lam, but not those of least norm */
-        else if (status == JO_OK && jo_tree_active(d)) {   /* what is prescribed, and loops; nothing else has to be kept */
+        if (implicit) jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);   /* a and lam of the step, unless those of least norm are needed */
+        else if (status == JO_OK && jo_tree_active(d)) {   /* drives, and projection of the loops */
             jo_tree_prescribe_motion(m, d);
             if (s->projection && jo_nmaximal(d)) jo_project(m, d, &stage);
             else if (s->projection) jo_tree_close_loops(m, d);
@@ -155,7 +154,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status != JO_OK) return status;
     if (jo_tree_active(d)) {
         if (m->nturn) jo_tree_count_turns(m, d);
-    } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+    } else if (m->nturn) {   /* without projection coordinates of the last stage: accurate enough for counting */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }

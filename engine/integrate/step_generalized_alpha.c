@@ -4,8 +4,8 @@
  *   (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v1' + alpha_f v0'
  *   q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1)),  v1 = v0 + h ((1 - gamma) a0 + gamma a1)
  *   M v1' + Cq^T lam1 = Q at q1, v1, t1, and Cq v1 + Ct = 0 (index 2, projection) or C(q1) = 0 (index 3).
- * The multipliers of index 2 keep the velocities on the constraints; the positions, which miss them by O(h^3) a
- * step, are closed after it in the metric of Newton's matrix, which stiff springs do not feel, at this state.
+ * The multipliers of index 2 satisfy the velocity constraints; the positions, with residuals of O(h^3) per step,
+ * are projected after the step in the norm of Newton's matrix, which does not excite stiff springs.
  * Newton's unknowns are changes of a1 and lam1; scaled so, no term of the matrix grows as the step shrinks
  * (Bottasso, Bauchau and Cardona 2007).
  */
@@ -27,14 +27,14 @@
 #define JO_MIN_REDUCTION 0.5    /* residual / residual before above which the joints are not corrected again */
 
 #ifdef JO_COMPLEX
-enum { JO_AFTER = 1 };    /* iterations after the last one: derivatives, in the imaginary part, converge one behind */
-enum { JO_KEEP = 0 };     /* and only with the exact matrix so fast */
+enum { JO_AFTER = 1 };    /* iterations after convergence: derivatives (imaginary parts) converge one iteration later */
+enum { JO_KEEP = 0 };     /* no modified Newton method: derivatives need the exact matrix */
 #else
 enum { JO_AFTER = 0 };
 enum { JO_KEEP = 1 };
 #endif
 
-/* of accelerations, in the metric of the masses: m R''^2 + J w'^2 + p''^2 */
+/* square of accelerations x in the norm of the masses: m R''^2 + J w'^2 + p''^2 */
 static double size_of(const jo_model *m, const jo_data *d, int body, const jo_real *x)
 {
     const jo_body *b = &m->body[body];
@@ -47,8 +47,8 @@ static double size_of(const jo_model *m, const jo_data *d, int body, const jo_re
     return sum;
 }
 
-/* what increments of the accelerations are measured against: accelerations without gravity, elastic forces and a
- * small share of the accelerations that would stop everything in one step; its square */
+/* square of the reference of increments: accelerations without gravity, elastic forces, and a share of the accelerations that stop all
+ * bodies within one step, v / h */
 static double reference(const jo_model *m, const jo_data *d, double h)
 {
     double sum = 0.0;
@@ -70,8 +70,8 @@ static double reference(const jo_model *m, const jo_data *d, double h)
 
 /* square of the increment of a body's acceleration that moves it by the rounding of positions, in the metric of the masses.
  * Internal forces K q are rounded by K dq, which changes the solution of (M + q^ K) x = K dq by dq / q^ at most, q^ = weights.q,
- * however stiff K is: a mechanism at rest without load, whose forces are 0, has no other scale. Below it an iteration with the
- * exact matrix has nothing left to gain: positions do not move any more */
+ * however stiff K is. It is the only scale of a mechanism at rest without load, whose forces are 0. Smaller increments of an
+ * iteration with the exact matrix do not change the positions. */
 static double resolution(const jo_model *m, const jo_data *d, const jo_weights *c, int body)
 {
     const jo_body *b = &m->body[body];
@@ -80,8 +80,8 @@ static double resolution(const jo_model *m, const jo_data *d, const jo_weights *
     return digits * digits * (JO_RE(b->mass[0]) * square + JO_RE(J[0] + J[1] + J[2]));
 }
 
-/* the first step, or one after the state was changed: consistent accelerations, and the algorithmic one, which
- * stands for the time alpha_m - alpha_f steps later (Arnold, Bruels and Cardona 2015) */
+/* first step, or step after a change of the state: consistent accelerations, and the algorithmic acceleration, an approximation of the
+ * acceleration (alpha_m - alpha_f) h later (Arnold, Bruels and Cardona 2015) */
 static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double shift = s->alpha_m - s->alpha_f, ahead = fabs(shift) * s->step;
@@ -95,7 +95,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
         d->algorithmic[i] = d->end_a[i] = d->a[i];
         d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
     }
-    if (ahead == 0.0 || m->nbeam) return JO_OK;   /* stiff beams would be strained by so long a move */
+    if (ahead == 0.0 || m->nbeam) return JO_OK;   /* an explicit move would strain stiff beams */
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < d->nw; i++) {
         d->v0[i] = d->v[i];
@@ -105,8 +105,8 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     d->time[0] = t0 + ahead;
     status = jo_evaluate(m, d, &jo_now);
     d->time[0] = t0;
-    /* what is much faster than the step answers the explicit one with accelerations beyond all measure: then the
-     * shift is left out, which is worth an error of second order, once */
+    /* motions much faster than the step respond to the explicit move with huge accelerations: then no shift, at the cost of one error of
+     * second order */
     double change = 0.0, scale = 0.0;
     for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->end_a[i];
     for (int i = 0; i < m->nbody; i++) {
@@ -122,7 +122,7 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     return status == JO_BENT ? JO_OK : status;
 }
 
-/* whether the state is the one that the last step left */
+/* whether time, q and v are those at the end of the last step */
 static int continues(const jo_model *m, const jo_data *d, double h)
 {
     if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->end_time)) < JO_SAME_TIME * h)) return 0;
@@ -133,7 +133,7 @@ static int continues(const jo_model *m, const jo_data *d, double h)
     return 1;
 }
 
-/* q, v and the tangent operators of the increments at the present algorithmic acceleration in rate */
+/* q, v by the Newmark formulas from the algorithmic acceleration a1 in `rate`, and tangent operators of the increments */
 static void update_state(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
@@ -168,7 +168,7 @@ static int factor_matrix(const jo_model *m, jo_data *d, const jo_stage *stage)
     return status;
 }
 
-/* d->x = -[residual in acc; rows of the joints] */
+/* d->x = -[residual of the equations of motion in acc; C or C' of the joints] */
 static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, int first)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -185,7 +185,7 @@ static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, 
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
             else {
                 x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
-                if (first && jo_newton_soft(d)) x[r] += w->soft[r] * lam;   /* least norm anew at every step */
+                if (first && jo_newton_soft(d)) x[r] += w->soft[r] * lam;   /* multipliers of least norm at every step */
             }
         }
     }
@@ -196,7 +196,7 @@ static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
     return d->x + m->node[m->place[item].node].at + m->place[item].local;
 }
 
-/* the unknowns move by `share` of x, laid out as d->x */
+/* unknowns += share x, in the layout of d->x: a1 in rate, accelerations a, multipliers */
 static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -213,9 +213,9 @@ static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, con
     }
 }
 
-/* Kinks of force laws throw Newton's method from one branch to the other and back. The increment that was made, of norm
- * `size`, is halved until the one that would follow by the same factors is shorter (natural monotonicity test: Deuflhard,
- * Newton Methods for Nonlinear Problems, 2011, ch. 3). Returns the share that is left; 0: there is none */
+/* Damping at kinks of force laws, where Newton's method alternates between branches. The last increment, of norm `size`, is halved until the
+ * next simplified increment is shorter (natural monotonicity test: Deuflhard, Newton Methods for Nonlinear Problems, 2011, ch. 3).
+ * Returns the remaining share; 0: none was found. */
 static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, double size)
 {
     double share = 1.0;
@@ -224,7 +224,7 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
         if (k) add_solution(m, d, &stage->weights, d->whole, -share);
         update_state(m, d, s);
         d->counts.evaluations++;
-        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* so far away that an element folds */
+        if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* no residual, such as with a folded beam */
         right_hand_side(m, d, &stage->weights, 0);
         jo_newton_solve(m, d);
         double next = 0.0;
@@ -234,11 +234,12 @@ static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const j
     return 0.0;
 }
 
-/* Newton's method for one step from q0, v0; a step's accelerations in a, algorithmic in rate */
+/* Newton's method for one step from q0, v0: accelerations in a, algorithmic accelerations in rate. Converged if the increment, or its
+ * estimate by the rate of convergence, is below tolerance times reference, or if it is round-off. */
 static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, int damped)
 {
     const int most_iterations = (damped ? JO_DAMPED_ITERATIONS : 1) * s->iterations + JO_AFTER;
-    double before = 0.0, elastic = INFINITY;   /* of beams the least, which no iterate on the way exaggerates */
+    double before = 0.0, elastic = INFINITY;   /* least beam forces of all iterates, as a single iterate may exaggerate */
     int after = -1;
     for (int k = 0; k < most_iterations; k++) {
         update_state(m, d, s);
@@ -253,7 +254,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         jo_newton_solve(m, d);
         d->counts.iterations++;
         double size = 0.0, most = -1.0;
-        int rounding = renewed;   /* all increments are those of rounding */
+        int rounding = renewed;   /* whether all increments are below the resolution of the positions */
         for (int i = 0; i < m->nbody; i++) {
             const double part = size_of(m, d, i, solution_of(m, d, i));
             size += part;
@@ -281,13 +282,13 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
         if (damped && after < 0) {
             const double share = shorten(m, d, s, stage, size);
             if (share == 0.0) return JO_NO_CONVERGENCE;
-            if (share < 1.0) before = 0.0;   /* what it gains says nothing of the next one */
+            if (share < 1.0) before = 0.0;   /* the ratio of a shortened increment is no rate of convergence */
         }
     }
     return JO_NO_CONVERGENCE;
 }
 
-/* d->x = -[0; residual of the rows], of positions or velocities */
+/* d->x = -[0; c], or cdot if `velocity` */
 static void set_residuals(const jo_model *m, jo_data *d, int velocity)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -300,7 +301,7 @@ static void set_residuals(const jo_model *m, jo_data *d, int velocity)
     }
 }
 
-/* q or v moves by the solution in d->x */
+/* q = q o x or v += x with x = N^-1 d->x */
 static void correct(const jo_model *m, jo_data *d, int velocity)
 {
     jo_newton_solve(m, d);
@@ -312,9 +313,9 @@ static void correct(const jo_model *m, jo_data *d, int velocity)
     if (!velocity) jo_add_increment(m, d->q, d->q, d->rate);
 }
 
-/* Close positions, then velocities, with factors of this state or of one nearby: corrections along the constraints of an older
- * state also move the machine on, by the angle between both, which adds up over the steps. Where rows repeat one another there
- * are directions in which little holds, and no angle is small enough */
+/* Projection of positions, then velocities, with factors of this or a nearby state. Factors of an older state also move the mechanism along
+ * its free directions, in proportion to the rotation since then, and these errors accumulate. With redundant rows the matrix is
+ * nearly singular in some directions: only factors of this state are used. */
 static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_MAX_CORRECTIONS = 10 };   /* of positions and of velocities */
@@ -324,10 +325,10 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
         double before = 0.0;
         for (int k = 0; k < JO_MAX_CORRECTIONS; k++) {
             if (k || velocity) jo_residuals(m, d, largest);
-            else largest[0] = jo_largest_residual(m, d);   /* bodies and markers stand at q */
+            else largest[0] = jo_largest_residual(m, d);   /* velocities are not needed */
             const double residual = JO_RE(largest[velocity]);
             if (residual <= small[velocity] || (k && !(residual < JO_MIN_REDUCTION * before))) break;
-            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* the gaps are closed by these alone */
+            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* new factors for the projection only */
                 const int status = factor_matrix(m, d, stage);
                 if (status != JO_OK) return status;
             }
@@ -339,7 +340,7 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-/* the work of the step by the trapezoidal rule, with the forces and multipliers at its end */
+/* work of the step by the trapezoidal rule, with forces and multipliers at its start and end */
 static int finish_work(const jo_model *m, jo_data *d, double h)
 {
     const int status = jo_residual(m, d, d->acc);
@@ -359,7 +360,7 @@ static int finish_work(const jo_model *m, jo_data *d, double h)
     return JO_OK;
 }
 
-/* rad/s, of the bodies */
+/* largest angular velocity of the bodies, rad/s */
 static double fastest_turn(const jo_model *m, const jo_data *d)
 {
     double square = 0.0;
@@ -370,7 +371,7 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
     return sqrt(square);
 }
 
-/* the algorithmic acceleration stays */
+/* prediction: algorithmic acceleration and multipliers of the last step */
 static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
@@ -403,19 +404,19 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     predict(m, d, s);
     const long long passed = d->counts.singular;
     int status = newton(m, d, s, &stage, 0);
-    /* kept factors were too old: once more with those of every iteration; these leap over a kink: with shorter increments */
+    /* without convergence: again with factors of every iteration, then with shortened increments (kinks) */
     const int tries = s->tolerance > 0.0 ? 2 : 1;
     for (int damped = !s->modified; status != JO_OK && damped < tries; damped++) {
         jo_solver exact = *s;
         exact.modified = 0;
         jo_newton_outdated(d);
-        d->counts.singular = passed;   /* singular positions of a path that is not taken */
+        d->counts.singular = passed;   /* not counted: positions of the failed attempt */
         predict(m, d, s);
         status = newton(m, d, &exact, &stage, damped);
     }
     if (status == JO_OK) {
         update_state(m, d, s);
-        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces follow the last increment */
+        if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces after the last increment */
         for (int i = 0; i < d->nw; i++) {
             d->algorithmic[i] = d->rate[i];
             d->end_a[i] = d->a[i];
@@ -424,7 +425,7 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         if (status == JO_OK) status = finish_work(m, d, h);
         if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
     }
-    if (status != JO_OK) {   /* back to the last good state */
+    if (status != JO_OK) {   /* failure: state at the start of the step */
         for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
         for (int i = 0; i < d->nw; i++) d->v[i] = d->v0[i];
         d->time[0] = t0;

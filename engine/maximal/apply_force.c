@@ -1,4 +1,4 @@
-/* apply_force.c - a force and a torque act on the body of a marker, a force along a coordinate on both of its ends.
+/* apply_force.c - generalised forces of a force and torque at a marker, and of a force along a coordinate.
  *
  * Force F and torque T (world) at a marker: Q_R = F, Q_w = u x A^T F + A^T T, Q_p = Phi^T A^T F + (T(theta) Psi)^T A^T T
  * (Rantalainen 2007, eq. 3.68-3.83, corrected).
@@ -6,7 +6,7 @@
 #include "valid.h"
 #include "maximal/maximal.h"
 
-/* add force F and torque T (world) at the marker, which is not on ground, to the forces fr and fp of its body */
+/* fr, fp += generalised forces of F and T (world) at a marker that is not on ground */
 static void add_marker_force(const jo_model *m, const jo_data *d, int marker, const jo_real *F, const jo_real *T, jo_real *fr, jo_real *fp)
 {
     const jo_marker *k = &m->marker[marker];
@@ -30,13 +30,14 @@ static void add_marker_force(const jo_model *m, const jo_data *d, int marker, co
     }
 }
 
+/* F and T (world) at a marker into fr, fp of its body; none on ground */
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
 {
     const int body = m->marker[marker].body;
     if (body >= 0) add_marker_force(m, d, marker, F, T, d->body[body].fr, d->body[body].fp);
 }
 
-/* the same to the change of force that stands in y and yp of the body */
+/* F and T (world) at a marker into y, yp of its body, a change of the forces */
 static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T)
 {
     const int body = m->marker[marker].body;
@@ -50,7 +51,7 @@ static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real
     add_marker_force(m, d, marker, F, T, w->y, w->yp);
 }
 
-/* f along a coordinate does the virtual work f ds: its gradient says what acts on a and on b */
+/* f along a coordinate, virtual work f ds: force and torque f times the gradient of s on a and b */
 static void apply_to_both_markers(const jo_model *m, jo_data *d, int coordinate, jo_real f,
                       void (*act)(const jo_model *, jo_data *, int, const jo_real *, const jo_real *))
 {
@@ -67,7 +68,7 @@ static void apply_to_both_markers(const jo_model *m, jo_data *d, int coordinate,
     act(m, d, c->a, F, Ta);
 }
 
-/* on a tree a force along a joint coordinate needs no bodies */
+/* f along a coordinate; a joint coordinate of a tree: tau += f, else both markers */
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int link = m->coordinate[coordinate].link;

@@ -1,4 +1,4 @@
-/* body.c - inertia, velocity-dependent forces and elimination of one modal body.
+/* body.c - mass matrix, velocity-dependent and elastic forces of one modal body, and elimination of its modal coordinates.
  *
  * With [R'' (resolved in the body frame), w', p''] the mass matrix is
  *   [ m E   -S~   I3 ]
@@ -8,6 +8,7 @@
  */
 #include "maximal/maximal.h"
 
+/* A, its columns and p from q */
 void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
 {
     jo_rotation(w->A, q + 3);
@@ -16,14 +17,14 @@ void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q)
     for (int j = 0; j < b->n; j++) w->p[j] = q[7 + j];
 }
 
-/* shares of a block of rows: as many numbers as there are registers for */
+/* parts of a block of rows, such that the accumulators of a part fit into the registers */
 #if defined(JO_VECTOR) && !defined(__AVX512F__)
 enum { JO_SHARES = 2 };
 #else
 enum { JO_SHARES = 1 };
 #endif
 
-/* y = y0 + E p in blocks of rows that stay in registers */
+/* y = y0 + E p by blocks of rows, with the accumulators in registers */
 static void contract_d(int blocks, int n, const jo_real *restrict E, const jo_real *restrict p,
                        const jo_real *restrict y0, jo_real *restrict y)
 {
@@ -43,7 +44,7 @@ static void contract_d(int blocks, int n, const jo_real *restrict E, const jo_re
     }
 }
 
-/* y = y0 + E p and z = E r together, so that E is read once */
+/* y = y0 + E p and z = E r in one pass over E */
 static void contract_b(int blocks, int n, const jo_real *restrict E, const jo_real *restrict p,
                        const jo_real *restrict r, const jo_real *restrict y0, jo_real *restrict y,
                        jo_real *restrict z)
@@ -69,11 +70,12 @@ static void contract_b(int blocks, int n, const jo_real *restrict E, const jo_re
     }
 }
 
-/* y[v] += E p[v] for a symmetric or antisymmetric (np x np) matrix, given as the tiles of 4 columns x 4 rows on
- * and below the diagonal: half the memory traffic, which is what large bodies wait for */
+/* y[v] += E p[v] for a symmetric (sign 1) or antisymmetric (sign -1) matrix E (np x np), stored as its 4 x 4 tiles on and below the
+ * diagonal: half the memory traffic, which limits the speed of large bodies */
 static inline void contract_tiles(const int np, const double sign, const int vectors, const jo_real *restrict E,
                                   const jo_real *const *p, jo_real *const *y)
 {
+    /* column block k: diagonal tile, then tiles below it, which also act transposed on rows k */
     for (int k = 0; k < np; k += 4) {
         jo_lanes column[2][4];
         jo_real pk[2][4];
@@ -130,6 +132,7 @@ static void contract(const jo_body *b, jo_body_work *w)
     }
 }
 
+/* V = A^T R', w and p' from v */
 void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v)
 {
     jo_mul3t(w->V, w->A, v);
@@ -137,7 +140,7 @@ void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v)
     for (int j = 0; j < b->n; j++) w->pd[j] = v[6 + j];
 }
 
-/* J += sum (D0_j + D_j) p_j, half of J' = sum D_j p'_j */
+/* J += sum (D0_j + D_j) p_j; Jd = sum D_j p'_j = J' / 2 */
 static inline void inertia(const int np, const jo_real *restrict D0, const jo_real *restrict D,
                            const jo_real *restrict p, const jo_real *restrict pd, jo_real *restrict J,
                            jo_real *restrict Jd)
@@ -157,7 +160,7 @@ static inline void inertia(const int np, const jo_real *restrict D0, const jo_re
     }
 }
 
-/* Q_p,j = w . D_j w - 2 w . int phi' x phi_j dm - K p - D p', and the power lost to damping */
+/* modal force Q_p,j = w . D_j w - 2 w . int phi' x phi_j dm - K p - D p' + extra; returns the power of the damping, W */
 static inline jo_real modal_force(const jo_body *b, const jo_real *om, const jo_real *restrict D,
                                   const jo_real *restrict G, const jo_real *restrict p, const jo_real *restrict pd,
                                   const jo_real *restrict extra, jo_real *restrict fp)
@@ -180,7 +183,7 @@ static inline jo_real modal_force(const jo_body *b, const jo_real *om, const jo_
     return jo_sum(loss);
 }
 
-/* -alpha times the momenta m V + w x S and J w + S x V, and the power lost to it */
+/* fr -= alpha [m V + w x S, J w + S x V], the momenta; returns the power of this damping, W */
 static jo_real damp(const jo_body *b, jo_body_work *w, const jo_real *wS, const jo_real *Jw)
 {
     jo_real power = {0.0}, SV[3];
@@ -194,13 +197,13 @@ static jo_real damp(const jo_body *b, jo_body_work *w, const jo_real *wS, const 
     return power;
 }
 
-/* S, J, B, D at p, and the velocity-dependent and elastic forces */
+/* S, J, B, D at p; velocity-dependent and elastic forces fr, fp; power += that of the damping */
 void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
 {
     const int np = b->np;
     const jo_real *om = w->w;
     jo_real Ip[3] = {0}, Jd[6] = {0}, Bp[3] = {0}, t[3];
-    if (!b->n) {
+    if (!b->n) {   /* rigid: fr = [-w x (w x S), -w x J w] */
         jo_cross(t, om, w->S);
         jo_cross(w->fr, t, om);
         jo_sym3(Jd, w->J, om);
@@ -208,6 +211,7 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
         if (b->alpha != 0.0) *power += damp(b, w, t, Jd);
         return;
     }
+    /* S = S0 + I3 p, J = J0 + sum (D0_j + D_j) p_j, Ip = I3 p', Bp = B p' */
     jo_set3(w->S, b->S0);
     for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
     contract(b, w);
@@ -229,7 +233,7 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     jo_axpy3(w->fr + 3, jo_same(-2.0), t);
 }
 
-/* x = L^-1 x, L with inverse diagonal */
+/* x = L^-1 x, L (6 x 6) with the inverse of its diagonal */
 void jo_body_forward(const jo_real *L, jo_real *x)
 {
     for (int i = 0; i < 6; i++) {
@@ -273,7 +277,7 @@ static inline void weigh(const int np, const jo_real *restrict B, const jo_real 
     }
 }
 
-/* Z = M_rr - M_rp weight M_pr = L L^T for [R'', w'] */
+/* Z = M_rr - M_rp weight M_pr = L L^T for [R'', w'], by rows; JO_SINGULAR_BODY if a pivot is below JO_MIN_PIVOT */
 static int factor(const jo_body *b, jo_body_work *w, int set)
 {
     const int np = b->np;
@@ -291,12 +295,14 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
     const jo_real *K = s->L11;
     for (int i = 0; i < 3; i++)
         for (int k = 0; k <= i; k++) L[6 * i + k] = K[3 * i + k];
+    /* L_wR = Y L_RR^-T */
     for (int i = 0; i < 3; i++) {
         jo_real *x = L + 6 * (3 + i);
         x[0] = Y[3 * i] * K[0];
         x[1] = (Y[3 * i + 1] - K[3] * x[0]) * K[4];
         x[2] = (Y[3 * i + 2] - K[6] * x[0] - K[7] * x[1]) * K[8];
     }
+    /* L_ww L_ww^T = J - B weight B^T - L_wR L_wR^T */
     for (int i = 0; i < 3; i++) {
         jo_real *x = L + 6 * (3 + i);
         for (int k = 0; k <= i; k++) {
@@ -317,6 +323,7 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
 
 int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->carried ? factor(b, w, set) : w->status; }
 
+/* constants of a set: weight = 1 / (1 + g h D + (g h)^2 K), I3 weight, Cholesky factor of m E - I3 weight I3^T */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
 {
     jo_body_set *s = &w->set[set];
@@ -332,7 +339,7 @@ void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
             for (int j = 0; j < k; j++) x -= L[3 * i + j] * L[3 * k + j];
             L[3 * i + k] = i == k ? 1.0 / jo_sqrt(x) : x * L[4 * k];
         }
-    if (!b->n) {   /* inertia in the body frame, and so its factor, is constant */
+    if (!b->n) {   /* rigid: constant inertia and factor */
         jo_set3(w->S, b->S0);
         for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
         w->status = factor(b, w, set);
@@ -352,9 +359,10 @@ void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_r
     jo_body_forward(w->L, z);
 }
 
-/* L^-T z would be the rigid acceleration without joints */
+/* z of the present forces: L^-T z is the rigid acceleration without joints */
 void jo_body_free(const jo_body *b, jo_body_work *w, int set) { jo_body_reduce(b, w, set, w->fr, w->fp, w->z); }
 
+/* yp = weight (fp - I3^T y_R - B^T y_w) */
 static inline void modal(const int np, const jo_real *restrict I3, const jo_real *restrict B, const jo_real *y,
                          const jo_real *restrict weight, const jo_real *restrict fp, jo_real *restrict yp)
 {

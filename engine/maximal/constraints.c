@@ -1,6 +1,6 @@
-/* constraints.c - constraint rows between markers.
+/* constraints.c - constraint equations of joints: residuals, Jacobian, acceleration terms, and their forces on the bodies.
  *
- * Rows (Rantalainen 2007, eq. 3.90-3.96): r_b - r_a = 0, (axis of a) . (axis of b) = 0 and lines, relations
+ * Rows (Rantalainen 2007, eq. 3.90-3.96): r_b - r_a = 0, (axis of a) . (axis of b) = 0 and lines: relations
  * sum f_i s_i - offset - signal(t) = 0 of coordinates, whose right-hand side may depend on time (eq. 3.84-3.89).
  * Multipliers: M a + Cq^T lam = Q, so the joint acts with -Cq^T lam on the bodies.
  */
@@ -10,6 +10,7 @@
 
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
 
+/* index of the first line among the rows of a joint */
 static int first_line(const jo_joint *k) { return (k->coincident ? 3 : 0) + k->nperp; }
 
 static void clear(jo_real *x, int count)
@@ -17,7 +18,7 @@ static void clear(jo_real *x, int count)
     for (int i = 0; i < count; i++) x[i] = jo_same(0.0);
 }
 
-/* m of a unit of the residual of a line: the largest of its coordinates counts, angles on an arm of the size of the mechanism */
+/* length, m, that a unit of the residual of a line counts as: 1 / largest factor, angles times the size of the mechanism */
 static inline jo_real line_metres(const jo_model *m, const jo_line *line)
 {
     jo_real most = {0.0};
@@ -28,7 +29,7 @@ static inline jo_real line_metres(const jo_model *m, const jo_line *line)
     return 1.0 / most;
 }
 
-/* m of a unit of the residual of a row: cosines count as angles do */
+/* length, m, that a unit of the residual of a row counts as: size of the mechanism for cosines */
 static inline jo_real row_metres(const jo_model *m, const jo_joint *k, int row)
 {
     if (row >= first_line(k)) return line_metres(m, &m->line[k->line + row - first_line(k)]);
@@ -41,7 +42,7 @@ void jo_row_metres(const jo_model *m, jo_real *out)
         for (int r = 0; r < m->joint[i].nrow; r++) out[m->joint[i].row + r] = row_metres(m, &m->joint[i], r);
 }
 
-/* of the residuals of the rows of a joint, m, or of their rates, m/s */
+/* largest residual of the rows of a joint, m, or of their rates, m/s */
 static inline jo_real largest_row(const jo_model *m, const jo_joint *k, const jo_real *c)
 {
     jo_real x = {0.0};
@@ -49,7 +50,7 @@ static inline jo_real largest_row(const jo_model *m, const jo_joint *k, const jo
     return x;
 }
 
-/* of one joint: fills c, returns the largest, m */
+/* c = [r_b - r_a, f_a . h_b, sum f_i s_i - offset - signal] of one joint; returns the largest one, m */
 static inline jo_real constraint_residual(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
@@ -86,7 +87,7 @@ jo_real jo_largest_residual(const jo_model *m, jo_data *d)
     return worst;
 }
 
-/* of one joint, whose coordinates have their rates: fills cdot, returns the largest, m/s */
+/* cdot of one joint, after jo_coordinate_rate; returns the largest one, m/s */
 static inline jo_real constraint_residual_rate(const jo_model *m, jo_data *d, int joint)
 {
     const jo_joint *k = &m->joint[joint];
@@ -132,8 +133,8 @@ jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d)
     return worst;
 }
 
-/* four rows of V = L^-1 (C X)^T: translations Xt and rotations Xr, 0 where the rows do not see them; L is 0 on a
- * rigid body, whose X has it in */
+/* four rows of V = L^-1 (C X)^T with the translations Xt and rotations Xr, 0: the rows do not depend on them; L 0: rigid body, whose X
+ * includes L^-T */
 static inline void reduced_rows(jo_real *restrict V, const int ld, const jo_real *restrict C, const jo_real *restrict turn,
                                 const jo_real *restrict Xt, const jo_real *restrict Xr, const jo_real *restrict L)
 {
@@ -158,7 +159,7 @@ static inline void reduced_rows(jo_real *restrict V, const int ld, const jo_real
     }
 }
 
-/* a row's translation and rotation, local, as row r of C */
+/* row r of C = [f, T^T t, t]: translation f and rotation t, local */
 static inline void put_row(jo_real *restrict C, const int ld, const int r, const jo_real *f, const jo_real *t, const jo_real *T)
 {
     for (int j = 0; f && j < 3; j++) C[ld * j + r] = f[j];
@@ -174,7 +175,7 @@ static inline void put_row(jo_real *restrict C, const int ld, const int r, const
     }
 }
 
-/* what velocity f and angular velocity g of a side (world) add to the rate of a line */
+/* derivatives f, g of the rate of a line with respect to velocity and angular velocity (world) of a side */
 static void line_jacobian(const jo_data *d, const jo_line *line, int side, jo_real *f, jo_real *g)
 {
     for (int i = 0; i < 3; i++) f[i] = g[i] = jo_same(0.0);
@@ -191,7 +192,7 @@ static void line_jacobian(const jo_data *d, const jo_line *line, int side, jo_re
     }
 }
 
-/* the rows of lines on one side, which see translations and rotations */
+/* rows of lines on one side: translations and rotations */
 static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
     jo_side_work *here = &w->side[side];
@@ -206,13 +207,14 @@ static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint
     }
 }
 
-/* rows of a coincidence: the columns of the orientation */
+/* rows of r_b - r_a: sign times the columns of A^T */
 static inline void moving_rows(jo_real *restrict C, const int ld, const double sign, const jo_real *restrict At)
 {
     for (int j = 0; j < 3; j++)
         for (int l = 0; l < 4; l += JO_WIDTH) JO_STORE(C + ld * j + l) = sign * JO_LOAD(At + 4 * j + l);
 }
 
+/* C and V of one side of a joint with any rows */
 static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
     jo_side_work *here = &w->side[side];
@@ -234,7 +236,7 @@ static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_
     if (ld > 4) reduced_rows(here->V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, here->L);
 }
 
-/* axes about which a relative turn changes the rows of perpendicular axes */
+/* axes[r] = f_a x h_b of the rows of perpendicular axes */
 static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work *w)
 {
     for (int r = 0; r < k->nperp; r++) {
@@ -245,7 +247,7 @@ static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work 
     }
 }
 
-/* what velocity f and angular velocity g of the marker of a side (world) add to the rates of all rows */
+/* Jacobian of all rows with respect to velocity f and angular velocity g (world) of the marker of a side */
 void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3])
 {
     const jo_joint *k = &m->joint[joint];
@@ -259,7 +261,7 @@ void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, 
     for (int l = 0; l < k->nline; l++) line_jacobian(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
 }
 
-/* rows C of both sides in body coordinates, V = L^-1 (reduced rows)^T */
+/* C and V = L^-1 (C X)^T of all sides of all joints */
 void jo_joint_rows(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
@@ -282,7 +284,7 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
     }
 }
 
-/* x += V^T z, six rows */
+/* x += V^T z, z (6) */
 static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, const jo_real *restrict z, const int n)
 {
     const int ld = jo_padded(n);
@@ -293,7 +295,7 @@ static inline void add_columns(jo_real *restrict x, const jo_real *restrict V, c
     }
 }
 
-/* second derivatives of the lines where the markers of the sides move like that, minus those of their signals */
+/* x = sum f_i s_i'' - signal'' of the lines, for the motions of the sides */
 static void line_acceleration(const jo_model *m, const jo_data *d, const jo_joint *k, const jo_motion *side, double lead, jo_real *x)
 {
     for (int l = 0; l < k->nline; l++) {
@@ -308,12 +310,13 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
             x[l] += line->data->factor[j]
                   * (jo_dot3(s->along, apart) + jo_dot3(s->turn_a, a->al) + jo_dot3(s->turn_b, b->al) + s->bias);
         }
-        /* the matrix of ROS2 knows the time derivative of the right-hand side as that of the forces */
+        /* ROS2: lead as of the forces, for the time derivative of the right-hand side */
         if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + lead).second;
     }
 }
 
-/* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
+/* x = C'' of a joint for the angular velocities and accelerations of its sides:
+ * a_b - a_a; (al_a - al_b) . (f x h) + f'' . h + 2 f' . h' + f . h'' with the centripetal part of f'', h''; lines */
 static inline void constraint_acceleration(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x)
 {
     const jo_joint *k = &m->joint[joint];
@@ -343,7 +346,7 @@ void jo_constraint_acceleration(const jo_model *m, const jo_data *d, int joint, 
     constraint_acceleration(m, d, joint, side, lead, x);
 }
 
-/* of the markers of a joint what `second` needs, while R'' = w' = 0 */
+/* accelerations and angular velocities of the markers of a joint for R'' = w' = 0 */
 static inline void free_marker_motions(const jo_model *m, const jo_data *d, const jo_joint *k, jo_motion *y)
 {
     for (int s = 0; s < k->nside; s++, y++) {
@@ -354,7 +357,7 @@ static inline void free_marker_motions(const jo_model *m, const jo_data *d, cons
     }
 }
 
-/* rate of the work of the drives of a joint, -lam signal' */
+/* power of the drives of a joint, -lam signal', W */
 jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam)
 {
     const jo_joint *k = &m->joint[joint];
@@ -374,7 +377,7 @@ jo_real jo_joint_power(const jo_model *m, const jo_data *d)
     return power;
 }
 
-/* right-hand side x = Cq a_free + (Cq)' v, plus Baumgarte terms if asked for */
+/* right-hand side x = Cq a_free + (Cq)' v + 2 alpha C' + beta^2 C of all joints */
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->njoint; i++) {
@@ -403,14 +406,14 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
-/* subtract P^T f from the modal forces */
+/* fp -= P^T f, P (3 x np) */
 static inline void subtract_modal(jo_real *restrict fp, const jo_real *restrict P, const jo_real *f, int np)
 {
     const jo_real f0 = f[0], f1 = f[1], f2 = f[2];
     JO_EACH(j, np) JO_STORE(fp + j) -= f0 * JO_LOAD(P + j) + f1 * JO_LOAD(P + np + j) + f2 * JO_LOAD(P + 2 * np + j);
 }
 
-/* y -= V x, six rows */
+/* y -= V x, y (6) */
 static inline void subtract_rows(jo_real *restrict y, const jo_real *restrict V, const jo_real *restrict x,
                                  const int n)
 {
@@ -422,7 +425,7 @@ static inline void subtract_rows(jo_real *restrict y, const jo_real *restrict V,
     }
 }
 
-/* f = rows `first` to `end` of three columns of C, times x */
+/* f (3) = C^T x with rows first .. end - 1 of three columns of C */
 static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld, const jo_real *restrict x, int first, int end)
 {
     for (int j = 0; j < 3; j++) {
@@ -431,7 +434,7 @@ static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld
     }
 }
 
-/* the joint forces act: f_p -= L_p^T C^T x, y = L^-T (z - V x), then the modal accelerations */
+/* accelerations with the multipliers x: y = L^-T (z - V x), f_p -= L_p^T C^T x, y_p = weight (f_p - M_pr y) */
 void jo_joint_apply(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nbody; i++)

@@ -1,14 +1,14 @@
-/* coordinate.c - scalar functions of two frames, of which joints, drives, springs and friction are made.
+/* coordinate.c - scalar functions of two frames for joints, drives, springs and friction: value, gradient, rate, acceleration.
  *
- * s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b and s'' = the same with accelerations + bias, exactly:
- * every user of a coordinate gets position, velocity, acceleration and virtual work from one formula.
+ * s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b and s'' = the same with accelerations + bias, exact;
+ * position, velocity, acceleration and virtual work follow from the same formula.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
 
 static void axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
 
-/* four-quadrant arc tangent; in the complex build the imaginary part follows the real one to first order */
+/* atan2(y, x); complex build: first-order expansion in the imaginary parts */
 jo_real jo_arc_tangent(jo_real y, jo_real x)
 {
 #if defined(JO_COMPLEX)
@@ -32,7 +32,7 @@ static jo_real unwrapped(const jo_model *m, const jo_data *d, const jo_coordinat
 
 static void negative(jo_real *y, const jo_real *x) { y[0] = -x[0]; y[1] = -x[1]; y[2] = -x[2]; }
 
-/* value and gradient of a coordinate at the marker positions */
+/* value and gradient along, turn_a, turn_b of a coordinate at the present markers */
 void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
 {
     const jo_coordinate *c = &m->coordinate[i];
@@ -76,6 +76,7 @@ void jo_coordinate_value(const jo_model *m, jo_data *d, int i)
     }
 }
 
+/* value and gradient of the first `count` coordinates */
 void jo_coordinates(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
@@ -93,7 +94,7 @@ static jo_real second_order(const jo_real *u, const jo_real *oma, const jo_real 
     return jo_dot3(udd, h) + 2.0 * jo_dot3(ud, hd) + jo_dot3(u, hdd);
 }
 
-/* rate and the velocity-dependent part of the second derivative, after jo_coordinate_value and the marker velocities */
+/* rate s' and velocity-dependent part `bias` of s'', after jo_coordinate_value and jo_marker_velocity */
 void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
 {
     const jo_coordinate *c = &m->coordinate[i];
@@ -142,13 +143,14 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int i)
     }
 }
 
+/* rate and bias of the first `count` coordinates */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++)
         if (!jo_coordinate_inactive(d, i)) jo_coordinate_rate(m, d, i);
 }
 
-/* the present angles are accepted: later ones are counted from here */
+/* counted angles = present values */
 void jo_count_turns(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->ncoordinate; i++)

@@ -1,4 +1,4 @@
-/* dense_cholesky.c - a small dense symmetric matrix that is not negative: S = U^T D^-1 U by rows, also where rows repeat one another. */
+/* dense_cholesky.c - factorisation S = U^T D^-1 U of a small dense positive semidefinite matrix, with pivoting for dependent rows. */
 #include "maximal/maximal.h"
 
 static void swap_reals(jo_real *a, jo_real *b)
@@ -8,7 +8,7 @@ static void swap_reals(jo_real *a, jo_real *b)
     *b = t;
 }
 
-/* rows below k lose what row k explains of them, from column k or their own on */
+/* S_ij -= S_ki S_kj / S_kk for i > k, j >= i, or j > k if `whole` */
 static inline void eliminate(jo_gram *g, int k, int whole)
 {
     const jo_real inverse = 1.0 / g->S[k * g->ld + k], *row = g->S + k * g->ld;
@@ -20,6 +20,7 @@ static inline void eliminate(jo_gram *g, int k, int whole)
     }
 }
 
+/* factors without pivoting; 0 if a pivot is below JO_SINGULAR_PIVOT times the scale of its row, -1 if it is not finite */
 int jo_gram_factor(jo_gram *g, int *row)
 {
     g->rank = g->n;
@@ -32,7 +33,7 @@ int jo_gram_factor(jo_gram *g, int *row)
     return 1;
 }
 
-/* rows and columns i and j in each other's place */
+/* exchange of rows and columns i and j */
 static void exchange(jo_gram *g, int i, int j)
 {
     const int t = g->order[i];
@@ -43,6 +44,7 @@ static void exchange(jo_gram *g, int i, int j)
     g->order[j] = t;
 }
 
+/* factors with the largest pivot / scale first; rank: number of pivots above `least` */
 int jo_gram_factor_pivoted(jo_gram *g, double least)
 {
     for (int i = 0; i < g->n; i++) {
@@ -67,6 +69,7 @@ int jo_gram_factor_pivoted(jo_gram *g, double least)
     return 1;
 }
 
+/* x = S^-1 x by forward elimination and back substitution of the first `rank` rows; 0 in the others */
 void jo_gram_solve(const jo_gram *g, jo_real *x)
 {
     jo_real *y = g->y;

@@ -1,4 +1,4 @@
-/* energy.c - the energies of the present state and the work of the step that led to it. */
+/* energy.c - energies of the present state, and work of the last step. */
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "beam/beam.h"
@@ -20,6 +20,7 @@ static jo_real kinetic(const jo_body *b, const jo_body_work *w)
     return 0.5 * (x + 2.0 * jo_dot3(w->V, t) + jo_dot3(w->w, Jw));
 }
 
+/* kinetic energy T, strain energy U, potential energy P = -g . (m R + A S), energy of springs */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
 {
     jo_real T = {0.0}, U = {0.0}, P = {0.0}, unused = {0.0};
@@ -52,11 +53,11 @@ void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
     }
 }
 
-/* the last step's work by the trapezoidal rule between states, now that the power at its end is known; the
- * stages in between say little about modes that the step does not resolve */
+/* work of the last step by the trapezoidal rule, with the power at its start and end. Powers of the stages are not used: for modes that
+ * the step does not resolve they are inaccurate. */
 void jo_add_step_work(jo_data *d)
 {
     d->work.damping += 0.5 * d->waiting * (d->power0.damping + d->power.damping);
-    d->work.forces += 0.5 * d->waiting * (d->power0.forces + d->power.forces - d->drive);   /* drives and friction: stage by stage */
+    d->work.forces += 0.5 * d->waiting * (d->power0.forces + d->power.forces - d->drive);   /* drives: added in the stages */
     d->waiting = 0.0;
 }

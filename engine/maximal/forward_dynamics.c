@@ -1,4 +1,4 @@
-/* forward_dynamics.c - accelerations and multipliers of the whole mechanism, and the projection onto its constraints. */
+/* forward_dynamics.c - accelerations and multipliers of a mechanism, projection onto its constraints, and its assembly. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "newton/newton.h"
@@ -9,7 +9,7 @@
 
 #define JO_MIN_REDUCTION 0.5  /* residual / residual before above which a projection ends: the factors do not reduce it further */
 
-/* constants for the effective modal mass E + g h D + (g h)^2 K */
+/* constants of set 1 for the effective modal mass E + g h D + (g h)^2 K */
 void jo_use_step(const jo_model *m, jo_data *d, double gh)
 {
     if (d->gh == gh) return;
@@ -38,7 +38,7 @@ static int update_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
     return jo_beam_forces(m, d, stage->second ? d->base : 0);
 }
 
-/* masses factored, bodies moving as they would without joints, and the rows of the joints */
+/* Cholesky factors of the bodies, accelerations without joints, rows of the joints */
 static int factor_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -61,7 +61,7 @@ static int factor_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-/* multipliers in joint[].x, with the friction that belongs to them */
+/* multipliers joint[].x of S lam = Cq a_free + (Cq)' v, with dry friction */
 static int solve_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
@@ -76,7 +76,7 @@ static int solve_multipliers(const jo_model *m, jo_data *d, const jo_stage *stag
     return status;
 }
 
-/* a and lam by the rows of the joints */
+/* a and lam in maximal coordinates: forces, factors, multipliers, then a = M^-1 (Q - Cq^T lam) */
 static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_work none = {0.0, 0.0, 0.0};
@@ -98,7 +98,7 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_real *a = d->a + b->iv;
         if (jo_body_inactive(d, i)) continue;
         jo_mul3(a, w->A, w->y);
-        jo_add3(a, m->gravity);   /* gravity is a frame acceleration */
+        jo_add3(a, m->gravity);   /* y is relative to free fall */
         jo_set3(a + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) a[6 + j] = w->yp[j];
     }
@@ -106,7 +106,7 @@ static int evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-/* a and lam at time, q, v, or what belongs to x, u; the modal mass is that of the set */
+/* a and lam at time, q, v, or ud at time, x, u; stage->set selects the modal mass */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status;
@@ -120,7 +120,7 @@ int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
     return status;
 }
 
-/* All of a tree in q and v. Multipliers that are not unique are those of least norm of the rows of all joints, here too. */
+/* q, v, a, lam of a tree. With redundant rows lam is the solution of least norm for all joints, computed in maximal coordinates. */
 void jo_sync_all(const jo_model *m, jo_data *d)
 {
     const int known = !jo_tree_active(d) || jo_sync_valid(d, JO_SYNC_ALL);
@@ -145,7 +145,7 @@ int jo_accelerations(const jo_model *m, jo_data *d)
     return status;
 }
 
-/* Positions and velocities as an integrator of somebody else's sees them: e' = e o (0, w) / 2 keeps the length of e. */
+/* q' for integrators of the caller, and a, lam with Baumgarte terms: R' = v, e' = e o (0, w) / 2, p' */
 int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *qdot)
 {
     const jo_stage stage = {.alpha = alpha, .beta = beta};
@@ -164,8 +164,7 @@ int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *
     return status;
 }
 
-/* what sensors need of the present state: accelerations and the work until then, if they are demanding, else poses and
- * velocities */
+/* state for sensors: poses and velocities; with `demanding` also accelerations, multipliers and the work of the last step */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
 {
     if (demanding && !jo_accelerations_valid(d)) {
@@ -174,7 +173,7 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
         jo_add_step_work(d);
     } else if (!jo_kinematics_valid(d) && !(demanding && jo_tree_active(d))) {
         jo_real unused[2];
-        jo_residuals(m, d, unused);   /* bodies and markers stand at q and v */
+        jo_residuals(m, d, unused);   /* poses and velocities at q, v */
         jo_kinematics_placed(d);
     }
     if (demanding) jo_sync_all(m, d);
@@ -182,7 +181,7 @@ int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding)
     return JO_OK;
 }
 
-/* increment = -M^-1 Cq^T S^-1 c with the factors of the last evaluation */
+/* increment = -M^-1 Cq^T S^-1 x with x of the joints and the factors of the last evaluation */
 static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *increment)
 {
     if (jo_couples(m, stage)) {
@@ -208,7 +207,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
     }
 }
 
-/* increment = -M^-1 Cq^T S^-1 of the residuals, position or velocity, with the factors of the last evaluation */
+/* d->rate = -M^-1 Cq^T S^-1 c, or with cdot if `velocity` */
 static void residual_correction(const jo_model *m, jo_data *d, const jo_stage *stage, int velocity)
 {
     for (int i = 0; i < m->njoint; i++)
@@ -217,7 +216,7 @@ static void residual_correction(const jo_model *m, jo_data *d, const jo_stage *s
     correction(m, d, stage, d->rate);
 }
 
-/* A joint that stays open by more than the size of the mechanism: its bodies have diverged, as jo_check finds. */
+/* NaN into the velocities of the bodies of joints whose residual exceeds the size of the mechanism: jo_check reports divergence */
 static void mark_diverged(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
@@ -230,8 +229,8 @@ static void mark_diverged(const jo_model *m, jo_data *d)
     }
 }
 
-/* Newton in the mass metric for C(q) = 0, then Cq v = 0, with the factors of the last evaluation. One correction
- * nearly always suffices; at most JO_MAX_CORRECTIONS keep the work of a step bounded. */
+/* Projection: Newton's method in the norm of the mass matrix for C(q) = 0, then for Cq v = 0, with the factors of the last evaluation.
+ * Usually one correction each; at most JO_MAX_CORRECTIONS. */
 void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     enum { JO_MAX_CORRECTIONS = 4 };   /* of positions and of velocities, which bounds the work of a step */
@@ -240,6 +239,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_hybrid_begins(d);
     if (jo_in_hybrid(d)) jo_hybrid_update_bodies(m, d);
     else jo_update_positions(m, d);
+    /* positions: q = q o -M^-1 Cq^T S^-1 c */
     jo_real residual = jo_largest_residual(m, d);
     jo_mask open = JO_ALL;
     for (int k = 0; k < JO_MAX_CORRECTIONS && jo_some(open); k++) {
@@ -252,7 +252,8 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
         residual = jo_largest_residual(m, d);
         open &= JO_LESS(jo_same(small), residual) & JO_LESS(residual, JO_MIN_REDUCTION * before);
     }
-    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* of any lane, whatever became of others */
+    const int far = jo_some(JO_LESS(jo_same(m->size), residual));   /* in any lane: diverged */
+    /* velocities: v -= M^-1 Cq^T S^-1 cdot */
     jo_marker_velocity(m, d, m->nactive);
     const jo_real small_rate = JO_CLOSED * jo_speed(m, d);   /* m/s */
     residual = jo_largest_residual_rate(m, d);
@@ -277,7 +278,7 @@ void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_hybrid_ends(d);
 }
 
-/* of the position residuals: Newton's direction always lowers it */
+/* sum of squares of the position residuals, which decreases along Newton's direction */
 static double sum_of_squares(const jo_model *m, const jo_data *d)
 {
     jo_real sum = {0.0};
@@ -286,8 +287,8 @@ static double sum_of_squares(const jo_model *m, const jo_data *d)
     return jo_most(sum);
 }
 
-/* close the joints: Newton in the mass metric on positions, shortened while a step opens them further, then on
- * velocities at the closed position */
+/* Newton's method in the norm of the mass matrix for C(q) = 0, with increments halved until the sum of squares decreases, then for
+ * Cq v = 0 */
 static int close_joints(const jo_model *m, jo_data *d, int iterations, double tolerance)
 {
     enum { JO_MAX_HALVINGS = 10, JO_FINAL_ITERATIONS = 2 };   /* halvings of a step; iterations for derivatives, velocities */
@@ -314,7 +315,7 @@ static int close_joints(const jo_model *m, jo_data *d, int iterations, double to
         if (residual > JO_MIN_REDUCTION * before && residual < JO_CLOSED * m->size) break;   /* round-off */
     }
 #ifdef JO_COMPLEX
-    for (int k = 0; k < JO_FINAL_ITERATIONS; k++) {   /* derivatives converge behind the values: full steps, however small */
+    for (int k = 0; k < JO_FINAL_ITERATIONS; k++) {   /* derivatives converge one iteration later than values: full steps */
         jo_kinematics_used(d);
         int status = jo_evaluate(m, d, &geometry);
         if (status != JO_OK) return status;

@@ -1,10 +1,11 @@
-/* hubs.c - bodies with many joints in the matrix of multipliers: their velocities are unknowns of their own, see jo_pull.
+/* hubs.c - bodies with many joints (hubs) in the Schur complement: their velocities are additional unknowns, see jo_pull.
  *
- * [D V; V^T -1] [lam; y] = [b; 0] is S lam = b with S = D + V V^T. All joints of a hub touch its column, not one another.
+ * [D V; V^T -1] [lam; y] = [b; 0] is S lam = b with S = D + V V^T. The joints of a hub are coupled with its column only, not with
+ * one another.
  */
 #include "maximal/maximal.h"
 
-/* where V of each side goes, and which side comes first into its block */
+/* blocks of the hubs and of V of each side; first: whether the side overwrites its block */
 void jo_hub_plan(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->ncolumn; c++) {
@@ -27,9 +28,10 @@ void jo_hub_plan(const jo_model *m, jo_data *d)
     }
 }
 
+/* diagonal blocks -1 of the hubs, blocks V of their joints */
 void jo_hub_assemble(const jo_model *m, jo_data *d)
 {
-    const int six = jo_padded(6);   /* a block has the rows of what is eliminated later */
+    const int six = jo_padded(6);   /* rows of a block: the joint or hub that is eliminated later */
     for (int h = 0; h < m->nhub; h++) {
         for (int j = 0; j < JO_BLOCK; j++) d->hubs[h][j] = jo_same(0.0);
         for (int j = 0; j < 6; j++) d->hubs[h][(six + 1) * j] = jo_same(-1.0);
@@ -45,12 +47,13 @@ void jo_hub_assemble(const jo_model *m, jo_data *d)
     }
 }
 
+/* scale += diagonal of V V^T of joints on hubs */
 void jo_hub_scales(const jo_model *m, jo_data *d)
 {
     const int six = jo_padded(6);
     for (int i = 0; i < m->npull; i++) {
         const jo_pull_plan *p = &d->pulls[i];
-        if (!p->first || (p->lock && !*p->lock)) continue;   /* once a block, which has all sides of the joint */
+        if (!p->first || (p->lock && !*p->lock)) continue;   /* once per block, which contains all sides of the joint */
         jo_real *scale = d->joint[m->pull[i].joint].scale;
         const int ld = jo_padded(p->rows);
         for (int c = 0; c < 6; c++)

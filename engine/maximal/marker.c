@@ -1,4 +1,4 @@
-/* marker.c - kinematics of a frame on a body.
+/* marker.c - position, velocity and acceleration of a frame on a body, and its rows with modal coordinates eliminated.
  *
  * r = R + A (u0 + Phi p), orientation A exp((Psi p)~) A0. The angular velocity relative to the body is
  * T(theta) theta', theta = Psi p; position, velocity, acceleration and virtual work all use the same T.
@@ -12,7 +12,7 @@ static inline void modal33(jo_real *restrict C, const jo_real *restrict M, const
     for (int i = 0; i < 3; i++) jo_modal3(C + 3 * i, N, M + i * np, np);
 }
 
-/* mode shapes weighted, and their products with I3 */
+/* Phi weight, Psi weight and their products with I3^T */
 static void weigh(const jo_body *b, const jo_real *weight, const jo_marker_work *k, jo_marker_set *w)
 {
     const int np = b->np;
@@ -25,7 +25,7 @@ static void weigh(const jo_body *b, const jo_real *weight, const jo_marker_work 
     if (k->Psi) modal33(w->PsiI3, w->Psiw, b->I3, np);
 }
 
-/* X of a marker where no modal coordinates are eliminated */
+/* Xt = [E, -u~]: translation rows without elimination of modal coordinates */
 static inline void unreduced(jo_real *Xt, const jo_real *u)
 {
     const jo_real o = jo_same(0.0), e = jo_same(1.0);
@@ -33,7 +33,7 @@ static inline void unreduced(jo_real *Xt, const jo_real *u)
     for (int j = 0; j < 18; j++) Xt[j] = rigid[j];
 }
 
-/* on a rigid body all that is constant; L is 0 where its factor is not */
+/* Xt and Xr of a marker on a rigid body, constant; times L^-T unless L is 0 */
 static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
 {
     jo_set3(w->u, k->u0);
@@ -45,6 +45,7 @@ static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
     }
 }
 
+/* constants of the active markers for a set of modal masses */
 void jo_marker_setup(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nactive; i++) {
@@ -58,7 +59,7 @@ void jo_marker_setup(const jo_model *m, jo_data *d, int set)
     }
 }
 
-/* with stiffening the displacement is u0 + Phi p + chi(p, p)/2 and the mode shapes are Phi + chi p; rotations alike */
+/* shapes = Phi + chi p, Psi + chi p: with geometric stiffening the displacement is Phi p + chi(p, p)/2, rotations likewise */
 static void shapes_at(const jo_body *b, const jo_marker *k, const jo_real *p, jo_real *shapes)
 {
     const int n = b->n, np = b->np;
@@ -119,12 +120,13 @@ static void elastic_rotation(jo_real *A, jo_real *T, const jo_real *theta, const
     jo_mul33(A, R, A0);
 }
 
+/* u = u0 + Phi p, r = R + A u, A_marker = A exp((Psi p)~) A0 of the first `count` markers */
 void jo_marker_position(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++) {
         const jo_marker *k = &m->marker[i];
         jo_marker_work *w = &d->marker[i];
-        if (k->body < 0 || jo_marker_inactive(d, i)) continue;   /* ground markers are set once */
+        if (k->body < 0 || jo_marker_inactive(d, i)) continue;   /* constant on ground */
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
         if (k->chi) shapes_at(b, k, bw->p, w->shapes);
@@ -173,7 +175,7 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count)
     }
 }
 
-/* accelerations that remain when R'', w', p'' vanish */
+/* bv, bom: accelerations for R'' = w' = p'' = 0 */
 void jo_marker_bias(const jo_model *m, jo_data *d, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -221,8 +223,7 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
     }
 }
 
-/* Rows of the joint markers with the modal coordinates eliminated: X = L_r - L_p weight M_pr, and
- * the acceleration that the modal forces and the velocities cause while R'' = w' = 0 */
+/* rows with modal coordinates eliminated, X = L_r - L_p weight M_pr, and acceleration a = bias + L_p weight f_p for R'' = w' = 0 */
 void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -269,14 +270,14 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
     }
 }
 
-/* add M x of a (3 x np) array to y, x without padding */
+/* y += M x, M (3 x np), x (n) without padding */
 static void add_modal(jo_real *y, const jo_real *M, const jo_real *x, int n, int np)
 {
     for (int c = 0; c < 3; c++)
         for (int j = 0; j < n; j++) y[c] += M[c * np + j] * x[j];
 }
 
-/* R'' + A (w' x u + Phi p'' + bias) and A (w' + T Psi p'' + bias), exact on flexible bodies */
+/* motion in the world frame; accelerations a = R'' + A (w' x u + Phi p'' + bv), al = A (w' + T Psi p'' + bom) */
 void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y)
 {
     const jo_marker *k = &m->marker[marker];
@@ -303,7 +304,7 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
     jo_mul3(y->al, A, t);
 }
 
-/* translation and rotation (6), world, after jo_evaluate */
+/* y (6): acceleration and angular acceleration, world, after jo_evaluate */
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y)
 {
     jo_motion of;

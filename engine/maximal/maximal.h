@@ -1,4 +1,4 @@
-/* maximal.h - positions of the bodies: bodies, markers, coordinates, rows of joints and the Schur complement of their multipliers: what other rooms may use. */
+/* maximal.h - maximal coordinates: bodies, markers, coordinates, constraints, Schur complement; functions for other rooms. */
 #ifndef JO_MAXIMAL_H
 #define JO_MAXIMAL_H
 
@@ -27,12 +27,12 @@ void jo_marker_velocity(const jo_model *m, jo_data *d, int count);
 void jo_marker_bias(const jo_model *m, jo_data *d, int count);
 void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count);
 
-/* motion of a marker, world frame */
+/* Motion of a marker, world frame. */
 typedef struct {
     jo_real r[3], v[3], a[3];      /* position, velocity, acceleration */
     jo_real om[3], al[3];          /* angular velocity and acceleration */
 } jo_motion;
-/* after jo_marker_bias; accelerations 0: not those */
+/* requires jo_marker_bias; `accelerations` 0: without accelerations */
 void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accelerations, jo_motion *y);
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 
@@ -42,44 +42,44 @@ void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* ra
 void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
-void jo_count_turns(const jo_model *m, jo_data *d);                /* the present angles are accepted */
-jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* four quadrants */
+void jo_count_turns(const jo_model *m, jo_data *d);                /* counted angles at the present state */
+jo_real jo_arc_tangent(jo_real y, jo_real x);                      /* atan2 */
 
 /* constraints.c */
-jo_real jo_largest_residual(const jo_model *m, jo_data *d);         /* fills c, returns the largest, m (jo_row_metres) */
-jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d);    /* the same for cdot, m/s */
-jo_real jo_constraint_residual(const jo_model *m, jo_data *d, int joint);        /* the same of one joint */
-jo_real jo_constraint_residual_rate(const jo_model *m, jo_data *d, int joint);   /* its coordinates have their rates */
+jo_real jo_largest_residual(const jo_model *m, jo_data *d);         /* c of all joints; returns the largest one, m (jo_row_metres) */
+jo_real jo_largest_residual_rate(const jo_model *m, jo_data *d);    /* cdot of all joints; returns the largest one, m/s */
+jo_real jo_constraint_residual(const jo_model *m, jo_data *d, int joint);        /* c of one joint; returns the largest one, m */
+jo_real jo_constraint_residual_rate(const jo_model *m, jo_data *d, int joint);   /* cdot likewise, m/s */
 void jo_joint_rows(const jo_model *m, jo_data *d);
-/* (nrow x 3) what velocity f and angular velocity g of the marker of a side (world) add to the rates of the rows; side 0 first */
+/* (nrow x 3) derivatives f, g of the row rates with respect to velocity and angular velocity (world) of a side; side 0 first */
 void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, jo_real (*f)[3], jo_real (*g)[3]);
-/* second derivatives of the rows where the markers of the sides have these angular velocities and accelerations */
+/* x: second derivatives of the rows for the given angular velocities and accelerations of the sides */
 void jo_constraint_acceleration(const jo_model *m, const jo_data *d, int joint, const jo_motion *side, double lead, jo_real *x);
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
-jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* work that drives do, per second */
-jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* the same of one joint */
+jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* power of all drives, W */
+jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* power of the drives of one joint, W */
 void jo_joint_apply(const jo_model *m, jo_data *d, int set);
 
 /* apply_force.c */
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
-void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* into y and yp of the bodies */
+void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* change of force, into y and yp of the bodies */
 
 /* state.c */
-void jo_select_coordinates(const jo_model *m, jo_data *d, int tree);   /* what is integrated */
-void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increment);   /* from q0, what is integrated */
+void jo_select_coordinates(const jo_model *m, jo_data *d, int tree);   /* integrate x, u or q, v */
+void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increment);   /* positions = q0 o increment */
 void jo_position_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x);
 void jo_update_positions(const jo_model *m, jo_data *d);
 void jo_body_add_increment(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_add_increment(const jo_model *m, jo_real *q, const jo_real *q0, const jo_real *increment);
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v);
-jo_real jo_speed(const jo_model *m, const jo_data *d);   /* m/s, the largest; turns on an arm of the size of the mechanism */
-int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is finite and of a reasonable size */
+jo_real jo_speed(const jo_model *m, const jo_data *d);   /* largest speed of the bodies, m/s; angular: times size of the mechanism */
+int jo_check(const jo_model *m, jo_data *d);   /* JO_OK if the state is below JO_MAX_STATE */
 
 /* hubs.c */
-void jo_hub_plan(const jo_model *m, jo_data *d);      /* after the pairs */
+void jo_hub_plan(const jo_model *m, jo_data *d);      /* to be called after the plan of the pairs */
 void jo_hub_assemble(const jo_model *m, jo_data *d);
-void jo_hub_scales(const jo_model *m, jo_data *d);    /* adds what hubs give to the diagonal of S */
+void jo_hub_scales(const jo_model *m, jo_data *d);    /* adds V V^T of the hubs to the scales of the diagonal of S */
 
 /* schur_complement.c */
 void jo_joint_plan(const jo_model *m, jo_data *d);    /* once */
@@ -89,23 +89,23 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 
 /* reactions.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
-void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* of its multipliers lam */
-void jo_apply_reactions(const jo_model *m, jo_data *d);   /* -Cq^T lam acts on the bodies */
+void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* for given lam */
+void jo_apply_reactions(const jo_model *m, jo_data *d);   /* adds -Cq^T lam to the forces on the bodies */
 
 /* energy.c */
 void jo_add_step_work(jo_data *d);
 
 /* dense_cholesky.c */
-int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
-int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
-void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
+int jo_gram_factor(jo_gram *g, int *row);   /* 1; 0: pivot of *row too small; -1: not finite */
+int jo_gram_factor_pivoted(jo_gram *g, double least);   /* with pivoting, down to `least` times the scale; 1, or -1: not finite */
+void jo_gram_solve(const jo_gram *g, jo_real *x);   /* x = S^-1 x; 0 in dependent rows */
 
 /* forward_dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_sync_all(const jo_model *m, jo_data *d);    /* a and lam of the last evaluation too */
+void jo_sync_all(const jo_model *m, jo_data *d);    /* q, v, a and lam of the last evaluation */
 void jo_use_step(const jo_model *m, jo_data *d, double gh);
 #define JO_CLOSED 1e-12       /* position residual / size of the mechanism, velocity residual / its speed, of closed joints */
-void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of its last evaluation */
+void jo_project(const jo_model *m, jo_data *d, const jo_stage *stage);   /* with the factors of the last evaluation */
 int jo_ready_sensors(const jo_model *m, jo_data *d, int demanding);
 
 /* sensors.c */

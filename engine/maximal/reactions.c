@@ -1,6 +1,8 @@
-/* reactions.c - the forces of joints that belong to their multipliers: measured, and on the bodies. */
+/* reactions.c - reaction forces of joints from their multipliers, for sensors and as forces on the bodies. */
 #include "maximal/maximal.h"
 
+/* y = force and moment (world) of a joint on side 1: -lam for coincident points, lam f x h for perpendicular axes,
+ * -lam factor [gradient of s] for lines */
 void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y)
 {
     const jo_joint *k = &m->joint[joint];
@@ -20,7 +22,7 @@ void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_rea
     for (int l = 0; l < k->nline; l++) {
         const jo_line *line = &m->line[k->line + l];
         for (int j = 0; j < line->count; j++) {
-            if (line->side[j]) continue;   /* a coupling reacts here with its first coordinate only */
+            if (line->side[j]) continue;   /* couplings: first coordinate only */
             const jo_coordinate_work *c = &d->coordinate[line->coordinate[j]];
             jo_axpy3(y, -lam[l] * line->data->factor[j], c->along);
             jo_axpy3(y + 3, -lam[l] * line->data->factor[j], c->turn_b);
@@ -34,12 +36,13 @@ void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y)
     jo_reaction_of(m, d, joint, d->lam + m->joint[joint].row, y);
 }
 
+/* y = s x */
 static void scaled(jo_real *y, jo_real s, const jo_real *x)
 {
     for (int i = 0; i < 3; i++) y[i] = s * x[i];
 }
 
-/* a coordinate pulls its two markers together with the multiplier: force -factor lam times its gradient */
+/* force -lam times the gradient of the coordinate on its markers a and b; lam includes the factor */
 static void apply_coordinate_reaction(const jo_model *m, jo_data *d, int coordinate, jo_real lam)
 {
     const jo_coordinate *c = &m->coordinate[coordinate];
@@ -53,6 +56,7 @@ static void apply_coordinate_reaction(const jo_model *m, jo_data *d, int coordin
     jo_push(m, d, c->a, F, T);
 }
 
+/* forces -Cq^T lam of all joints on the bodies */
 void jo_apply_reactions(const jo_model *m, jo_data *d)
 {
     static const jo_real none[3] = {0.0, 0.0, 0.0};

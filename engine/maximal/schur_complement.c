@@ -1,6 +1,6 @@
-/* schur_complement.c - the block matrix S = Cq M^-1 Cq^T of all joints, its sparse Cholesky factor and the multipliers.
+/* schur_complement.c - Schur complement S = Cq M^-1 Cq^T of all joints, its sparse block factorisation L D L^T, and the multipliers.
  *
- * The order of elimination and the fill are fixed when the model is compiled.
+ * The elimination order and the fill-in are constants of the model. S_kl is the sum of V_k^T V_l + C_k gram C_l^T over common bodies.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -32,7 +32,7 @@ void jo_joint_setup(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->npair; i++) pair_gram(m, d, i, set);
 }
 
-/* which kernel: rows, for most with those of padding, and columns n as constants where they are common */
+/* kernel for a block of `rows` rows and n columns: common sizes are compile-time constants, rows mostly padded */
 static int kind_of(int rows, int n)
 {
     if (rows <= 4) return n == 3 ? 0 : 5;
@@ -49,9 +49,10 @@ static int kind_of(int rows, int n)
     default: call(rows, n); break;      \
     }
 
-/* A row that would be alone in a vector, the fifth one, is worked on by itself, along its columns. */
+/* whether row l is the only one in its vector (the fifth row), which is then processed along its columns */
 static inline int is_single_row(const int rows, const int l) { return JO_WIDTH > 1 && rows - l == 1; }
 
+/* address of the activity of a joint; 0: always active */
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
     if (m->joint[joint].release >= 0) return &d->joint[joint].present;
@@ -60,6 +61,7 @@ static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 
 static inline int is_switched_off(const int *lock) { return lock && !*lock; }
 
+/* bodies, markers, factors and tangent operators of all joint sides */
 static void plan_sides(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++)
@@ -73,7 +75,7 @@ static void plan_sides(const jo_model *m, jo_data *d)
         }
 }
 
-/* and which pair comes first into its block: S is 1 where there is none */
+/* blocks and sides of the pairs; first: whether the pair overwrites its block. S[0] stays 1 in blocks without a pair */
 static void plan_pairs(const jo_model *m, jo_data *d)
 {
     for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = jo_same(1.0);
@@ -92,7 +94,7 @@ static void plan_pairs(const jo_model *m, jo_data *d)
     }
 }
 
-/* the blocks below the diagonal of a column */
+/* blocks below the diagonal of a column; those without a pair are fill-in */
 static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
 {
     for (int i = col->first; i < col->first + col->count; i++) {
@@ -107,7 +109,7 @@ static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
     }
 }
 
-/* what the elimination of a column changes in later ones */
+/* update T -= X D^-1 Y^T of a later block by the elimination of a column */
 static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int u)
 {
     const jo_update *up = &m->update[u];
@@ -125,7 +127,7 @@ static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int
     }
 }
 
-/* where everything lies, and what comes first into each block */
+/* plan of assembly and factorisation */
 void jo_joint_plan(const jo_model *m, jo_data *d)
 {
     plan_sides(m, d);
@@ -146,16 +148,16 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
         w->lock = lock_of(m, d, col->joint);
-        if (JO_COMMON(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* both sides on ground */
+        if (JO_COMMON(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* no pair: all sides on ground */
         plan_below(m, d, col);
         for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
     }
 }
 
-/* Blocks lie column after column, S[ld s + r]; r are the rows of the joint that is eliminated later. Work on them is
- * done four rows at a time, for every number of columns that occurs, so that loops unroll. */
+/* Blocks are stored by columns, S[ld s + r], with rows r of the joint that is eliminated later. The kernels process four rows at a time
+ * with the number of columns as a constant, so that loops unroll. */
 
-/* four rows of S = V_k^T V_l, or += */
+/* four rows of S = V_k^T V_l if `first`, else S += V_k^T V_l */
 static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *restrict Vk, const jo_real *restrict Vl,
                             const int ldl, const int n, const int first)
 {
@@ -171,7 +173,7 @@ static inline void add_rows(jo_real *restrict S, const int ld, const jo_real *re
     }
 }
 
-/* y = M x for ld rows and n columns; numbers of x are `step` apart */
+/* y = M x, M (ld x n), x with stride `step` */
 static inline void multiply(jo_real *restrict y, const jo_real *restrict M, const int ld, const int n,
                             const jo_real *restrict x, const int step)
 {
@@ -182,6 +184,7 @@ static inline void multiply(jo_real *restrict y, const jo_real *restrict M, cons
     }
 }
 
+/* S = V_k^T V_l if `first`, else S += V_k^T V_l */
 static inline void add_product(jo_real *restrict S, const int rows, const jo_real *restrict Vk, const jo_real *restrict Vl,
                                const int n, const int first)
 {
@@ -195,8 +198,8 @@ static inline void add_product(jo_real *restrict S, const int rows, const jo_rea
     }
 }
 
-/* four rows of S += C_k gram C_l^T; rows of k see its coordinates from `from` to `to`, the first `moving` rows of l
- * translations only and the others rotations, or all of them everything if `both` */
+/* four rows of S += C_k gram C_l^T. Rows of k depend on the coordinates from .. to - 1; the first `moving` rows of l on translations, the
+ * others on rotations, or all rows on both if `both` */
 static inline void add_gram_rows(jo_real *restrict S, const int ld, const jo_real *restrict Ck, const int from, const int to,
                                  const jo_real *restrict Cl, const int ldl, const int n, const int moving, const int both,
                                  const jo_real *restrict gram)
@@ -220,6 +223,7 @@ static inline void add_gram_rows(jo_real *restrict S, const int ld, const jo_rea
     }
 }
 
+/* S += C_k gram C_l^T with the zero blocks of C left out */
 static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_joint *l, const jo_real *Cl, const jo_real *gram)
 {
     const int ld = jo_padded(k->nrow), ldl = jo_padded(l->nrow), n = l->nrow;
@@ -236,9 +240,8 @@ static void add_gram(jo_real *S, const jo_joint *k, const jo_real *Ck, const jo_
     for (int r = 0; r < ld; r += 4) add_gram_rows(S + r, ld, Ck + r, 0, 6, Cl, ldl, n, moving, both, gram);
 }
 
-/* S = L D L^T of a diagonal block, in place: below the diagonal L, whose diagonal is 1, on it D^-1, of the given sign. A pivot
- * that vanishes against the diagonal that the row had before elimination means that the row repeats others. 1, 0: singular,
- * -1: not finite */
+/* S = L D L^T of a diagonal block in place: unit lower triangle L, diagonal D^-1, D of the given sign. Returns 1; 0: pivot below
+ * JO_SINGULAR_PIVOT times the diagonal before elimination, that is, a dependent row; -1: not finite */
 static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_real *scale, const double sign)
 {
     const int ld = jo_padded(n);
@@ -258,7 +261,7 @@ static inline int factor_diagonal(jo_real *restrict S, const int n, const jo_rea
     return regular;
 }
 
-/* X = X D^-1 L^-1 after that, so that the solution depends on as few operations in a row as can be */
+/* X = X D^-1 L^-1 after the updates: shortens the dependency chain of the solution */
 static inline void multiply_inverse(jo_real *restrict X, const int ld, const jo_real *restrict L, const int n)
 {
     const int ldl = jo_padded(n);
@@ -309,9 +312,10 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
     }
 }
 
-/* joints that run in joint coordinates have the first columns */
+/* hybrid mode skips the columns of joints in trees, which come first */
 static int first_column(const jo_data *d) { return jo_in_hybrid(d) ? d->tree.first_column : 0; }
 
+/* S of all active joints; fill-in blocks and blocks of inactive joints are 0 */
 static void assemble(const jo_model *m, jo_data *d, int set)
 {
     const int npair = jo_in_hybrid(d) ? d->tree.npair : m->npair;
@@ -337,8 +341,9 @@ static void assemble(const jo_model *m, jo_data *d, int set)
         for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
 }
 
-/* A slender body turns so easily about its own axis that this alone makes the diagonal of S, although another joint may hold
- * the body: what is then left of a row lies this far below, by the geometric mean of its moments halfway to the rounding */
+/* sqrt(smallest / largest moment of inertia) of the bodies of a joint. The rotation of a slender body about its axis dominates the diagonal
+ * of S; if another joint prevents this rotation, the pivot is smaller by about the ratio of the moments. Its root is the geometric mean of
+ * that ratio and 1. */
 static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *joint)
 {
     double least = 1.0;
@@ -353,7 +358,7 @@ static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *j
     return sqrt(least);
 }
 
-/* S + eps diag(S), which is regular; S itself is kept for the refinement */
+/* S += eps diag(S), which makes S regular; copy of S in S0 for the refinement */
 static void regularise(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
@@ -368,7 +373,7 @@ static void regularise(const jo_model *m, jo_data *d)
     }
 }
 
-/* sparse block Cholesky in the fixed elimination order */
+/* block factorisation in the fixed elimination order, column by column: diagonal block, blocks below it, updates of later blocks */
 static int factor(const jo_model *m, jo_data *d, int set)
 {
     assemble(m, d, set);
@@ -423,8 +428,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
     return JO_OK;
 }
 
-/* A pivot that vanishes although no rows repeat one another belongs to a singular position: it is passed with the
- * multipliers of least norm and counted. */
+/* factors of S; in a singular position of a model without redundant rows those of the regularised S, and the position is counted */
 int jo_joint_factor(const jo_model *m, jo_data *d, int set)
 {
     jo_schur_softened(d, m->redundant > 0);
@@ -474,7 +478,7 @@ static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X
     }
 }
 
-/* S^-1 x for all joints: x of the later ones lose what the earlier take, all are divided, and what the later give goes back */
+/* x = S^-1 x for all joints: forward elimination, diagonal blocks, back substitution */
 static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = first_column(d); c < m->ncolumn; c++) {
@@ -508,7 +512,7 @@ static void solve_factored(const jo_model *m, jo_data *d)
     }
 }
 
-/* residual = right - S0 sum, into x */
+/* x = right - S0 sum: residual for the refinement */
 static void residual(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint + m->nhub; i++)
@@ -517,7 +521,7 @@ static void residual(const jo_model *m, jo_data *d)
         const jo_column *col = &m->column[c];
         jo_joint_work *w = &d->joint[col->joint];
         const int n = m->joint[col->joint].nrow, own = jo_padded(n);
-        for (int i = 0; i < n; i++)   /* the lower triangle counts */
+        for (int i = 0; i < n; i++)   /* from the lower triangle */
             for (int j = 0; j < n; j++)
                 w->x[i] -= d->S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
         for (int i = col->first; i < col->first + col->count; i++) {
@@ -530,11 +534,11 @@ static void residual(const jo_model *m, jo_data *d)
     }
 }
 
-/* S x = x for all joints. Where rows repeat one another the right-hand sides agree, so that refinement with the
- * regularised factor converges to a solution, the one of least norm in the scale of the diagonal */
+/* x = S^-1 x for all joints. With redundant rows, whose right-hand sides are consistent, iterative refinement with the regularised factors
+ * converges to the solution of least norm in the scale of the diagonal. */
 void jo_joint_solve(const jo_model *m, jo_data *d)
 {
-    for (int h = 0; h < m->nhub; h++)   /* nothing but the joints acts on the hubs here */
+    for (int h = 0; h < m->nhub; h++)   /* no forces on the hubs other than those of joints */
         for (int r = 0; r < 6; r++) d->joint[m->njoint + h].x[r] = jo_same(0.0);
     if (!jo_schur_soft(d)) {
         solve_factored(m, d);

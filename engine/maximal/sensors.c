@@ -1,4 +1,4 @@
-/* sensors.c - what is measured, evaluated where the engine stands. */
+/* sensors.c - sensor values at the present state. */
 #include "maximal/maximal.h"
 #include "force/force.h"
 #include "beam/beam.h"
@@ -6,7 +6,7 @@
 
 #define JO_ZERO_ENTRY 1e-30  /* off-diagonal entry / sum of all entries that counts as 0 in Jacobi's rotations */
 
-/* y as an observer sees it who moves and turns with o: v - v_o - om_o x r, and so on with all derivatives in its frame */
+/* y relative to an observer o: r - r_o, v - v_o - om_o x r, ... with derivatives in the frame of the observer */
 static void observe(jo_motion *y, const jo_motion *o)
 {
     jo_real c[3];
@@ -28,7 +28,7 @@ static void observe(jo_motion *y, const jo_motion *o)
     jo_sub3(y->al, c);
 }
 
-/* components of a world vector in the axes of a marker; -1: the world */
+/* components of a world vector in the axes of a marker; frame -1: world */
 static void resolve(const jo_data *d, int frame, jo_real *y)
 {
     if (frame >= 0) jo_mul3t(y, d->marker[frame].A, y);
@@ -41,7 +41,7 @@ static void transposed33(jo_real *C, const jo_real *A, const jo_real *B)
         for (int j = 0; j < 3; j++) C[3 * i + j] = A[i] * B[j] + A[3 + i] * B[3 + j] + A[6 + i] * B[6 + j];
 }
 
-/* Euler parameters of the turn from `other` to the marker, its axis resolved in `frame`: of A_f^T (A_m A_o^T) A_f */
+/* Euler parameters of the rotation from `other` to the marker, resolved in `frame`: of A_f^T (A_m A_o^T) A_f */
 static void orientation(const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     const jo_real *A = d->marker[s->object].A;
@@ -51,7 +51,7 @@ static void orientation(const jo_data *d, const jo_sensor *s, jo_real *y)
         resolve(d, s->frame, y + 1);
         return;
     }
-    transposed33(R, d->marker[s->other].A, A);   /* in the axes of `other`, where its axis is the same in both frames */
+    transposed33(R, d->marker[s->other].A, A);   /* resolved in `other`; the rotation axis has the same components in both frames */
     jo_quaternion(y, R);
     if (s->frame == s->other) return;
     jo_mul3(y + 1, d->marker[s->other].A, y + 1);
@@ -63,6 +63,7 @@ static int is_acceleration(const jo_sensor *s)
     return s->type == JO_SENSOR_ACCELERATION || s->type == JO_SENSOR_ANGULAR_ACCELERATION || s->type == JO_SENSOR_ACCELERATION_PARTS;
 }
 
+/* position, velocity or acceleration of a marker, relative to an observer, in the axes of `frame` */
 static void marker_sensor(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     const int accelerations = is_acceleration(s);
@@ -97,7 +98,7 @@ static void frame_motion(const jo_model *m, const jo_data *d, int body, jo_motio
     jo_mul3(y->al, A, d->a + b->iv + 3);
 }
 
-/* a = R'' + w x (w x u) + w' x u + 2 w x u' + u'', each with its derivatives as the moving frame sees them */
+/* y (15) = R'', w x (w x u), w' x u, 2 w x u', u'', derivatives of u in the moving frame */
 static void acceleration_parts(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     jo_motion of, from;
@@ -135,7 +136,7 @@ static jo_real von_mises(const jo_real *s)
     return jo_sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * jo_dot3(s + 3, s + 3));
 }
 
-/* principal stresses of [s11 s22 s33 s12 s23 s13] in a lane, largest first, by Jacobi's rotations: exact also where two are equal */
+/* principal stresses, descending, of [s11 s22 s33 s12 s23 s13] in a lane by Jacobi's method, accurate also for equal values */
 static void principal_of(jo_real *out, const jo_real *s, int lane)
 {
     enum { JO_SWEEPS = 8 };   /* upper bound: convergence is quadratic, five sweeps reach round-off */
@@ -171,6 +172,7 @@ static void principal(jo_real *y, const jo_real *s)
     for (int l = 0; l < JO_MACHINES; l++) principal_of(y, s, l);
 }
 
+/* modal stresses, von Mises stresses or principal stresses */
 static void stress(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     if (s->type == JO_SENSOR_STRESS) {
@@ -230,7 +232,7 @@ static void modal(const jo_model *m, const jo_data *d, int body, jo_real *y)
     }
 }
 
-/* momentum and moment of momentum about the frame of what moves in it, local: int Phi p' dm, int u x Phi p' dm */
+/* momentum int Phi p' dm and angular momentum int u x Phi p' dm of the deformation about the body frame, local */
 static void deformation_momentum(const jo_model *m, const jo_data *d, int body, jo_real *y)
 {
     const jo_body *b = &m->body[body];
@@ -244,7 +246,7 @@ static void deformation_momentum(const jo_model *m, const jo_data *d, int body, 
     }
 }
 
-/* force or torque of a coupling or drive along each of its coordinates, on their b */
+/* force or torque -lam factor of a coupling or drive along each of its coordinates, on marker b */
 static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     const jo_joint *k = &m->joint[s->object];
@@ -252,7 +254,7 @@ static void multiplier(const jo_model *m, const jo_data *d, const jo_sensor *s, 
     for (int j = 0; j < s->count; j++) y[j] = -lam * m->line[k->line].data->factor[j];
 }
 
-/* some of the strains and resultants of a beam element: count of the 24, from `other` */
+/* components other .. other + count - 1 of the 24 strains and resultants of a beam element */
 static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
 {
     jo_real all[24] = {0.0};
@@ -272,7 +274,7 @@ static void damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
     }
 }
 
-/* sensors of positions and velocities need no accelerations */
+/* whether a sensor needs accelerations or multipliers */
 int jo_needs_accelerations(const jo_sensor *s)
 {
     switch (s->type) {
@@ -281,11 +283,12 @@ int jo_needs_accelerations(const jo_sensor *s)
     case JO_SENSOR_DAMAGE:
     case JO_SENSOR_BRIDGE:
         return 0;
-    case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work: its last step waits for the power at its end */
+    case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work: needs the power at the end of the step */
     default: return 1;
     }
 }
 
+/* values of all sensors at the present poses, velocities and, where needed, accelerations */
 void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
 {
     jo_marker_position(m, d, m->nmarker);
@@ -321,7 +324,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             for (int j = 0; j < s->count; j++) y[j] = d->force[s->object].y[s->other + j];
             for (int j = 0; j + 3 <= s->count; j += 3) resolve(d, s->frame, y + j);
             break;
-        case JO_SENSOR_FRICTION:   /* along one or two coordinates */
+        case JO_SENSOR_FRICTION:   /* force along each coordinate */
             for (int j = 0; j < s->count; j++) y[j] = d->rub[2 * s->object + j];
             break;
         case JO_SENSOR_REACTION:

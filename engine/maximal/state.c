@@ -1,4 +1,4 @@
-/* state.c - the state of a mechanism, time, q and v: where the bodies stand by it, how it moves, whether it is sound.
+/* state.c - state of a mechanism: poses and velocities at q, v, increments of positions, residuals, check that the state is finite.
  *
  * Positions move by increments [dR (world), dtheta (local), dp]; orientations are e o exp(dtheta).
  */
@@ -9,10 +9,11 @@
 
 #define JO_MAX_STATE 1e15   /* sum of the magnitudes of coordinates and velocities of a body, SI units, above which the run has diverged */
 
+/* integrate x, u (tree) or q, v: pointers y, w, wd to them and their sizes; the states of forces are copied */
 void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
 {
     const int nu = m->nu, nv = m->nv;
-    for (int i = 0; jo_tree_active(d) != tree && i < m->nstate; i++) {   /* the states go along */
+    for (int i = 0; jo_tree_active(d) != tree && i < m->nstate; i++) {   /* copy the states of forces */
         const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
         *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
         *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
@@ -27,6 +28,7 @@ void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
     for (int i = 0; tree && i < jo_nmaximal(d); i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
 }
 
+/* q or x = q0 o increment */
 void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increment)
 {
     jo_positions_moved(d);
@@ -34,6 +36,7 @@ void jo_integrate_positions(const jo_model *m, jo_data *d, const jo_real *increm
     else jo_add_increment(m, d->q, d->q0, increment);
 }
 
+/* rate of the increments x at the present velocities */
 void jo_position_rate(const jo_model *m, const jo_data *d, jo_real *rate, const jo_real *x)
 {
     if (jo_tree_active(d)) jo_tree_increment_rate(m, rate, x, d->w);
@@ -54,7 +57,7 @@ void jo_update_positions(const jo_model *m, jo_data *d)
     if (m->ncoordinate) jo_coordinates(m, d, m->ncoordinate);
 }
 
-/* m/s, the largest of the bodies; they turn on an arm of the size of the mechanism */
+/* largest speed of the bodies, m/s; angular velocities times the size of the mechanism */
 jo_real jo_speed(const jo_model *m, const jo_data *d)
 {
     jo_real fastest = {0.0};
@@ -87,7 +90,7 @@ void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot)
         }
 }
 
-/* q = q0 moved by increments [dR (world), dtheta (local), dp], of one body and of all */
+/* q = q0 o increment [dR (world), dtheta (local), dp] of one body */
 void jo_body_add_increment(const jo_body *b, jo_real *q, const jo_real *q0, const jo_real *increment)
 {
     const jo_real *x = q0 + b->iq, *dx = increment + b->iv;
@@ -103,7 +106,7 @@ void jo_add_increment(const jo_model *m, jo_real *q, const jo_real *q0, const jo
     for (int i = 0; i < m->nbody; i++) jo_body_add_increment(&m->body[i], q, q0, increment);
 }
 
-/* rate of the increments x at the velocities v */
+/* rate of the increments x at velocities v: [R', inverse tangent operator times w, p'] */
 void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const jo_real *v)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -115,7 +118,7 @@ void jo_increment_rate(const jo_model *m, jo_real *rate, const jo_real *x, const
     }
 }
 
-/* whether a state of a force has diverged; the error is that of the body on which the force acts */
+/* whether a state of a force exceeds JO_MAX_STATE; error_index: body of the force */
 static int check_force_states(const jo_model *m, jo_data *d)
 {
     jo_real *x = jo_states(m, d);
@@ -131,6 +134,7 @@ static int check_force_states(const jo_model *m, jo_data *d)
     return 0;
 }
 
+/* JO_NOT_FINITE with error_index if the state of a body or force exceeds JO_MAX_STATE */
 int jo_check(const jo_model *m, jo_data *d)
 {
     if (m->nstate && check_force_states(m, d)) return JO_NOT_FINITE;

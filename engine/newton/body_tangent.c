@@ -1,7 +1,7 @@
-/* body_tangent.c - bodies in Newton's matrix: inertia, gyroscopic and elastic forces, body_residual() of newton_residual.c differentiated. */
+/* body_tangent.c - derivatives of body_residual() of newton_residual.c in Newton's matrix: inertia, gyroscopic and elastic forces. */
 #include "newton/newton.h"
 
-/* what the parts of the block of a body share */
+/* Common data of the parts of the block of a body. */
 typedef struct {
     const jo_body *b;
     jo_body_work *w;
@@ -9,12 +9,11 @@ typedef struct {
     double alpha;
     jo_real ca, cv, cq;             /* weights of accelerations, velocities and positions */
     const jo_real *wd, *pdd;
-    jo_real acc[3];                 /* of the origin, less gravity, local */
+    jo_real acc[3];                 /* acceleration of the origin - g, local */
     jo_real Ip[3], Bp[3], Jd[6];    /* I3 p', B p', D p' */
 } inertia;
 
-/* Four entries E[j..j+3] of row c and column k of ED or EB in the layout of the body: symmetric or antisymmetric.
- * N (modal block) += sum of coef_c E_c, and y_c += E_c x in the same pass. */
+/* One pass over ED or EB (symmetric, sign 1, or antisymmetric, sign -1): modal block N += sum of coef_c E_c, y_c = E_c x. */
 static void modal_sums(const jo_body *b, const jo_real *E, int components, int rows, double sign, const jo_real *coef,
                        const jo_real *x, jo_real *y, jo_block N)
 {
@@ -27,7 +26,7 @@ static void modal_sums(const jo_body *b, const jo_real *E, int components, int r
                 const jo_real *e = E + (at / rows) * n * rows + at % rows;
                 const jo_real factor = sign * coef[c];   /* E_jk = sign E_kj: rows stay rows */
                 for (int k = 0; k < n; k++, e += rows)
-                    for (int i = 0; i < JO_PAD; i += JO_WIDTH) {   /* beyond n zeros are added */
+                    for (int i = 0; i < JO_PAD; i += JO_WIDTH) {   /* padding: zeros are added */
                         JO_STORE(y + at + i) += JO_LOAD(e + i) * x[k];
                         JO_STORE(N.at + k * N.stride + j + i) += factor * JO_LOAD(e + i);
                     }
@@ -48,7 +47,7 @@ static void modal_sums(const jo_body *b, const jo_real *E, int components, int r
                     }
 }
 
-/* rows and columns of the modal coordinates, and Ip, Bp, Jd */
+/* block of the modal coordinates; Ip = I3 p', Bp = B p', Jd = D p' */
 static inline void modal_block(const jo_weights *c, inertia *x)
 {
     const jo_body *b = x->b;
@@ -69,7 +68,7 @@ static inline void modal_block(const jo_weights *c, inertia *x)
     }
 }
 
-/* force on the origin, local: F - m acc = w' x S + I3 p'' + w x (w x S + 2 I3 p'); its columns of rotations */
+/* F - m acc = w' x S + I3 p'' + w x (w x S + 2 I3 p'), local: columns of translations and rotations */
 static inline void force_block(const inertia *x)
 {
     const jo_body *b = x->b;
@@ -97,7 +96,7 @@ static inline void force_block(const inertia *x)
         for (int j = 0; j < 3; j++) N.at[i * N.stride + 3 + j] += M[3 * i + j];
 }
 
-/* torque: S x acc + J w' + B p'' + w x (J w + B p') + 2 Jd w; its columns of translations and rotations */
+/* T = S x acc + J w' + B p'' + w x (J w + B p') + 2 Jd w: columns of translations and rotations */
 static inline void torque_block(const inertia *x)
 {
     const jo_body_work *w = x->w;
@@ -123,7 +122,7 @@ static inline void torque_block(const inertia *x)
         for (int j = 0; j < 3; j++) N.at[(3 + i) * N.stride + 3 + j] += T[3 * i + j] + Q[3 * i + j];
 }
 
-/* row and column of modal coordinate k */
+/* row and column of modal coordinate k, with I3, B, D, Dd, G, H of this coordinate */
 static inline void modal_column(const inertia *s, int k)
 {
     const jo_body *b = s->b;
@@ -165,7 +164,7 @@ void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int bo
     const jo_body *b = &m->body[body];
     const jo_weights *c = &stage->weights;
     const jo_real *a = d->a + b->iv;
-    /* damping of the momenta: alpha M and how M v turns; ROS2, which keeps the stiffness, leaves it explicit */
+    /* mass-proportional damping: alpha M and derivatives of M v; explicit in ROS2 */
     const double alpha = stage->set ? 0.0 : b->alpha;
     inertia x = {b, &d->body[body], jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v, c->plain ? 0.0 : c->v,
                  c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};

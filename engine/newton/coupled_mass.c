@@ -1,9 +1,8 @@
-/* coupled_mass.c - accelerations and multipliers where beams couple the masses of the bodies, by the block LU of newton_factor.c.
+/* coupled_mass.c - accelerations and multipliers of mechanisms whose bodies have coupled masses (beams), by the block LU of newton_factor.c.
  *
  *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in ROS2, M + g h D + (g h)^2 K of beams and modes
- * solved for the changes from accelerations and multipliers `base`: 0 but for gravity, or in the second stage of ROS2
- * those of the first, whose factors serve again. The masses change by O(h) meanwhile and the accelerations, too, so
- * that the error is O(h^2) in a and the method keeps its order 2.
+ * solved for the change from `base`, `base_lam`: free fall, or in stage 2 of ROS2 the solution of stage 1, with its factors. Masses and
+ * accelerations change by O(h) between the stages: the error of a is O(h^2), and the order of the method remains 2.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -13,7 +12,7 @@
 
 enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
 
-/* whether masses of different bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
+/* whether masses of bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
 {
     if (stage->set && m->nbeam) return 1;
@@ -22,7 +21,7 @@ int jo_couples(const jo_model *m, const jo_stage *stage)
     return 0;
 }
 
-/* M^ and the rows of the joints */
+/* Newton's matrix with M^ and the joint rows Cq */
 static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
@@ -38,8 +37,7 @@ static jo_real *part_of(const jo_model *m, jo_data *d, int item)
     return d->x + m->node[m->place[item].node].at + m->place[item].local;
 }
 
-/* d->x = N^-1 d->x; with rows that repeat one another the multipliers of least norm, where what the regularisation
- * leaves open in the rows is solved for again */
+/* d->x = N^-1 d->x; with regularised factors by iterative refinement: multipliers of least norm */
 static void solve(const jo_model *m, jo_data *d)
 {
     jo_newton_solve(m, d);
@@ -68,7 +66,7 @@ static void solve(const jo_model *m, jo_data *d)
     }
 }
 
-/* C'' of one joint at the accelerations in a, plus Baumgarte terms */
+/* y = C'' of one joint at the accelerations a, plus Baumgarte terms 2 alpha C' + beta^2 C */
 static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stage *stage, int i, jo_real *y)
 {
     const jo_joint *k = &m->joint[i];
@@ -110,7 +108,7 @@ static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stag
         for (int r = 0; r < k->nrow; r++) y[r] += 2.0 * stage->alpha * w->cdot[r] + stage->beta * stage->beta * w->c[r];
 }
 
-/* a and joint[].x from the forces that stand in fr and fp, with the factors */
+/* a and joint[].x for the forces fr, fp with the last factors: x = N^-1 [Q - M base + lag; -C'' at base], a = base + x */
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
@@ -141,12 +139,12 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
-/* the factors, unless those of the first stage serve, then the solution. Rows that repeat one another show in the
- * factorisation of S, which knows how small is small */
+/* factors (those of stage 1 in stage 2 of ROS2), then a and joint[].x. The factorisation of S detects redundant rows: its pivots have a
+ * scale */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     int status = JO_OK;
-    if (stage->second) {   /* the reactions of the first stage act like forces */
+    if (stage->second) {   /* reactions of stage 1 as forces */
         for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
         jo_apply_reactions(m, d);
     } else {
@@ -159,7 +157,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
         if (status != JO_OK) return status;
         assemble(m, d, stage);
         status = jo_newton_factor(m, d, jo_schur_soft(d));
-        d->counts.factorisations--;   /* counted as an evaluation */
+        d->counts.factorisations--;   /* part of an evaluation */
         if (status != JO_OK) return status;
         if (stage->set) {   /* the first stage of ROS2 */
             for (int i = 0; i < m->nv; i++) {
@@ -173,7 +171,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
     return JO_OK;
 }
 
-/* joint[].x = the change of the multipliers due to the changes of force in y and yp of the bodies */
+/* joint[].x = change of the multipliers by the changes of forces in y and yp of the bodies */
 void jo_coupled_respond(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -197,7 +195,7 @@ void jo_coupled_respond(const jo_model *m, jo_data *d)
     }
 }
 
-/* increment = the change of least norm in the metric of M^ by which the rows change by -x of the joints */
+/* increment of least norm in M^ with Cq increment = -x of the joints */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment)
 {
     for (int i = 0; i < m->nbody; i++) {

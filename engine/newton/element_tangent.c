@@ -1,4 +1,4 @@
-/* element_tangent.c - an element between two markers, a joint or a force, differentiated for Newton's matrix; see element.h. */
+/* element_tangent.c - joint or force element between two markers in Newton's matrix, see jo_element of newton.h. */
 #include "newton/newton.h"
 
 void jo_element_start(jo_element *e, int a, int b)
@@ -26,7 +26,7 @@ static int is_zero(const jo_element *e, int i, int j)
     return 1;
 }
 
-/* N -= L^T Y W of every pair of sides; the loads of the markers are summed up */
+/* N -= L^T Y W for each pair of sides; loads of the markers += y */
 void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
 {
     const int marker[2] = {e->a, e->b};
@@ -47,7 +47,7 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
                 for (int k = 0; k < 4; k++) any |= used[k] = !is_zero(e, 6 * s + 3 * half, 12 * t + 3 * k);
                 if (!any) continue;
                 const jo_real *L = w->L + 3 * half * row;
-                JO_EACH(j, columns) {   /* beyond the last column W is zero */
+                JO_EACH(j, columns) {   /* W is 0 in the padding */
                     const jo_lanes zero = {0};
                     jo_lanes h[3] = {zero, zero, zero};
                     for (int k = 0; k < 4; k++) {
@@ -67,10 +67,10 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
     }
 }
 
-/* how the gradient of a coordinate changes with [r_b - r_a, phi_a, phi_b] = [dr, pa, pb] */
+/* Change of the gradient of a coordinate by [dr, pa, pb] = changes of [r_b - r_a, phi_a, phi_b]. */
 typedef struct { jo_real along[3], turn_a[3], turn_b[3]; } gradient;
 
-/* of the angle: turn_b = (x h x g - y h x f) / (x^2 + y^2) with x = h.f, y = h.g; its size is that of s' = .. */
+/* angle: change of turn_b = (x h x g - y h x f) / (x^2 + y^2) with x = h . f, y = h . g; turn_a = -turn_b */
 static inline void angle_change(const jo_marker_work *a, const jo_marker_work *b, const jo_real *pa, const jo_real *pb,
                                 gradient *c)
 {
@@ -132,7 +132,7 @@ static inline void gradient_change(const jo_data *d, const jo_coordinate *k, con
     }
 }
 
-/* gradients of s and of s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, once G is known */
+/* derivatives of s and of s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b with respect to the 24 changes, from G */
 static void own_gradients(const jo_model *m, const jo_data *d, const jo_coordinate *c, const jo_coordinate_work *w, jo_gradients *g)
 {
     for (int i = 0; i < 24; i++) g->s[i] = g->rate[i] = 0.0;
@@ -172,7 +172,7 @@ void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, j
     own_gradients(m, d, k, w, g);
 }
 
-/* a force f along the coordinate, with the derivatives fs and frate of f with respect to s and s' */
+/* y += f gradient, Y += f G + gradient (fs ds + frate ds'): force f along a coordinate with fs = df/ds, frate = df/ds' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
                       jo_real frate)
 {

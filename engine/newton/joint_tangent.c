@@ -1,15 +1,15 @@
-/* joint_tangent.c - joints in Newton's matrix: their rows, and how their reactions change. */
+/* joint_tangent.c - joints in Newton's matrix: constraint rows and derivatives of the reactions. */
 #include "newton/newton.h"
 
-/* rows i.., columns j.. of Y += s M */
+/* Y(i.., j..) += s M */
 static void add(jo_element *e, int i, int j, jo_real s, const jo_real *M)
 {
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++) e->Y[i + r][j + c] += s * M[3 * r + c];
 }
 
-/* Rows of a joint and their transpose: c (24) are the derivatives of C' with respect to all changes of markers a, b;
- * those with respect to the velocities are the row of Cq itself. */
+/* Row of a joint and its transpose. c (24): derivatives of C' with respect to the changes of markers a, b; those with respect to
+ * velocities are the row of Cq. */
 static void add_row(const jo_model *m, jo_data *d, const jo_weights *by, int joint, int row, int a, int b, const jo_real *c)
 {
     const int marker[2] = {a, b};
@@ -23,7 +23,7 @@ static void add_row(const jo_model *m, jo_data *d, const jo_weights *by, int joi
         for (int i = 0; i < 6; i++) {
             const jo_real y = x[JO_DV + i], z = by->position ? 0.0 : x[i], *L = w->L + i * stride;
             const jo_real *W = w->W + i * stride, *V = W + 6 * stride;
-            if (by->position) V = W;   /* C itself changes with the position as C' with the velocity */
+            if (by->position) V = W;   /* dC/dq = dC'/dv */
             if (y == 0.0 && z == 0.0) continue;
             JO_EACH(j, stride) JO_STORE(N.at + row * N.stride + j) += by->rows * (y * JO_LOAD(V + j) + z * JO_LOAD(W + j));
             for (int j = 0; j < n; j++) T.at[j * T.stride + row] += y * L[j];
@@ -31,7 +31,7 @@ static void add_row(const jo_model *m, jo_data *d, const jo_weights *by, int joi
     }
 }
 
-/* a row C' = (om_a - om_b) . (x x y), rel = om_a - om_b, and its reaction lam in e */
+/* row C' = rel . (x x y), rel = om_a - om_b, and derivatives of its reaction lam x x y in e */
 static inline void perpendicular(const jo_model *m, jo_data *d, const jo_weights *by, int i, int r, int row, const jo_real *rel,
                                  jo_element *e)
 {
@@ -61,7 +61,7 @@ static inline void perpendicular(const jo_model *m, jo_data *d, const jo_weights
     add(e, 9, JO_OF_B + JO_DPHI, lam, Mb);
 }
 
-/* a row that is linear in coordinates, each an element of its own */
+/* row that is linear in coordinates; one element per coordinate */
 static void line_row(const jo_model *m, jo_data *d, const jo_weights *by, int i, const jo_line *line, int row)
 {
     const jo_real lam = d->lam[m->joint[i].row + row];

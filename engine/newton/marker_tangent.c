@@ -1,4 +1,4 @@
-/* marker_tangent.c - markers in Newton's matrix: how they move by what moves their bodies, and how their levers turn. */
+/* marker_tangent.c - derivatives of the motion of markers with respect to their bodies, and geometric stiffness of loads on them. */
 #include "newton/newton.h"
 
 /* M = d(T x)/dtheta or, with sign -1, d(T^T x)/dtheta of T = E + f1 theta~ + f2 theta~ theta~ */
@@ -18,7 +18,7 @@ static void operator_rate(jo_real *M, const jo_real *theta, const jo_real *x, do
         for (int j = 0; j < 3; j++) M[3 * i + j] += 2.0 * (sign * df1 * one[i] + df2 * two[i]) * theta[j];
 }
 
-/* Y (3 x row, from column 6) += M X for X (3 x np) */
+/* columns 6.. of Y (3 x row) += M X, X (3 x np) */
 static void add_modal(jo_real *Y, int row, const jo_real *M, const jo_real *X, int np, int n)
 {
     for (int i = 0; i < 3; i++) {
@@ -28,7 +28,7 @@ static void add_modal(jo_real *Y, int row, const jo_real *M, const jo_real *X, i
     }
 }
 
-/* the columns of rotations of Y (3 x row) */
+/* columns 3..5 of Y (3 x row) = M */
 static void set_turn(jo_real *Y, int row, const jo_real *M)
 {
     for (int i = 0; i < 3; i++)
@@ -53,7 +53,7 @@ static inline void turned(jo_real *M, const jo_real *A, jo_real s, const jo_real
     jo_mul33(M, A, Q);
 }
 
-/* rotation shapes: their part of the angular velocity, and how it changes with the position */
+/* rotation shapes: columns of T Psi in L and derivatives of T Psi p' in W */
 static void turn_by_shapes(const jo_marker *k, const jo_body *b, jo_body_work *bw, const jo_marker_work *w, int row)
 {
     const int n = b->n, np = b->np;
@@ -72,7 +72,7 @@ static void turn_by_shapes(const jo_marker *k, const jo_body *b, jo_body_work *b
     add_modal(w->W + 9 * row, row, AT, bw->Bw, np, n);
 }
 
-/* L, and in the last rows of W the change of [v, om] with the position */
+/* L, and in rows 6..11 of W the derivatives of [v, om] with respect to positions */
 static void motion_by_body(const jo_marker *k, const jo_body *b, jo_body_work *bw, const jo_marker_work *w, int row)
 {
     const int n = b->n, np = b->np;
@@ -102,7 +102,7 @@ static void motion_by_body(const jo_marker *k, const jo_body *b, jo_body_work *b
     }
 }
 
-/* with the unknowns positions change by q turn, velocities by v, too */
+/* W for the unknowns: positions q turn L, velocities q turn W + v L */
 static void motion_by_unknowns(const jo_weights *c, const jo_real *turn, const jo_real *L, jo_real *W, int row)
 {
     for (int i = 0; i < 6; i++) {
@@ -121,7 +121,7 @@ static void motion_by_unknowns(const jo_weights *c, const jo_real *turn, const j
     }
 }
 
-/* L and W of one marker: the motion of a marker by that of its body */
+/* L and W of one marker */
 void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker)
 {
     const jo_marker *k = &m->marker[marker];
@@ -133,7 +133,7 @@ void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int 
     motion_by_unknowns(&stage->weights, bw->turn, w->L, w->W, row);
 }
 
-/* A change of the pose of a body moves the lever of the force F, T (world) on a marker: r -= d(L^T) [F, T] */
+/* Geometric stiffness of a load F, T (world) on a marker: r -= d(L^T) [F, T], as rotations and modes change its lever */
 void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker)
 {
     const jo_marker *k = &m->marker[marker];

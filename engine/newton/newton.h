@@ -1,38 +1,35 @@
-/* newton.h - Newton's matrix of implicit methods: residual, tangents, assembly, factors; masses coupled by beams: what other rooms may use. */
+/* newton.h - Newton's matrix of the implicit methods: residual, tangents, assembly, factors, coupled masses; functions for other rooms. */
 #ifndef JO_NEWTON_H
 #define JO_NEWTON_H
 
 #include "data.h"
 
-/* a joint or force between two markers a, b, differentiated for Newton's matrix.
- *
- * It pushes with y = [F_a, T_a, F_b, T_b] (world); Y holds the derivatives of y with respect to the changes
- * [dr, dphi, dv, dom] of a, then of b.
- */
+/* Joint or force element between two markers a, b with its derivatives for Newton's matrix: forces y = [F_a, T_a, F_b, T_b] (world) and
+ * Y = dy / d[dr, dphi, dv, dom of a, the same of b]. */
 typedef struct {
-    int a, b;               /* markers, a may be -1 */
+    int a, b;               /* markers; a -1: none */
     jo_real y[12];
     jo_real Y[12][24];
 } jo_element;
 
 enum { JO_DR = 0, JO_DPHI = 3, JO_DV = 6, JO_DOM = 9, JO_OF_B = 12 };
 
-/* Gradients of a coordinate and of its rate with respect to all 24 changes, and those of the gradient itself, G[0..2] along,
- * G[3..5] turn_a, G[6..8] turn_b, with respect to [r_b - r_a, phi_a, phi_b]. */
+/* Derivatives of a coordinate s and of its rate with respect to the 24 changes, and of the gradient [along, turn_a, turn_b] (rows of G)
+ * with respect to [r_b - r_a, phi_a, phi_b]. */
 typedef struct { jo_real s[24], rate[24], G[9][9]; } jo_gradients;
 
 /* x = column i of A */
 static inline void jo_axis(jo_real *x, const jo_real *A, int i) { x[0] = A[i]; x[1] = A[3 + i]; x[2] = A[6 + i]; }
 
 void jo_element_start(jo_element *e, int a, int b);
-void jo_element_skew(jo_element *e, int i, int j, jo_real s, const jo_real *a);   /* rows i.., columns j.. += s a~ */
-void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e);   /* into the matrix */
+void jo_element_skew(jo_element *e, int i, int j, jo_real s, const jo_real *a);   /* Y(i.., j..) += s a~ */
+void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e);   /* add to Newton's matrix */
 void jo_element_gradients(const jo_model *m, const jo_data *d, int coordinate, jo_gradients *g);
-/* a force f along the coordinate, with its derivatives with respect to s and s' */
+/* force f along a coordinate, fs = df/ds, frate = df/ds' */
 void jo_element_along(const jo_data *d, jo_element *e, int coordinate, const jo_gradients *g, jo_real f, jo_real fs,
                       jo_real frate);
 
-/* relative_motion_tangent.c: motion of b against a, resolved in a */
+/* relative_motion_tangent.c: motion of b relative to a, resolved in a */
 void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R);
 void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w);
 void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_force_work *out);
@@ -41,34 +38,34 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
 /* newton_factor.c */
 typedef struct { jo_real *at; int stride; } jo_block;
 static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
-jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* block of items x, y: bodies, then joints */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant);
 void jo_newton_solve(const jo_model *m, jo_data *d);
 
 /* newton_residual.c */
-int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r);   /* jo_residual in a step of an implicit method */
-void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r);   /* M a less the forces that stand in fr and fp */
+int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r);   /* residual for the stage of an implicit method */
+void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r);   /* M a - [fr, fp] */
 
 /* body_tangent.c */
 void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int body);
 
 /* marker_tangent.c */
 void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);
-void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);   /* of the loads on it */
+void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int marker);   /* geometric stiffness of the loads on the marker */
 
 /* joint_tangent.c */
 void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int joint);
 
 /* newton_assemble.c */
-int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage);   /* at the state of the last jo_residual */
+int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage);   /* at the state of the last residual */
 void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage);    /* bodies and beams only */
 void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      /* joints only, without multipliers */
 
 /* coupled_mass.c */
-int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether the masses are coupled in it */
+int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether masses of bodies are coupled in a stage */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x by the changes of force in y and yp */
+void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x: change of the multipliers by y, yp */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);
 
 #endif

@@ -1,9 +1,8 @@
-/* newton_assemble.c - Newton's matrix, assembled of bodies, beams, joints, frictions and forces.
+/* newton_assemble.c - assembly of Newton's matrix from bodies, beams, joints, frictions and forces.
  *
- * An unknown is an acceleration [R'' (world), w' (local), p'']; it changes the accelerations by weights.a, the
- * velocities by weights.v and the increments [dR, dtheta (local), dp] of the position by weights.q, where a change
- * of the increment turns the body by `turn` times itself (the tangent operator of the exponential).
- * Changes of markers are [dr, dphi, dv, dom], all in the world frame, with dA = dphi~ A.
+ * Unknowns: accelerations [R'' (world), w' (local), p'']. A change x of them changes accelerations by weights.a x, velocities by
+ * weights.v x and increments [dR, dtheta (local), dp] of the positions by weights.q x; a change of dtheta rotates the body by `turn` times
+ * this change (tangent operator of the exponential map). Changes of markers: [dr, dphi, dv, dom], world frame, with dA = dphi~ A.
  */
 #include "valid.h"
 #include "newton/newton.h"
@@ -47,7 +46,7 @@ int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
     return JO_OK;
 }
 
-/* the matrix at any weights, for tests and analyses */
+/* matrix with given weights, for tests and analyses */
 static int assemble_with(const jo_model *m, jo_data *d, double ca, double cv, double cq)
 {
     const jo_stage stage = {.weights = {ca, cv, cq, 1.0, 0, 0}};
@@ -65,7 +64,7 @@ int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double
     return status;
 }
 
-/* in the order of [v, lam] */
+/* dense matrix in the order [v, lam] */
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
 {
     const int count = m->nv + m->nrow;

@@ -1,8 +1,8 @@
 /* newton_factor.c - sparse block LU of Newton's matrix [M^ Cq^T; Cq 0] of the implicit methods.
  *
- * Order and fill are fixed when the model is compiled. A node is a body with the joints that carry it, so that its
- * pivot block is regular; rows are exchanged within a node only. After the factorisation a diagonal block holds its
- * LU factors, those of six unknowns inverted, the block right of it A_cc^-1 A_cj, the block below it A_ic.
+ * Elimination order and fill-in are constants of the model. A node is a body with the joints to its parent, which makes its pivot block
+ * regular; rows are exchanged within a node only. After the factorisation a diagonal block contains its LU factors (of six unknowns:
+ * their inverses), the block to its right A_cc^-1 A_cj, the block below it A_ic.
  */
 #include "valid.h"
 #include "newton/newton.h"
@@ -10,7 +10,7 @@
 #define JO_SCHUR_REGULARISATION 1e-8    /* share of the scale of a joint row subtracted from its diagonal if rows are redundant */
 #define JO_DEPENDENT_PIVOT 1e-14        /* pivot / (unit of its row x unit of its column) below which the row depends on others */
 
-/* memory of the rows of x and the columns of y, bodies or joints; at 0 if they never touch */
+/* block with the rows of item x and the columns of item y (bodies, then joints); address 0: structurally zero */
 jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
 {
     const jo_place *p = &m->place[x], *q = &m->place[y];
@@ -39,7 +39,7 @@ jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
     return block;
 }
 
-/* y -= s x, padded */
+/* y -= s x, padded length */
 static inline void subtract_row(jo_real *restrict y, const jo_real s, const jo_real *restrict x, const int padded)
 {
     JO_EACH(j, padded) JO_STORE(y + j) -= s * JO_LOAD(x + j);
@@ -61,8 +61,8 @@ static void swap(double *x, double *y)
     *y = t;
 }
 
-/* LU with partial pivoting; the inverse of the diagonal is kept. A_ij has the unit row[i] column[j]. Returns the row whose pivot
- * vanishes beside it, or -1 */
+/* LU factors with partial pivoting and the inverse of the diagonal. Unit of A_ij: row[i] column[j]. Returns the row whose pivot is below
+ * `vanished` units, or -1 */
 static inline int factor_dense(jo_real *restrict A, const int n, const int stride, int *pivot, const double *column, double *row,
                                const double vanished)
 {
@@ -96,10 +96,11 @@ static inline int factor_dense(jo_real *restrict A, const int n, const int strid
     return -1;
 }
 
-/* Bodies without modes and nodes of beams have six unknowns: what follows is for blocks of this size, whose loops the
- * compiler unrolls. L and U are replaced by their inverses, so that nothing solved with them waits for what is solved before. */
+/* Kernels for blocks of six unknowns (rigid bodies, nodes of beams), with unrolled loops. L and U are replaced by their inverses: products
+ * with these have shorter dependency chains than substitutions. */
 enum { JO_SIX = 6, JO_ROW = 8 };
 
+/* L and U of a 6 x 6 block replaced by L^-1 and U^-1 */
 static void invert_six(jo_real *restrict A)
 {
     jo_real x[JO_SIX];
@@ -166,7 +167,7 @@ static inline void subtract_six(jo_real *restrict y, const jo_real *restrict A, 
     }
 }
 
-/* T -= X Y, six rows and columns, padded */
+/* T -= X Y, 6 x 6, padded rows */
 static void subtract_six_rows(jo_real *restrict T, const int target, const jo_real *restrict X, const jo_real *restrict Y)
 {
     JO_EACH(j, JO_ROW) {
@@ -180,7 +181,7 @@ static void subtract_six_rows(jo_real *restrict T, const int target, const jo_re
     }
 }
 
-/* B = A^-1 B, `count` times JO_WIDTH columns at a time so that sums stay in registers */
+/* B = A^-1 B for count JO_WIDTH columns, with the sums in registers */
 static inline void solve_panel(const jo_real *restrict A, const int n, const int stride, jo_real *restrict B,
                                const int padded, const int count)
 {
@@ -224,7 +225,7 @@ static inline jo_real dot(const jo_real *restrict a, const jo_real *restrict b, 
     return s;
 }
 
-/* the same for one column */
+/* x = A^-1 x with LU factors */
 static void solve_column(const jo_real *A, const int n, const int stride, const int *pivot, jo_real *x)
 {
     for (int k = 0; k < n; k++)
@@ -233,7 +234,7 @@ static void solve_column(const jo_real *A, const int n, const int stride, const 
     for (int i = n - 1; i >= 0; i--) x[i] = A[i * stride + i] * (x[i] - dot(A + i * stride + i + 1, x + i + 1, n - i - 1));
 }
 
-/* T -= X Y, (rows x n) (n x padded), four rows and four columns at a time */
+/* T -= X Y, X (rows x n), Y (n x padded), four rows at a time */
 static void subtract_product(jo_real *T, const int target, const jo_real *X, const int stride, const int rows, const int n,
                              const jo_real *Y, const int padded)
 {
@@ -258,9 +259,8 @@ static void subtract_product(jo_real *T, const int target, const jo_real *X, con
         for (int k = 0; k < n; k++) subtract_row(T + i * target, X[i * stride + k], Y + k * padded, padded);
 }
 
-/* The diagonal of S = Cq M^-1 Cq^T were the mass matrix diagonal, to measure what is small in the rows of a joint. A slender
- * body turns so easily about its own axis that this rotation alone, which other joints hold, made other rows look small: its
- * moments count by their geometric mean with the largest, halfway between what is left of a row and the rounding of it */
+/* Scale of a joint row: diagonal of S = Cq M^-1 Cq^T for the diagonal of the mass matrix. The moments of inertia enter with their geometric
+ * mean with the largest one: the rotation of a slender body about its axis, which other joints may prevent, would dominate the scale. */
 static double row_size(const jo_model *m, jo_data *d, int joint, int row)
 {
     const jo_joint *k = &m->joint[joint];
@@ -279,8 +279,8 @@ static double row_size(const jo_model *m, jo_data *d, int joint, int row)
     return sum;
 }
 
-/* Units of the unknowns, in which the diagonal of the matrix is 1: roots of masses and inertias, and of the diagonal of S of
- * joints. Before the elimination begins */
+/* Units of the unknowns, for which the diagonal of the matrix is 1: square roots of masses and inertias, and of the scales of joint rows.
+ * To be called before the elimination. */
 static void set_units(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody + m->njoint; i++) {
@@ -292,7 +292,7 @@ static void set_units(const jo_model *m, jo_data *d)
     }
 }
 
-/* rows that repeat one another: the multipliers of least norm */
+/* redundant rows: diagonal -= soft, for multipliers of least norm */
 static void regularise(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++) {
@@ -305,6 +305,7 @@ static void regularise(const jo_model *m, jo_data *d)
     }
 }
 
+/* first joint of a node, -1: none */
 static int node_joint(const jo_model *m, int node)
 {
     for (int i = 0; i < m->njoint; i++)
@@ -312,7 +313,7 @@ static int node_joint(const jo_model *m, int node)
     return -1;
 }
 
-/* the factors of d->N in place; `redundant`: rows repeat one another */
+/* factors of d->N in place, node by node: LU of the diagonal block, A_cc^-1 A_cj, updates of later blocks. redundant: regularised */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
@@ -368,7 +369,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
     return JO_OK;
 }
 
-/* d->x = N^-1 d->x */
+/* d->x = N^-1 d->x: forward elimination, then back substitution */
 void jo_newton_solve(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->nnode; c++) {

@@ -1,7 +1,6 @@
-/* newton_residual.c - the residual of the equations of motion at any accelerations and multipliers.
+/* newton_residual.c - residual of the equations of motion at given accelerations and multipliers (inverse dynamics).
  *
- * r = M a + Cq^T lam - Q on [dR (world), dtheta (local), dp] of every body: inverse dynamics without a
- * factorisation. The complex build differentiates it exactly.
+ * r = M a + Cq^T lam - Q on [dR (world), dtheta (local), dp] of each body. The complex build gives its exact derivatives.
  */
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -10,7 +9,7 @@
 #include "beam/beam.h"
 #include "friction/friction.h"
 
-/* M a of one body less the forces on it */
+/* r = M a - [fr, fp] of one body: F = m A + w' x S + I3 p'', T = S x A + J w' + B p'', r_p = p'' + I3^T A + B^T w', A = R'' - g */
 static void body_residual(const jo_model *m, const jo_data *d, int body, jo_real *r)
 {
     const jo_body *b = &m->body[body];
@@ -19,7 +18,7 @@ static void body_residual(const jo_model *m, const jo_data *d, int body, jo_real
     const int np = b->np;
     jo_real A[3], F[3], T[3], t[3];
     jo_set3(t, a);
-    jo_sub3(t, m->gravity);   /* gravity is a frame acceleration */
+    jo_sub3(t, m->gravity);   /* A = A_body^T (R'' - g) */
     jo_mul3t(A, w->A, t);
     jo_cross(F, wd, w->S);
     jo_axpy3(F, b->mass[0], A);
@@ -45,6 +44,7 @@ void jo_equations_residual(const jo_model *m, const jo_data *d, jo_real *r)
     for (int i = 0; i < m->nbody; i++) body_residual(m, d, i, r + m->body[i].iv);
 }
 
+/* r at time, q, v, a, lam: kinematics, inertia, forces, beams, friction, reactions, M a */
 int jo_residual_at(const jo_model *m, jo_data *d, const jo_stage *stage, jo_real *r)
 {
     static const jo_work none = {0.0, 0.0, 0.0};

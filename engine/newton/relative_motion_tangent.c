@@ -1,9 +1,9 @@
-/* relative_motion_tangent.c - the motion of a marker b as an observer on a marker a sees it, and a force on b that depends on it. */
+/* relative_motion_tangent.c - motion of marker b relative to marker a, and forces that depend on this motion with their derivatives. */
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
 
-/* pose of b against a, resolved in a: r_b - r_a and the matrix A_a^T A_b */
+/* relative pose, resolved in a: r = A_a^T (r_b - r_a), R = A_a^T A_b */
 void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *R)
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
@@ -16,7 +16,7 @@ void jo_relative_pose(const jo_data *d, const jo_force *f, jo_real *r, jo_real *
             R[3 * i + j] = a->A[i] * b->A[j] + a->A[3 + i] * b->A[3 + j] + a->A[6 + i] * b->A[6 + j];
 }
 
-/* velocity and angular velocity of b as an observer on a sees them, resolved in a: A_a^T (v_b - v_a - om_a x d) */
+/* relative velocity, resolved in a: v = A_a^T (v_b - v_a - om_a x (r_b - r_a)), w = A_a^T (om_b - om_a) */
 void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *v, jo_real *w)
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
@@ -35,7 +35,7 @@ void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f
     jo_mul3t(w, a->A, omb);
 }
 
-/* y (6), resolved in a, on b at its origin; on a the opposite with the moment of the arm d: -F, -(d x F) - T */
+/* y (6), resolved in a, on b; on a -F and -T - d x F with d = r_b - r_a */
 void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_force_work *out)
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
@@ -54,8 +54,8 @@ void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_
     jo_push(m, d, f->a, Fa, Ta);
 }
 
-/* y (6) on b, resolved in a, depends on the relative motion; X (6 x 12): its derivatives with respect to the changes
- * [position, rotation, velocity, angular velocity] of b against a, resolved in a */
+/* force y (6) on b, resolved in a, with X (6 x 12), its derivatives with respect to relative [position, rotation, velocity, angular velocity]:
+ * Y = X K with the derivatives K of the relative motion, rotation of y with a, and reaction on a */
 void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_real (*X)[12])
 {
     const jo_marker_work *a = &d->marker[f->a], *b = &d->marker[f->b];
@@ -72,7 +72,7 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
     jo_sub3(vb, va);
     jo_sub3(vb, t);      /* relative velocity */
     jo_sub3(omb, oma);
-    /* changes of the relative motion, first in the world frame: e.Y serves as scratch */
+    /* derivatives of the relative motion in the world frame; e.Y is work space */
     for (int p = 0; p < 3; p++) {
         e.Y[p][JO_DR + p] = e.Y[3 + p][JO_DPHI + p] = e.Y[6 + p][JO_DV + p] = e.Y[9 + p][JO_DOM + p] = jo_same(-1.0);
         e.Y[p][JO_OF_B + JO_DR + p] = e.Y[3 + p][JO_OF_B + JO_DPHI + p] = e.Y[6 + p][JO_OF_B + JO_DV + p] = e.Y[9 + p][JO_OF_B + JO_DOM + p] = jo_same(1.0);
