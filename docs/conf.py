@@ -45,3 +45,4 @@ html_title = f"jousto {release}"
 html_copy_source = False
 html_static_path = ["static"]
 html_css_files = ["pages.css"]
+html_search_scorer = str(Path(__file__).parent / "scorer.js")

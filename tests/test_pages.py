@@ -171,6 +171,14 @@ def index(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
     return json.loads(re.fullmatch(r"Search\.setIndex\((.*)\)", text)[1])
 
 
+@pytest.mark.parametrize("word", FOUND)
+def test_the_index_of_words_has_it(word: str) -> None:
+    """It stands first in the results of a search, see docs/scorer.js."""
+    text = PAGES["find"].read_text(encoding="utf-8")
+    words = re.findall(r"^\| (.*?) \|", text, re.M)
+    assert any(re.search(rf"\b{word}s?\b", line, re.I) for line in words)
+
+
 @pytest.mark.parametrize(("word", "page"), FOUND.items())
 def test_a_search_finds_the_page(index: dict[str, object], word: str, page: str) -> None:
     from sphinx.search.en import SearchEnglish
