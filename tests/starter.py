@@ -17,7 +17,7 @@ import sys
 
 LIBRARIES = (
     *("cffi", "h5py", "matplotlib.figure", "matplotlib.backends.backend_agg"),
-    *("matplotlib.collections", "numpy", "PIL", "pydantic", "rich.progress", "ruamel.yaml"),
+    *("matplotlib.collections", "numpy", "PIL", "pydantic", "rich.progress"),
     *("scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.sparse"),
     *("scipy.sparse.csgraph", "scipy.sparse.linalg", "scipy.spatial", "scipy.special"),
     *("scipy.stats", "typer", "yaml"),

@@ -97,14 +97,14 @@ def test_json_with_tabs_is_read_with_lines():
         (
             "# [ {\nname: it's [one]\nbodies: ['[', \"{\", {name: x, at: [0, 0]}\njoints: 3\n",
             [
-                "m.yaml:4: YAML syntax: expected ',' or ']', but got '<scalar>'; "
+                "m.yaml:4: YAML syntax: expected ',' or ']', but got 'joints'; "
                 "the '[' opened in line 3 is not closed"
             ],
         ),
         (
             '{"a": [1, 2],\n "b": {"c": 3\n',
             [
-                "m.yaml:3: YAML syntax: expected ',' or '}', but got '<stream end>'; "
+                "m.yaml:3: YAML syntax: expected ',' or '}', but got the end of the file; "
                 "the '{' opened in line 2 is not closed"
             ],
         ),
@@ -121,10 +121,7 @@ def test_json_with_tabs_is_read_with_lines():
         ("? [1, 2]\n: 3\n", ["m.yaml:1: a key must be a plain word"]),
         (
             "a: 1\n---\nb: 2\n",
-            [
-                "m.yaml:2: YAML syntax: expected a single document in the stream but found "
-                "another document"
-            ],
+            ["m.yaml:2: YAML syntax: expected a single document in the stream, found another one"],
         ),
     ],
 )
@@ -134,7 +131,7 @@ def test_broken_files_say_where_and_why(text, expected):
 
 def test_aliases_that_repeat_without_end(monkeypatch):
     """Nine levels of ten aliases each are 1e9 entries in 0.4 kB."""
-    monkeypatch.setattr("jousto.schema.file.document.MOST_ENTRIES", 20_000)
+    monkeypatch.setattr("jousto.schema.file.yaml_reader.MOST_ENTRIES", 20_000)
     levels = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 10)]
     (message,) = problems("\n".join(["a0: &a0 [x]", *levels]))
     assert re.fullmatch(r"m.yaml:[456]: too many entries, aliases repeat too often", message)
@@ -169,7 +166,7 @@ def test_a_tree_that_the_parser_can_read_but_not_the_reader(monkeypatch):
     def deep(self, node):
         raise RecursionError
 
-    monkeypatch.setattr("jousto.schema.file.document._Reader.value", deep)
+    monkeypatch.setattr("jousto.schema.file.yaml_reader.YamlReader.value", deep)
     assert problems("a: 1") == ["m.yaml: is nested too deeply"]
 
 

@@ -132,9 +132,9 @@ def test_closed_joints_are_looked_at_once(monkeypatch):
     assert counts[1] < 2.1 * counts[0]
 
 
-# calls of functions for a hinged body in Python 3.11 with NumPy 2, those of both included: 290 for
+# calls of functions for a hinged body in Python 3.11 with NumPy 2, those of both included: 260 for
 # its text, 570 for its objects, 290 to compile, 30 to examine it
-FEW = 1250
+FEW = 1200
 
 
 def test_a_hinged_body_costs_few_calls():

@@ -11,7 +11,8 @@ from jousto.base.complexstep import scalar
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.expressions import ExpressionError, Quantity, evaluate, read_quantity
 from jousto.design.studies.parameters.parameter import Parameter
-from jousto.schema.file.document import EXPRESSION, Document, Loc
+from jousto.schema.file.document import Document, Loc
+from jousto.schema.file.hidden_signs import EXPRESSION
 
 SECTION = "parameters"
 LATER = "limits"

@@ -12,7 +12,7 @@ from jousto.base.expressions import Quantity
 from jousto.base.object_repr import described
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.schema.entries.blocks.limits import ReliabilityEntry
-from jousto.schema.file.document import EXPRESSION
+from jousto.schema.file.hidden_signs import EXPRESSION
 from jousto.schema.make.builder import Builder
 
 if TYPE_CHECKING:

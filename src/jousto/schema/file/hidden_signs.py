@@ -1,0 +1,44 @@
+"""Signs that mean something to libyaml and nothing in a model file: hidden, then restored."""
+
+from __future__ import annotations
+
+import re
+
+EXPRESSION = re.compile(r"\$\{([^{}\n]*)\}")
+
+SHIELD = 0xE000  # the private area of Unicode, to which hidden signs are moved
+BREAKS = re.compile("[\x85\u2028\u2029]")  # ends of lines in YAML 1.1 alone
+SHIELDED = re.compile("[\ue020-\ue07e\ue085\uf028\uf029]")
+MOVED = {0x85: 0xE085, 0x2028: 0xF028, 0x2029: 0xF029}
+RESTORED = {new: old for old, new in MOVED.items()}
+RESTORED |= {SHIELD + k: k for k in range(0x20, 0x7F)}
+
+ESCAPE = "\uf0d8"  # in the place of the backslash before what follows
+# halves of characters of UTF-16, which libyaml refuses, and signs that stand for hidden ones
+ESCAPES = re.compile(r"(?<!\\)((?:\\\\)*)\\(?=u(?:[dD][89a-fA-F]|[eEfF]0)[0-9a-fA-F]{2})")
+HIDDEN_ESCAPE = re.compile(ESCAPE + "u([0-9a-fA-F]{4})")
+SURROGATE = re.compile("[\ud800-\udfff]")  # halves of characters, which UTF-8 does not have
+UTF16 = "utf-16-le"
+
+
+def shielded(text: str) -> str:
+    """Return text with the signs in ``${...}`` and those of YAML 1.1 alone hidden; see `bare`."""
+    if not text.isascii() and (SHIELDED.search(text) or ESCAPE in text):
+        return text
+    if "${" in text:
+        text = EXPRESSION.sub(lambda found: "$" + "".join(map(_shield, found[0][1:])), text)
+    if "\\u" in text:
+        text = ESCAPES.sub(lambda found: found[1] + ESCAPE, text)
+    if not text.isascii() and BREAKS.search(text):
+        text = text.translate(MOVED)
+    return text
+
+
+def _shield(sign: str) -> str:
+    plain = sign.isalnum() or sign == " " or not " " < sign <= "~"
+    return sign if plain else chr(SHIELD + ord(sign))
+
+
+def bare(text: str) -> str:
+    """Return text as it was before it was shielded."""
+    return text.translate(RESTORED) if SHIELDED.search(text) else text
