@@ -36,6 +36,8 @@ P = ParamSpec("P")
 Out = TypeVar("Out", covariant=True)
 Form = TypeVar("Form")
 
+POSITIONAL = inspect.Parameter.POSITIONAL_OR_KEYWORD
+
 SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 """Classes by their word ``type`` in each section of a model file."""
 
@@ -136,6 +138,7 @@ class Declared:
                 found = kind.check(problems, where, value)
                 if len(problems.found) > before:
                     wrong.add(key)
+                    problems.found[before:] = map(kind.located, problems.found[before:])
                 elif value is kind.default:
                     kind.default_kept = found
             else:  # checked before
@@ -176,12 +179,12 @@ def _answer(cls: Any) -> None:
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next:  # not of this call
                 raise
-            raise _refused(cls, error, given, named) from None
+            raise _refused(cls, given, named) from None
 
     cls.__init__ = call
 
 
-def _refused(cls: Any, error: TypeError, given: Any, named: Mapping[str, Any]) -> CallError:
+def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
     """Return what is wrong with the arguments of a constructor."""
     name = named.get("name", given[0] if given and "name" in cls.fields else "")
     where = (
@@ -192,10 +195,24 @@ def _refused(cls: Any, error: TypeError, given: Any, named: Mapping[str, Any]) -
     unknown = [key for key in named if key not in names]
     said = [f"there is no argument {key!r}{suggest(key, names)}" for key in unknown]
     if not said:
-        text = str(error).rpartition("__init__() ")[2]
-        text = re.sub(
-            r"takes .* given", f"{len(given)} arguments without a name are too many", text
-        )
+        unnamed = [key for key, one in parameters.items() if one.kind is POSITIONAL]
+        twice = [key for key in unnamed[: len(given)] if key in named]
+        missing = [
+            key
+            for i, (key, one) in enumerate(parameters.items())
+            if one.default is one.empty
+            and one.kind in (POSITIONAL, one.KEYWORD_ONLY)
+            and key not in named
+            and not (one.kind is POSITIONAL and i < len(given))
+        ]
+        spread = any(one.kind is one.VAR_POSITIONAL for one in parameters.values())
+        if twice:
+            text = f"{twice[0]!r} is given twice, by its place and by its name"
+        elif len(given) > len(unnamed) and not spread:
+            text = f"{len(given)} arguments without a name are too many"
+        else:
+            plural = "arguments" if len(missing) > 1 else "argument"
+            text = f"missing {len(missing)} {plural}: {', '.join(map(repr, missing))}"
         written = (
             f"{key}=..." if one.kind is inspect.Parameter.KEYWORD_ONLY else key
             for key, one in parameters.items()

@@ -9,8 +9,8 @@ import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from jousto.base.complexstep import floats, is_stepping, scalar
 
 T = TypeVar("T")
+Path: TypeAlias = tuple[str | int, ...]
 FEW = 9  # numbers up to which those of Python are faster than those of NumPy
 ASK_TRUST = (
     "which may do anything on this computer; if you trust the model file, run it with --trust "
@@ -51,9 +52,19 @@ class JoustoWarning(UserWarning):
     ----------
     where : str
         Name of the object or place in a file, with which the text begins; empty for none.
+    message : str
+        The text without it.
+    path : tuple of (str or int)
+        The field that it is about, as for `Problem`.
     """
 
     where: str = ""
+    message: str = ""
+    path: Path = ()
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.message = text
 
 
 @dataclass(frozen=True)
@@ -66,13 +77,30 @@ class Problem:
         Name of the object or place in a file (``"body 'arm'"``, ``"boom.yaml:18: joints.0.b"``).
     message : str
         What was found and what would be right.
+    path : tuple of (str or int)
+        The field of the object that it is about, and the item or field in it, from outside to
+        inside: ``("limit",)``, ``("points", 3)``; empty where it is about no single one.
+    named : bool
+        Whether the message names the field; else the path stands before it.
     """
 
     where: str
     message: str
+    path: Path = field(default=(), kw_only=True, compare=False, repr=False)
+    named: bool = field(default=True, kw_only=True, compare=False, repr=False)
 
     def __str__(self) -> str:
-        return f"{self.where}: {self.message}" if self.where else self.message
+        return f"{self.where}: {self.sentence}" if self.where else self.sentence
+
+    @property
+    def sentence(self) -> str:
+        """The message, with its field before it where it does not name it."""
+        return self.message if self.named else f"{'.'.join(map(str, self.path))}: {self.message}"
+
+    def inside(self, where: str, *path: str | int, named: bool = False) -> Problem:
+        """Return the problem of a larger object, of which this one's object is a field or item."""
+        text = self.sentence if self.where == path[-1] else str(self)
+        return Problem(where, text, path=(*path, *self.path), named=named)
 
 
 class InputError(JoustoError, ValueError):
@@ -141,9 +169,9 @@ class Problems:
     def __init__(self) -> None:
         self.found: list[Problem] = []
 
-    def add(self, where: str, message: str) -> None:
-        """Note one problem."""
-        self.found.append(Problem(where, message))
+    def add(self, where: str, message: str, *path: str | int, named: bool = True) -> None:
+        """Note one problem, of a field that the path leads to; see `Problem`."""
+        self.found.append(Problem(where, message, path=path, named=named))
 
     def raise_if_any(self) -> None:
         """Raise InputError with everything noted so far, if there is anything."""
@@ -170,11 +198,11 @@ class Problems:
                 raise TypeError
             x = scalar(value)
         except (TypeError, ValueError, OverflowError):
-            self.add(where, f"{name} is {value!r}, must be {wanted}{unit and ' in '}{unit}")
+            self.add(where, f"{name} is {value!r}, must be {wanted}{unit and ' in '}{unit}", name)
             return False
         if not np.isfinite(x) or not good(x):
             found = f"{x:g} {unit}".rstrip()
-            self.add(where, f"{name} is {found}, must be {wanted}")
+            self.add(where, f"{name} is {found}, must be {wanted}", name)
             return False
         return True
 
@@ -183,13 +211,14 @@ class Problems:
         if isinstance(value, kind):
             return (value,)
         if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
-            self.add(where, f"{name} is {value!r}, must be a sequence of {kind.__name__}")
+            self.add(where, f"{name} is {value!r}, must be a sequence of {kind.__name__}", name)
             return ()
         items = tuple(value)
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         for i, item in enumerate(items):
             if not isinstance(item, kind):
-                self.add(where, f"{name}[{i}] is {item!r}, must be {article} {kind.__name__}")
+                message = f"{name}[{i}] is {item!r}, must be {article} {kind.__name__}"
+                self.add(where, message, name, i)
         return tuple(item for item in items if isinstance(item, kind))
 
     def array(
@@ -205,15 +234,15 @@ class Problems:
         except (TypeError, ValueError, OverflowError):
             if shape:
                 wanted = _shape(shape)
-                self.add(where, f"{name} is not an array of numbers of shape {wanted}")
+                self.add(where, f"{name} is not an array of numbers of shape {wanted}", name)
             else:
-                self.add(where, f"{name} is {value!r}, must be a number")
+                self.add(where, f"{name} is {value!r}, must be a number", name)
             return None
         if array.shape != shape and (
             array.ndim != len(shape)
             or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True))
         ):
-            self.add(where, f"{name} has shape {array.shape}, must be {_shape(shape)}")
+            self.add(where, f"{name} has shape {array.shape}, must be {_shape(shape)}", name)
             return None
         if array.size <= FEW:
             finite = all(map(cmath.isfinite, array.ravel().tolist()))
@@ -222,7 +251,7 @@ class Problems:
         if not finite:
             index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
             place = list(index) if index else ""
-            self.add(where, f"{name}{place} is {array[index]}, must be finite")
+            self.add(where, f"{name}{place} is {array[index]}, must be finite", name, *index)
             return None
         array.setflags(write=False)
         return array
@@ -255,7 +284,7 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     return f"; known: {shown}"
 
 
-def warn(where: str, message: str) -> None:
+def warn(where: str, message: str, *path: str | int) -> None:
     """Issue a JoustoWarning that reads like a Problem and points at the code that uses jousto."""
     level = 2
     frame = sys._getframe(1)
@@ -263,7 +292,7 @@ def warn(where: str, message: str) -> None:
         frame = frame.f_back
         level += 1
     warning = JoustoWarning(f"{where}: {message}" if where else message)
-    warning.where = where
+    warning.where, warning.message, warning.path = where, message, path
     warnings.warn(warning, stacklevel=level)
 
 

@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Iterable
 from typing import Any, ClassVar, Generic, Literal, TypeVar, get_args, overload
 
-from jousto.base.errors import Problems
+from jousto.base.errors import Problem, Problems
 
 In = TypeVar("In")
 Out = TypeVar("Out")
@@ -143,6 +143,11 @@ class Field(Generic[In, Out]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the value as it is kept, or note what is wrong with it."""
         return value
+
+    def located(self, problem: Problem) -> Problem:
+        """Return a problem that `check` noted, at the path that begins with this field."""
+        inside = problem.path[1:] if problem.path[:1] == (self.label,) else problem.path
+        return dataclasses.replace(problem, path=(self.key, *inside))
 
     @property
     def annotation(self) -> str:

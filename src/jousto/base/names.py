@@ -25,17 +25,17 @@ def check_name(problems: Problems, kind: str, name: Any) -> str:
     """
     where = f"{kind} {name!r}"
     if not isinstance(name, str):
-        problems.add(where, "name must be a string")
+        problems.add(where, "name must be a string", "name")
     elif not name.strip() or name != name.strip():
-        problems.add(where, "name must not be empty or start or end with a blank")
+        problems.add(where, "name must not be empty or start or end with a blank", "name")
     else:
         forbidden = [c for c in FORBIDDEN.get(kind, "/") if c in name]
         if forbidden:
-            problems.add(where, f"name must not contain {forbidden[0]!r}")
+            problems.add(where, f"name must not contain {forbidden[0]!r}", "name")
         elif name in (".", ".."):
-            problems.add(where, "name must not be '.' or '..'")
+            problems.add(where, "name must not be '.' or '..'", "name")
         elif not name.isprintable() and any(unicodedata.category(c) in ("Cc", "Cs") for c in name):
-            problems.add(where, "name must not contain control characters")
+            problems.add(where, "name must not contain control characters", "name")
         elif kind == "body" and name == "ground":
             problems.add(where, "the name 'ground' is taken by the ground")
     return where

@@ -20,8 +20,8 @@ def set_fields(target: Any, **values: Any) -> None:
         object.__setattr__(target, key, value)
 
 
-def number(problems: Problems, where: str, name: str, value: Any) -> float | None:
-    """Return a finite float, or note why the value is none."""
+def number(problems: Problems, where: str, name: str, value: Any, *path: str | int) -> float | None:
+    """Return a finite float, or note why the value is none, at a path (its name if empty)."""
     try:
         if value is None or isinstance(value, str):
             raise TypeError
@@ -29,10 +29,10 @@ def number(problems: Problems, where: str, name: str, value: Any) -> float | Non
     except (TypeError, ValueError, OverflowError):
         array = np.empty(0)
     if array.shape != ():
-        problems.add(where, f"{name} is {value!r}, must be a number")
+        problems.add(where, f"{name} is {value!r}, must be a number", *(path or (name,)))
         return None
     if not np.isfinite(array):
-        problems.add(where, f"{name} is {array[()]:g}, must be finite")
+        problems.add(where, f"{name} is {array[()]:g}, must be finite", *(path or (name,)))
         return None
     return scalar(array[()])
 
@@ -217,9 +217,10 @@ class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
         """Return them as a tuple."""
         found = []
         for i, x in enumerate(value if isinstance(value, Iterable) else (value,)):
-            found.append(number(problems, where, f"{self.name}[{i}]", x))
+            found.append(number(problems, where, f"{self.name}[{i}]", x, self.label, i))
             if found[-1] == 0.0:
-                problems.add(where, f"{self.name}[{i}] is 0, must not be zero")
+                message = f"{self.name}[{i}] is 0, must not be zero"
+                problems.add(where, message, self.label, i)
         return tuple(found)
 
 

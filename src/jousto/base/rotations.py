@@ -108,7 +108,7 @@ def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Ar
     direction = problems.array(where, name, value, (3,))
     if direction is not None and max(map(abs, direction.tolist())) < SHORTEST:
         found = ", ".join(f"{x:g}" for x in direction)
-        problems.add(where, f"{name} is ({found}), must have a direction")
+        problems.add(where, f"{name} is ({found}), must have a direction", name)
         return None
     return direction
 
@@ -301,6 +301,7 @@ def parse_convention(problems: Problems, where: str, value: Any) -> tuple[int, .
         f"convention is {value!r}, must be three axes, neighbours different: capitals such as "
         "'ZXZ' for the axes as they have been turned (intrinsic), small letters such as 'zxz' for "
         f"those of the world (extrinsic){hint}",
+        "convention",
     )
     return None
 
@@ -345,10 +346,11 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
             f"{name} {found}; must be four Euler parameters (scalar first), a (3, 3) rotation "
             "matrix, a scipy Rotation, Rotate(axis, degrees=...) or "
             'Rotate.euler("ZXZ", degrees=...)',
+            name,
         )
         return None
     if not np.all(np.isfinite(array)):
-        problems.add(where, f"{name} is {array.tolist()}, must be finite")
+        problems.add(where, f"{name} is {array.tolist()}, must be finite", name)
         return None
     if array.shape == (4,):
         length = norm(array)
@@ -357,6 +359,7 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
                 where,
                 f"{name} {array.tolist()} has length {length:g}; Euler parameters (scalar first) "
                 "must have length 1",
+                name,
             )
             return None
         return read_only(array / length)
@@ -366,11 +369,12 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
             where,
             f"{name} is not a rotation matrix: its columns are not orthonormal "
             f"(largest error of A^T A is {error:.1e})",
+            name,
         )
         return None
     if np.linalg.det(array) < 0:
         problems.add(
-            where, f"{name} is a reflection (determinant -1), must be a right-handed rotation"
+            where, f"{name} is a reflection (determinant -1), must be a right-handed rotation", name
         )
         return None
     return read_only(euler_parameters(array))

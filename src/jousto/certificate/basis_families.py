@@ -15,6 +15,7 @@ from jousto.certificate.interface_modes import Modes, modes_of
 from jousto.certificate.part_checks import FullModel
 from jousto.reduction.methods import CraigBampton
 from jousto.reduction.modes import eigen
+from jousto.reduction.modes.eigen import MissingModesError
 from jousto.reduction.stages import Run
 
 if TYPE_CHECKING:
@@ -98,18 +99,15 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
     if limit is not None:
         try:
             reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit), **options)
-        except InputError as error:
-            # one node held and no mode below the limit: look at the first few
-            if "no elastic mode" not in str(error):
-                raise
+        except MissingModesError:
+            pass  # one node held and no mode below the limit: look at the first few
     for modes in TRIED if limit is None else TRIED[-3:]:
         if reduced is not None:
             break
         try:
             reduced = reduce(full.part, CraigBampton(names, modes=modes), **options)
-        except InputError as error:
-            # a small part has fewer
-            if modes == TRIED[-1] or "modes asked for" not in str(error):
+        except MissingModesError:
+            if modes == TRIED[-1]:  # a small part has fewer
                 raise
     assert reduced is not None
     modes_ = modes_of(full, reduced)

@@ -417,4 +417,4 @@ def _pieces(part: Part) -> int:
 
 def fault_of(error: InputError) -> str:
     """Return the message of an error without the name of the part."""
-    return error.problems[0].message
+    return error.problems[0].sentence

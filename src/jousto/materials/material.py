@@ -62,28 +62,30 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
         """Note values that no material has, warn of those that look like another unit."""
         if self.alpha is not None and not abs(self.alpha) < 0.01:
             problems.add(
-                where, f"alpha is {self.alpha:g} 1/K; was it meant in 1e-6/K? Give it as 12e-6"
+                where,
+                f"alpha is {self.alpha:g} 1/K; was it meant in 1e-6/K? Give it as 12e-6",
+                "alpha",
             )
         if problems.found:
             return
 
         # values that are legal numbers but most likely in other units
-        hints = []
+        hints: dict[str, str] = {}
         if self.E < 1e9:
             unit = _likely_unit(self.E)
-            hints.append(f"E = {self.E:g} Pa is softer than most plastics; was it given in {unit}?")
+            hints["E"] = f"E = {self.E:g} Pa is softer than most plastics; was it given in {unit}?"
         elif self.E > 2e12:
-            hints.append(f"E = {self.E:g} Pa is stiffer than diamond; SI needs Pa")
+            hints["E"] = f"E = {self.E:g} Pa is stiffer than diamond; SI needs Pa"
         if self.rho > 5e4:
-            hints.append(f"rho = {self.rho:g} kg/m^3 is denser than any metal; SI needs kg/m^3")
+            hints["rho"] = f"rho = {self.rho:g} kg/m^3 is denser than any metal; SI needs kg/m^3"
         elif 0.0 < self.rho < 1.0:
-            hints.append(f"rho = {self.rho:g} kg/m^3 is lighter than air; was it given in t/mm^3?")
+            hints["rho"] = f"rho = {self.rho:g} kg/m^3 is lighter than air; was it given in t/mm^3?"
         elif 0.0 < self.rho < 25.0 and self.E > 1e9:
-            hints.append(
+            hints["rho"] = (
                 f"rho = {self.rho:g} kg/m^3 is lighter than any foam; was it given in g/cm^3?"
             )
-        for hint in hints:
-            warn(where, hint)
+        for key, hint in hints.items():
+            warn(where, hint, key)
 
     @property
     def G(self) -> float:

@@ -31,9 +31,13 @@ class Axes(Field[Any, Array]):
         if axes is None:
             return None
         if np.abs(axes.T @ axes - np.eye(3)).max() > 1e-6:
-            problems.add(where, "axes: the columns must be unit vectors normal to each other")
+            problems.add(
+                where, "the columns must be unit vectors normal to each other", "axes", named=False
+            )
         elif np.linalg.det(axes) < 0.0:
-            problems.add(where, "axes: the columns must be right-handed; turn the sign of one")
+            problems.add(
+                where, "the columns must be right-handed; turn the sign of one", "axes", named=False
+            )
         return axes
 
 

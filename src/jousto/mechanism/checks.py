@@ -78,7 +78,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
     if len(different) > 1:
         problems.add("gravity", f"{len(different)} Gravity items, only one makes sense")
     if not any(isinstance(x, RigidBody | FlexibleBody | BeamBody) for x in items):
-        problems.add("mechanism", "has no bodies")
+        problems.add("mechanism", "has no bodies", "bodies")
 
 
 def check_assemblies(problems: Problems, mechanism: Members) -> None:
@@ -115,7 +115,9 @@ def check_names(problems: Problems, mechanism: Members) -> None:
                 count = len({id(x) for x in named[item.name]})
                 kinds = {kind_of(x) for x in named[item.name]}
                 plural = "joints" if kinds == {"joint"} else group
-                problems.add(where(item), f"{count} {plural} have this name, names must differ")
+                problems.add(
+                    where(item), f"{count} {plural} have this name, names must differ", "name"
+                )
 
 
 def whole_bodies(mechanism: Members) -> tuple[Any, ...]:
@@ -154,7 +156,7 @@ def check_members(problems: Problems, mechanism: Members) -> None:
             text = "is another body of that name than the one in the mechanism"
         else:
             text = f"is not in the mechanism{suggest(name, bodies)}"
-        problems.add(where(item), f"{argument}: {kind} {name!r} {text}")
+        problems.add(where(item), f"{kind} {name!r} {text}", argument, named=False)
 
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
     for event in mechanism.events:
@@ -280,9 +282,12 @@ def check_fmus(problems: Problems, mechanism: Members) -> None:
                     where(fmu),
                     f"sets input {name!r}, which nothing in the mechanism uses"
                     f"{suggest(name, used)}",
+                    "inputs",
                 )
             if name in setters:
-                problems.add(where(fmu), f"sets input {name!r}, which {setters[name]} sets already")
+                problems.add(
+                    where(fmu), f"sets input {name!r}, which {setters[name]} sets already", "inputs"
+                )
             setters.setdefault(name, f"fmu {fmu.name!r}")
 
 
@@ -408,6 +413,7 @@ def check_frictions(problems: Problems, mechanism: Members) -> None:
                 where(friction),
                 f"joint {friction.joint.name!r} has the friction {other.name!r} already; "
                 "leave one out",
+                "joint",
             )
         moved = [drives.get(s.key) for s in friction.coordinates] if friction.law.sticks else []
         for drive in dict.fromkeys(filter(None, moved)):

@@ -29,7 +29,7 @@ class Watched(Field[Measurable, Measurable]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return what is watched."""
         if not isinstance(value, Sensor | Coordinate):
-            problems.add(where, f"watch is {value!r}, must be a sensor or a coordinate")
+            problems.add(where, f"watch is {value!r}, must be a sensor or a coordinate", "watch")
         return value
 
 
@@ -52,7 +52,7 @@ class Direction(Choice):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return one of the words."""
         if value not in self.words:
-            problems.add(where, f"direction is {value!r}{suggest(value, self.words)}")
+            problems.add(where, f"direction is {value!r}{suggest(value, self.words)}", "direction")
         return value
 
 
@@ -72,6 +72,8 @@ class Released(Field["Iterable[Releasable] | Releasable", "tuple[Releasable, ...
                 problems.add(
                     where,
                     f"releases[{i}] is {one!r}, must be a joint, a coupling, a drive or a force",
+                    "releases",
+                    i,
                 )
         return found
 
@@ -113,7 +115,9 @@ class Event(Declared, section="events"):
         if not isinstance(self.watch, Coordinate):
             index = component_of(problems, where, self.watch, given)
         elif given is not None:
-            problems.add(where, f"component is {given!r}: {self.watch.name} is one number")
+            problems.add(
+                where, f"component is {given!r}: {self.watch.name} is one number", "component"
+            )
         object.__setattr__(self, "component", index)
 
     def __repr__(self) -> str:
@@ -137,10 +141,14 @@ def component_of(problems: Problems, where: str, sensor: Any, component: int | s
         return component
     if component is None:
         problems.add(
-            where, f"sensor {sensor.name!r} has {len(names)} components, name one: {known}"
+            where,
+            f"sensor {sensor.name!r} has {len(names)} components, name one: {known}",
+            "sensor",
         )
     else:
         problems.add(
-            where, f"sensor {sensor.name!r} has no component {component!r}; known: {known}"
+            where,
+            f"sensor {sensor.name!r} has no component {component!r}; known: {known}",
+            "sensor",
         )
     return 0

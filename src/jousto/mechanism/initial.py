@@ -58,9 +58,10 @@ class Initial(Declared, section="initial"):
                 where,
                 f"value is {np.degrees(at):.6g} deg, must be within half a turn, from which angles "
                 f"are counted; give {near:.6g} deg",
+                "value",
             )
         if at is not None and isinstance(self.coordinate, Distance) and at <= 0.0:
-            problems.add(where, f"value is {at:g} m, a distance must be positive")
+            problems.add(where, f"value is {at:g} m, a distance must be positive", "value")
 
     @property
     def name(self) -> str:

@@ -280,7 +280,7 @@ def facing(mesh: Grid, direction: Any, angle: float) -> Ints:
     where, problems = f"mesh '{mesh.name}', normal_to", Problems()
     d = unit_vector(problems, where, "direction", direction)
     if not 0.0 < angle <= 180.0:
-        problems.add(where, f"angle is {angle:g} degrees, must be above 0 and at most 180")
+        problems.add(where, f"angle is {angle:g} degrees, must be above 0 and at most 180", "angle")
     problems.raise_if_any()
     assert d is not None
     mask = np.zeros(len(mesh.nodes), dtype=bool)

@@ -55,7 +55,7 @@ def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Array 
         return None
     long = float(np.linalg.norm(vector))
     if long == 0.0:
-        problems.add(where, f"{name} is zero, must have a direction")
+        problems.add(where, f"{name} is zero, must have a direction", name)
         return None
     return vector / long
 
@@ -94,7 +94,7 @@ class InBox(Pick):
         """Note a lower corner above the upper one."""
         for a in np.flatnonzero(self.low > self.high):
             low, high = self.low[a], self.high[a]
-            problems.add(where, f"low is {low:g} m along {'xyz'[a]}, above high, {high:g} m")
+            problems.add(where, f"low is {low:g} m along {'xyz'[a]}, above high, {high:g} m", "low")
 
     def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) in the box, ascending."""

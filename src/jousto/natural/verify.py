@@ -317,7 +317,7 @@ def not_known(mechanism: Mechanism) -> tuple[str, ...]:
     try:
         check_known(mechanism, sensors=False)
     except InputError as error:
-        return tuple(f"{problem.where}: {problem.message}" for problem in error.problems)
+        return tuple(str(problem) for problem in error.problems)
     return ()
 
 

@@ -114,7 +114,7 @@ class Interface(Declared):
         if self.kind == "rigid":
             problems.add(where, "a rigid interface has no weights; use kind='average'")
         elif np.any(self.weights < 0.0) or not np.any(self.weights):
-            problems.add(where, "weights must not be negative and not all zero")
+            problems.add(where, "weights must not be negative and not all zero", "weights")
 
     def __repr__(self) -> str:
         shown = repr(self.nodes)
@@ -237,6 +237,7 @@ def _nodes(
             label,
             f"nodes is {value!r}, must be the name of a node set, node indices, faces or a pick"
             " such as InBox(low, high)",
+            "nodes",
         )
         return None
     outside = array[(array < 0) | (array >= len(nodes))]

@@ -194,7 +194,7 @@ def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints 
         return found
     array = read_integers(on)
     if array is None or array.ndim > 1 or not array.size:
-        problems.add(label, f"on is {on!r}, must name a node set, node indices or a pick")
+        problems.add(label, f"on is {on!r}, must name a node set, node indices or a pick", "on")
         return None
     array = np.atleast_1d(array)
     if array.min() < 0 or array.max() >= len(part.nodes):
@@ -229,6 +229,7 @@ def _faces(
             label,
             f"{name} ({len(nodes)} nodes) hold no whole face of the surface; pick all nodes of a"
             " face, its mid nodes too, or use NodalForce",
+            name,
         )
         return None
     return chosen

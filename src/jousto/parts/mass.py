@@ -40,7 +40,7 @@ class Tensor(Field[ArrayLike | None, Array]):
         J = np.diag(J) if J.ndim == 1 else J
         scale = np.abs(J).max()
         if np.abs(J - J.T).max() > 1e-9 * scale:
-            problems.add(where, "inertia is not symmetric")
+            problems.add(where, "inertia is not symmetric", "inertia")
         elif np.linalg.eigvalsh(second_moment(J.real)).min() < -1e-9 * scale:
             moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
             problems.add(

@@ -115,7 +115,9 @@ class Part(Geometry):
             object.__setattr__(self, "node_sets", sets)
             ndof = len(nodes) * self.dofs_per_node
             if self.dofs_per_node not in (3, 6):
-                problems.add(where, f"dofs_per_node is {self.dofs_per_node}, must be 3 or 6")
+                problems.add(
+                    where, f"dofs_per_node is {self.dofs_per_node}, must be 3 or 6", "dofs_per_node"
+                )
             for letter, matrix in (("M", self.M), ("K", self.K)):
                 if matrix.shape != (ndof, ndof):
                     problems.add(

@@ -116,6 +116,6 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
             message = f"the ratio {zeta.max():g} must be at most {MOST:g}"
             raise InputError(Problem("damping", f"{message}: 1 is critical, 2 % is 0.02"))
         if zeta.max(initial=0.0) > 1.0:
-            warn("damping", f"the ratio {zeta.max():g} is above 1 (is it in per cent?)")
+            warn("damping", f"the ratio {zeta.max():g} is above 1 (is it in per cent?)", "damping")
         D = np.broadcast_to(2.0 * zeta * omega, f.shape).copy()
     return frozen(np.array(floats(D)))

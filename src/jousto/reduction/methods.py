@@ -68,7 +68,7 @@ class Reduction(Declared, section="reductions", by_value=True):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note that no limit is given, or a frame that modes of the mesh do not have."""
         if isinstance(self.frame, AsGiven):
-            problems.add(where, "frame is AsGiven(), which only ShapeFunctions(...) have")
+            problems.add(where, "frame is AsGiven(), which only ShapeFunctions(...) have", "frame")
         if all(getattr(self, key) is None for key in ("modes", "frequency_limit")):
             problems.add(where, "give modes=number or frequency_limit=Hz (or both)")
 
@@ -164,7 +164,7 @@ class FreeFree(Reduction, tag="free-free"):
         """Note that there would be no mode."""
         super().consistent(problems, where)
         if self.modes == 0 and not self.residuals and not self.interfaces:
-            problems.add(where, "modes is 0, must be at least 1")
+            problems.add(where, "modes is 0, must be at least 1", "modes")
 
     def __repr__(self) -> str:
         more = f", interfaces={self.interfaces}" if self.interfaces else ""

@@ -112,7 +112,11 @@ class ReducedPart(Content):
             raise InputError(Problem(where, f"no node '{name}'{suggest(name, self.node_sets)}"))
         if len(members) != 1:
             raise InputError(
-                Problem(where, f"node set '{name}' has {len(members)} nodes; name a single node")
+                Problem(
+                    where,
+                    f"node set '{name}' has {len(members)} nodes; name a single node",
+                    path=("node",),
+                )
             )
         return members[0]
 
@@ -186,15 +190,27 @@ class ReducedPart(Content):
         if array.dtype == bool and array.shape == (self.n,):
             array = np.flatnonzero(array)
         if array.ndim != 1 or not len(array):
-            raise InputError(Problem(where, "keep needs the numbers of one mode or more"))
+            raise InputError(
+                Problem(
+                    where,
+                    "keep needs the numbers of one mode or more",
+                    path=("keep",),
+                )
+            )
         if not np.issubdtype(array.dtype, np.integer):
-            raise InputError(Problem(where, "keep needs whole numbers of modes, from 0"))
+            raise InputError(
+                Problem(
+                    where,
+                    "keep needs whole numbers of modes, from 0",
+                    path=("keep",),
+                )
+            )
         chosen = array.astype(np.intp)
         if chosen.min() < 0 or chosen.max() >= self.n:
             outside = [int(i) for i in chosen if not 0 <= i < self.n]
             raise InputError(Problem(where, f"there are modes 0..{self.n - 1}, not {outside}"))
         if len(set(chosen.tolist())) != len(chosen):
-            raise InputError(Problem(where, "keep names a mode more than once"))
+            raise InputError(Problem(where, "keep names a mode more than once", path=("keep",)))
         return replace(
             self,
             modes=self.modes[:, :, chosen],
@@ -226,7 +242,13 @@ class ReducedPart(Content):
         normals = {"xy": 2, "yx": 2, "yz": 0, "zy": 0, "xz": 1, "zx": 1}
         if plane not in normals:
             where = f"reduced part '{self.name}'"
-            raise InputError(Problem(where, f"plane is {plane!r}, must be 'xy', 'yz' or 'xz'"))
+            raise InputError(
+                Problem(
+                    where,
+                    f"plane is {plane!r}, must be 'xy', 'yz' or 'xz'",
+                    path=("plane",),
+                )
+            )
         normal = normals[plane]
         tangents = [a for a in range(3) if a != normal]
         total = np.einsum("kaj,kaj->j", self.modes, self.modes)

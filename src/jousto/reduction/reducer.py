@@ -304,7 +304,7 @@ def _modes(
                 "the method leaves no elastic mode: ask for more modes, or use a RigidBody with "
                 "the mass and inertia of the part"
             )
-            raise InputError(Problem(where, message))
+            raise eigen.MissingModesError(Problem(where, message))
         moving = mu > 0.0
         mu = np.where(moving, mu, eigen.STAND_IN * mu[0])
         X = X / np.sqrt(mu)

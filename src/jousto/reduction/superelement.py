@@ -238,7 +238,7 @@ def _elastic(
     if modes is not None:
         if modes > good and frequency_limit is None:
             message = f"{modes} modes are asked for, the superelement has {count(good, 'mode')}"
-            raise InputError(Problem(where, message))
+            raise InputError(Problem(where, message, path=("modes",)))
         good = min(good, modes)
     if not good:
         raise InputError(Problem(where, "no elastic mode is left; ask for more"))

@@ -223,9 +223,9 @@ def wrong_start(
     """Return why a joint cannot start at a value, empty if it can; `ends` are its limits."""
     joint = next(x for x in robot.joints if x.name == name)
     problems = Problems()
-    x = number(problems, "", "it", value)
+    x = number(problems, "", "", value)
     if x is None:
-        return problems.found[0].message.replace("it is", "is", 1)
+        return problems.found[0].message.lstrip()
     turns = joint.kind == "revolute"
     unit = "rad" if turns else "m"
     if joint.mimic is not None:

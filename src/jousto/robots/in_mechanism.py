@@ -38,7 +38,9 @@ class RobotField(Field["Robot | str | PathLike[str]", Robot]):
             except InputError as error:
                 problems.found.extend(error.problems)
         elif not isinstance(value, Robot):
-            problems.add(where, f"robot is {value!r}, must be a Robot or the path of its file")
+            problems.add(
+                where, f"robot is {value!r}, must be a Robot or the path of its file", "robot"
+            )
         return value
 
 
@@ -54,7 +56,9 @@ class BaseField(Field["Marker | RigidBody | Ground | None", "Marker"]):
             return value["origin"]
         if not isinstance(value, Marker):
             problems.add(
-                where, f"base is {value!r}, must be a rigid body, a marker or None for the ground"
+                where,
+                f"base is {value!r}, must be a rigid body, a marker or None for the ground",
+                "base",
             )
         return value
 
@@ -175,15 +179,17 @@ class RobotInMechanism(Assembly, section="robots"):
         own: Any = self.prefix
         prefix: str = f"{self.name}_" if own is None else own
         if any(c in str(prefix) for c in "./"):
-            problems.add(where, f"prefix is {prefix!r}, must contain no '.' and no '/'")
+            problems.add(where, f"prefix is {prefix!r}, must contain no '.' and no '/'", "prefix")
         if not isinstance(given, Mapping):
-            problems.add(where, f"at is {given!r}, must be a mapping of names of joints to numbers")
+            problems.add(
+                where, f"at is {given!r}, must be a mapping of names of joints to numbers", "at"
+            )
         else:
             wrong = Problems()
             given = by_joint(given)
             check_joints(wrong, robot, {"at": given}, self.stops)
             for one in wrong.found:
-                problems.add(where, f"{one.where}: {one.message}")
+                problems.add(where, str(one))
         if problems.found:
             return
         base: Any = self.base

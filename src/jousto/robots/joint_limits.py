@@ -87,7 +87,7 @@ def limits_of(
         problems.positive("mechanism", "stops", stops, "N/m or N m/rad")
     e = number(problems, "mechanism", "restitution", restitution)
     if e is not None and not 0.0 <= e <= 1.0:
-        problems.add("mechanism", f"restitution is {e:g}, must be between 0 and 1")
+        problems.add("mechanism", f"restitution is {e:g}, must be between 0 and 1", "restitution")
     problems.raise_if_any()
     joints = {joint.name: joint for joint in robot.joints}
     found = {}

@@ -87,6 +87,7 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
                 where,
                 f"web and fillets ({self.web + 2.0 * self.fillet:g} m) are wider than the width"
                 f" {self.width:g} m",
+                "web",
             )
 
     @property

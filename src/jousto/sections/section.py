@@ -242,6 +242,7 @@ class Tube(Declared, section="sections", tag="tube", by_value=True):
             problems.add(
                 where,
                 f"wall {self.wall:g} m is thicker than the radius {0.5 * self.outer_diameter:g} m",
+                "wall",
             )
 
     @property

@@ -56,7 +56,7 @@ def with_second_order(model: Model, where: str) -> Model:
         problems.add(
             f"{where}: body '{model.bodies[index].name}'",
             "is linear, so that no load softens or stiffens it, and its second-order displacements "
-            f"cannot be added here: its part {error.problems[0].message}",
+            f"cannot be added here: its part {error.problems[0].sentence}",
         )
     problems.raise_if_any()
     return made
@@ -87,7 +87,7 @@ def where_noticed(model: Model, state: State | None, where: str) -> Model:
                 where,
                 f"body '{model.bodies[index].name}' is linear, but its loads change its stiffness "
                 f"by about {100.0 * share:.2g} %, which is left out: its part "
-                f"{error.problems[0].message}",
+                f"{error.problems[0].sentence}",
             )
     return made
 

@@ -136,21 +136,22 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         """Note values that do not go together."""
         if self.k2 is not None:
             if self.rule != "haibach":
-                problems.add(where, f'k2 goes with rule="haibach", not with {self.rule!r}')
+                problems.add(where, f'k2 goes with rule="haibach", not with {self.rule!r}', "k2")
             if self.k2 < self.k:
-                problems.add(where, f"k2 is {self.k2:g}, must be k = {self.k:g} or larger")
+                problems.add(where, f"k2 is {self.k2:g}, must be k = {self.k:g} or larger", "k2")
         if self.N_cut is not None:
             if self.rule == "original":
                 problems.add(
-                    where, 'rule="original" does no damage below the knee; leave N_cut out'
+                    where, 'rule="original" does no damage below the knee; leave N_cut out', "rule"
                 )
             if self.N_cut < self.N_D:
-                problems.add(where, f"N_cut is {self.N_cut:g} cycles, must be N_D or more")
+                problems.add(where, f"N_cut is {self.N_cut:g} cycles, must be N_D or more", "N_cut")
         if self.S_u is not None and self.S_u < self.S_D:
             problems.add(
                 where,
                 f"S_u = {self.S_u / 1e6:g} MPa is below the amplitude S_D ="
                 f" {self.S_D / 1e6:g} MPa at the knee; a part breaks at once there",
+                "S_u",
             )
 
     @classmethod
@@ -249,7 +250,11 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         S = np.asarray(amplitude, dtype=np.float64)
         if not np.all(S >= 0.0):  # nan, too
             raise InputError(
-                Problem("S-N curve", "stress amplitudes must be zero or positive numbers in Pa")
+                Problem(
+                    "S-N curve",
+                    "stress amplitudes must be zero or positive numbers in Pa",
+                    path=("stress",),
+                )
             )
         return miner(S, self.numbers)
 
@@ -301,6 +306,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
                     "with_factors",
                     f"factors {product:g} make a line through {pivot:g} cycles that does not fall,"
                     " or too steeply; choose another pivot",
+                    path=("factors",),
                 )
             )
         k2 = None if self.k2 is None else max(self.k2, k)
@@ -406,12 +412,14 @@ def check_unit(where: str, name: str, stress: float) -> None:
             where,
             f"{name} = {stress:g} Pa is weaker than foam; was it given in MPa? SI needs Pa, so"
             f" {stress:g}e6",
+            name,
         )
     elif stress > 2e10:
         warn(
             where,
             f"{name} = {stress:g} Pa is stronger than any metal; was Pa taken for MPa and"
             " multiplied by 1e6?",
+            name,
         )
 
 

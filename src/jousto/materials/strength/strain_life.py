@@ -86,7 +86,9 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
     def consistent(self, problems: Problems, where: str) -> None:
         """Find the cyclic curve; note swapped exponents, warn of units."""
         if self.c >= self.b:
-            problems.add(where, f"c = {self.c:g} must be below b = {self.b:g}; are they swapped?")
+            problems.add(
+                where, f"c = {self.c:g} must be below b = {self.b:g}; are they swapped?", "c"
+            )
             return
         if self.n_ is None:
             object.__setattr__(self, "n_", self.b / self.c)
@@ -95,9 +97,9 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         for name, value in (("E", self.E), ("sf", self.sf), ("K_", self.K_)):
             limit = 1e9 if name == "E" else 1e6
             if value is not None and value < limit:
-                warn(where, f"{name} = {value:g} Pa is tiny; was it given in MPa?")
+                warn(where, f"{name} = {value:g} Pa is tiny; was it given in MPa?", name)
         if self.ef > 10.0:
-            warn(where, f"ef = {self.ef:g}; was it given in percent?")
+            warn(where, f"ef = {self.ef:g}; was it given in percent?", "ef")
 
     @property
     def hardening(self) -> tuple[float, float]:
@@ -177,7 +179,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         if e.size and not (np.all(np.isfinite(e)) and e.min() >= 0.0):
             problems.add(where, "strain amplitudes must be finite and not negative")
         if not np.all(np.isfinite(sm)):
-            problems.add(where, "mean stresses must be finite")
+            problems.add(where, "mean stresses must be finite", "mean")
         problems.raise_if_any()
         if e.size and e.max() > 1.0:
             warn(
@@ -251,6 +253,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
                 Problem(
                     "uniform material law",
                     f"S_u / E is {ratio:g}; the law ends at 0.011. Was S_u given in other units?",
+                    path=("S_u",),
                 )
             )
         return cls(

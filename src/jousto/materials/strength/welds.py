@@ -39,7 +39,7 @@ class Standard(Choice):
         """Return one of the words."""
         if value not in self.words:
             known = suggest(value, self.words)
-            problems.add(where, f"standard is {value!r}, must be iiw or en{known}")
+            problems.add(where, f"standard is {value!r}, must be iiw or en{known}", "standard")
         return value
 
 

@@ -106,10 +106,11 @@ class MonitorSettings(GaugeErrors):
                 where,
                 f"gauges are on several bodies ({', '.join(sorted(bodies))}); name those of one "
                 "with gauges:",
+                "gauges",
             )
         if isinstance(self.spots, int) and not isinstance(self.spots, bool):
             if self.spots < 1:
-                problems.add(where, f"spots is {self.spots}, must be 1 or more")
+                problems.add(where, f"spots is {self.spots}, must be 1 or more", "spots")
             if not self.reference:
                 problems.add(
                     where,

@@ -59,6 +59,7 @@ class BeamDamping(ProportionalDamping):
                 where,
                 f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
                 f"{math.pi * self.stiffness:.3g}, and nothing vibrates any more; it is in s",
+                "stiffness",
             )
 
 
@@ -261,7 +262,9 @@ class BeamBody(Posed, tag="beam"):
             mass = "corrected" if self.bending else "lumped"
         share = inertia_share(problems, where, mass)
         if self.straight and reference is not None:
-            problems.add(where, "straight and reference both tell the unstressed shape; give one")
+            problems.add(
+                where, "straight and reference both tell the unstressed shape; give one", "straight"
+            )
         if nodes is None:
             return
         n = len(nodes) - 1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, read_only
-from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.errors import InputError, Problems, suggest
 from jousto.base.numbers import number
 from jousto.base.rotations import (
     parse_direction,
@@ -32,7 +32,7 @@ def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: A
     if given is None:
         return None
     if len(given) < 2:
-        problems.add(where, f"points has {len(given)} point, must have two ends at least")
+        problems.add(where, f"points has {len(given)} point, must have two ends at least", "points")
         return None
     if not check_apart(problems, where, "points", given) or not whole:
         return None
@@ -42,11 +42,14 @@ def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: A
                 where,
                 f"elements is {elements}, but {len(given)} points make {len(given) - 1} elements; "
                 "leave elements out, or give the two ends of a straight beam",
+                "elements",
             )
             return None
         return given
     if elements is None:
-        problems.add(where, "elements is missing: how many between the two ends of the beam?")
+        problems.add(
+            where, "elements is missing: how many between the two ends of the beam?", "elements"
+        )
         return None
     xi = np.linspace(0.0, 1.0, int(elements) + 1)[:, None]
     return read_only((1 - xi) * given[0] + xi * given[1])
@@ -57,7 +60,9 @@ def check_apart(problems: Problems, where: str, name: str, points: Array) -> boo
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     for i in np.flatnonzero(steps <= 1e-9 * max(extent, 1e-300)):
-        problems.add(where, f"{name}[{i}] and {name}[{i + 1}] are at one place; leave one out")
+        problems.add(
+            where, f"{name}[{i}] and {name}[{i + 1}] are at one place; leave one out", name, int(i)
+        )
         return False
     return True
 
@@ -78,12 +83,14 @@ def checked_sections(
             if id(item) not in made:
                 made[id(item)] = as_beam_section(item, material)
         except InputError as error:
-            problems.found.extend(Problem(where, str(p)) for p in error.problems)
+            problems.found.extend(p.inside(where, named=True) for p in error.problems)
             return ()
     n = 0 if nodes is None else len(nodes) - 1
     if several:
         if nodes is not None and len(section) != n:
-            problems.add(where, f"section: {len(section)} sections for {n} elements; one each")
+            problems.add(
+                where, f"{len(section)} sections for {n} elements; one each", "section", named=False
+            )
         return tuple(made[id(item)] for item in section)
     return (made[id(section)],) * n
 
@@ -93,12 +100,14 @@ def inertia_share(problems: Problems, where: str, mass: Any) -> float:
     if isinstance(mass, str):
         if mass not in SHARES:
             problems.add(
-                where, f"mass is {mass!r}{suggest(mass, SHARES)}, or a number from 0 (lumped) to 1"
+                where,
+                f"mass is {mass!r}{suggest(mass, SHARES)}, or a number from 0 (lumped) to 1",
+                "mass",
             )
         return SHARES.get(mass, 0.0)
     share = number(problems, where, "mass", mass)
     if share is not None and not 0.0 <= share <= 1.0:
-        problems.add(where, f"mass is {share:g}, must be from 0 (lumped) to 1 (consistent)")
+        problems.add(where, f"mass is {share:g}, must be from 0 (lumped) to 1 (consistent)", "mass")
     return share or 0.0
 
 
@@ -132,6 +141,7 @@ def check_twist(problems: Problems, where: str, turns: Array) -> None:
         where,
         f"twist turns element {worst} by {steps[worst]:.3g} rad, of which its ends show less than "
         f"half a turn; take {needed} elements, for a radian each{degrees}",
+        "twist",
     )
 
 
@@ -142,9 +152,11 @@ def check_share(problems: Problems, where: str, sections: Sequence[BeamSection])
         y, z = sections[off[0]].center
         problems.add(
             where,
-            f"mass: the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off "
+            f"the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off "
             "the axis, and consistent inertia is that of a centre on it; take 'corrected' or "
             "'lumped', or put the axis through the mass centre and use offset=",
+            "mass",
+            named=False,
         )
 
 
@@ -164,7 +176,7 @@ def inner_nodes(
     bad = [i for i in items if i not in good] + [i for i in good if i not in allowed]
     if bad:
         span = f"{allowed.start} to {allowed.stop - 1}" if len(allowed) else "none"
-        problems.add(where, f"{name}: {bad[0]!r} is no inner node; they are {span}")
+        problems.add(where, f"{bad[0]!r} is no inner node; they are {span}", name, named=False)
     return good
 
 
@@ -173,14 +185,18 @@ def named_nodes(problems: Problems, where: str, markers: Any, n: int) -> dict[st
     if markers is None:
         return {}
     if not isinstance(markers, Mapping):
-        problems.add(where, f"markers is {markers!r}, must be a mapping of names to nodes")
+        problems.add(
+            where, f"markers is {markers!r}, must be a mapping of names to nodes", "markers"
+        )
         return {}
     named: dict[str, int] = {}
     for point, place in markers.items():
         if point in ("start", "end") or str(point).removeprefix("node").isdecimal():
-            problems.add(where, f"marker {point!r}: the name is taken by a node")
+            problems.add(where, f"marker {point!r}: the name is taken by a node", "markers", point)
         elif not isinstance(place, int | np.integer) or not 0 <= place <= n:
-            problems.add(where, f"marker {point!r}: no node {place!r}; they are 0 to {n}")
+            problems.add(
+                where, f"marker {point!r}: no node {place!r}; they are 0 to {n}", "markers", point
+            )
         else:
             named[str(point)] = int(place)
     return named
@@ -211,7 +227,9 @@ def placed_shape(
     """Return frames of nodes (n + 1, 3, 3) and ends (n, 2, 3, 3), and the ends (n, 2, 3)."""
     along = tangents(nodes, corners)
     for i in np.flatnonzero(np.einsum("ij,ij->i", along[:-1, 1], along[1:, 0]) < -1 + 1e-9):
-        problems.add(where, f"points[{i + 1}]: the beam turns back on itself there")
+        problems.add(
+            where, f"points[{i + 1}]: the beam turns back on itself there", "points", int(i + 1)
+        )
         return nodes, along, along
     ends = section_frames(along, up, twist)
     if not np.all(np.isfinite(ends)):
@@ -219,6 +237,7 @@ def placed_shape(
             where,
             "up is parallel to the beam, so that it does not orient its sections; give a "
             "direction across it, up=(x, y, z)",
+            "up",
         )
     frames = np.concatenate([ends[:, 0], ends[-1:, 1]])
     arm = np.concatenate([np.zeros((len(nodes), 1)), offsets], axis=1)

@@ -108,7 +108,11 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
                 "a BeamSection",
             )
         if not isinstance(material, Material):
-            problems.add(where, f"material is {material!r}, must be a Material{by_name(material)}")
+            problems.add(
+                where,
+                f"material is {material!r}, must be a Material{by_name(material)}",
+                "material",
+            )
         if problems.found:
             return
         for name in ("ky", "kz"):
@@ -117,9 +121,10 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
                     where,
                     f"{name} is missing: an exact beam shears; give the shear coefficients, "
                     "GeneralSection(..., ky=5/6, kz=5/6)",
+                    name,
                 )
         if material.rho == 0.0:
-            problems.add(where, "rho is 0: every piece of an exact beam needs mass")
+            problems.add(where, "rho is 0: every piece of an exact beam needs mass", "material")
 
     @property
     def made(self) -> BeamSection:
@@ -251,7 +256,10 @@ def as_beam_section(section: Any, material: Any) -> BeamSection:
         if material is not None:
             problems = Problems()
             problems.add(
-                "section", "material: a BeamSection knows its stiffness and mass, leave it out"
+                "section",
+                "a BeamSection knows its stiffness and mass, leave it out",
+                "material",
+                named=False,
             )
             problems.raise_if_any()
         return section
@@ -290,7 +298,9 @@ def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | 
     names = ("N", "Qy", "Qz", "Mx", "My", "Mz")
     diagonal = np.diag(C)
     for i in np.flatnonzero(diagonal <= 0):
-        problems.add(where, f"stiffness of {names[i]} is {diagonal[i]:g}, must be positive")
+        problems.add(
+            where, f"stiffness of {names[i]} is {diagonal[i]:g}, must be positive", "stiffness"
+        )
     if np.any(diagonal <= 0):
         return None
     scaled = C / np.sqrt(np.outer(diagonal, diagonal))
@@ -300,6 +310,7 @@ def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | 
             where,
             f"stiffness is not symmetric: element ({i + 1},{j + 1}) is {C[i, j]:g}, "
             f"({j + 1},{i + 1}) is {C[j, i]:g}",
+            "stiffness",
         )
         return None
     values, vectors = np.linalg.eigh((scaled + scaled.T) / 2)
@@ -310,6 +321,7 @@ def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | 
             f"stiffness is not positive definite (smallest eigenvalue {values[0]:.3g} with a "
             f"diagonal of ones, in {names[worst[0]]} and {names[worst[1]]}); check the signs and "
             "sizes of its coupling terms",
+            "stiffness",
         )
         return None
     return read_only((C + C.T) / 2)
@@ -323,6 +335,7 @@ def _warn_units(where: str, C: Array, mass: float) -> None:
             where,
             f"EA = {C[0, 0]:g} N with {mass:g} kg/m carries waves at {speed:.3g} m/s, faster than "
             "any solid; use SI units, N and kg/m",
+            "EA",
         )
 
 
@@ -335,6 +348,7 @@ def _warn_moments(where: str, section: BeamSection) -> None:
             f"inertia about x is {Jx:.4g} kg m, those about y and z together {Jy + Jz:.4g}: of a "
             "flat section it is their sum; give rho (Iy + Iz), not rho times the torsion "
             "constant, all about the mass centre",
+            "inertia",
         )
     if not section.polar:
         return
@@ -347,6 +361,7 @@ def _warn_moments(where: str, section: BeamSection) -> None:
             where,
             f"polar is {section.polar:.4g} m2, that of the stiffness {expected:.4g} m2: it is "
             "(Iy + Iz)/A about the shear centre, not Iy + Iz and not the torsion constant",
+            "polar",
         )
 
 

@@ -59,7 +59,9 @@ class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
         """Return the points as read-only arrays."""
         named: Any = {} if value is None else value
         if not isinstance(named, Mapping):
-            problems.add(where, f"markers is {named!r}, must be a mapping of names to positions")
+            problems.add(
+                where, f"markers is {named!r}, must be a mapping of names to positions", "markers"
+            )
             return None
         points = {
             str(point): problems.array(where, f"markers[{point!r}]", at, (3,))
@@ -68,7 +70,10 @@ class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
         for point in points:
             if point in ("origin", "center"):
                 problems.add(
-                    where, f"marker {point!r}: the name is taken by the body's own {point}"
+                    where,
+                    f"marker {point!r}: the name is taken by the body's own {point}",
+                    "markers",
+                    point,
                 )
         return Frozen(points)
 

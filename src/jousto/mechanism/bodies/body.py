@@ -335,7 +335,11 @@ class Reduced(Reference["ReducedPart", "ReducedPart"]):
         """Return the part."""
         if not all(hasattr(value, a) for a in ("modes", "frequencies", "invariants")):
             hint = "; reduce it first, reduce(part, method)" if hasattr(value, "K") else ""
-            problems.add(where, f"reduced is a {type(value).__name__}, must be a ReducedPart{hint}")
+            problems.add(
+                where,
+                f"reduced is a {type(value).__name__}, must be a ReducedPart{hint}",
+                "reduced",
+            )
         return value
 
 
@@ -443,7 +447,7 @@ class FlexibleBody(Posed, tag="flexible"):
             node = int(self.reduced.node(point))
         except InputError as error:
             raise InputError(
-                [Problem(f"body {self.name!r}", p.message) for p in error.problems]
+                [replace(p, where=f"body {self.name!r}") for p in error.problems]
             ) from None
         return Marker(
             self, str(point), read_only(self.reduced.nodes[node]), node, read_only(np.eye(3))
@@ -487,7 +491,7 @@ class FlexibleBody(Posed, tag="flexible"):
         try:
             nodes = followed(self.reduced, made.position_local)
         except InputError as error:
-            problems = [Problem(f"body {self.name!r}", p.message) for p in error.problems]
+            problems = [replace(p, where=f"body {self.name!r}") for p in error.problems]
             raise InputError(problems) from None
         return replace(made, followed=nodes)
 

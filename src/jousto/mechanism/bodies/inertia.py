@@ -36,6 +36,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
             where,
             f"inertia is not symmetric: element ({i + 1},{j + 1}) is {J[i, j]:g}, "
             f"({j + 1},{i + 1}) is {J[j, i]:g} kg m2",
+            "inertia",
         )
         return None
     if diagonal:
@@ -47,13 +48,14 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
         if J2 > 0 and J1 > -1e-14 * scale:
             hint = "; all mass on one line cannot be simulated, give it a moment about that line"
         moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
-        problems.add(where, f"inertia is not positive: {moments}{hint}")
+        problems.add(where, f"inertia is not positive: {moments}{hint}", "inertia")
     elif J3 > (J1 + J2) * (1 + 1e-9):
         moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
         problems.add(
             where,
             f"inertia breaks the triangle inequality: {moments}, the largest must not exceed "
             f"the sum of the others, {J1 + J2:g}",
+            "inertia",
         )
     return read_only(J if diagonal else (J + J.T) / 2)
 
@@ -67,7 +69,7 @@ def damping_diagonal(
     try:
         return read_only(modal_damping(damping, reduced.frequencies))
     except InputError as error:
-        problems.found.extend(Problem(where, str(p)) for p in error.problems)
+        problems.found.extend(p.inside(where, "damping") for p in error.problems)
         return None
 
 

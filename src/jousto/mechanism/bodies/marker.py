@@ -204,7 +204,7 @@ def as_marker(where: str, name: str, value: Any) -> Marker:
         hint = f"is the body {value.name!r}; name a point of it, {value.name}[...]"
     else:
         hint = f'is {value!r}, must be a marker such as body["point"] or ground["origin"]'
-    raise InputError(Problem(where, f"{name} {hint}"))
+    raise InputError(Problem(where, f"{name} {hint}", path=(name,)))
 
 
 class MarkerField(Field[Marker, Marker]):

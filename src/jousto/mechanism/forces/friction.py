@@ -61,7 +61,9 @@ class LawField(Nested["Law | None", Law]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the law."""
         if not isinstance(value, Law):
-            problems.add(where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()")
+            problems.add(
+                where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()", "law"
+            )
         return value
 
 
@@ -78,6 +80,7 @@ class RubbingJoint(Reference[Joint, Joint]):
             problems.add(
                 where,
                 f"joint is {value!r}, friction acts on Revolute, Prismatic and Cylindrical joints",
+                "joint",
             )
         return value
 
@@ -137,22 +140,30 @@ class Friction(Declared, section="frictions"):
         object.__setattr__(self, "law", Regularised() if law is None else law)
         if isinstance(self.joint, Prismatic):
             if self.radius is not None:
-                problems.add(where, "radius is given, but a prismatic joint does not turn")
+                problems.add(
+                    where, "radius is given, but a prismatic joint does not turn", "radius"
+                )
         elif self.radius is None:
-            problems.add(where, "radius is missing: the pin radius, m, of a joint that turns")
+            problems.add(
+                where, "radius is missing: the pin radius, m, of a joint that turns", "radius"
+            )
         if isinstance(self.joint, Cylindrical) and self.collar_radius is not None:
             problems.add(
                 where,
                 "collar_radius is given, but a cylindrical joint carries no force along its "
                 "axis that could press a collar",
+                "collar_radius",
             )
         if self.mu_kinetic == 0.0 and self.mu_static == 0.0:
-            problems.add(where, "mu_kinetic is 0, it never acts; leave the friction out")
+            problems.add(
+                where, "mu_kinetic is 0, it never acts; leave the friction out", "mu_kinetic"
+            )
         if self.mu_static < self.mu_kinetic:
             problems.add(
                 where,
                 f"mu_static is {self.mu_static:g}, must not be below mu_kinetic, "
                 f"{self.mu_kinetic:g}",
+                "mu_static",
             )
 
     @property

@@ -99,7 +99,7 @@ class LineLoad(ForceElement, tag="line"):
                 return
             object.__setattr__(self, key, read_only(np.broadcast_to(rows, shape)))
         if not (np.any(self.force) or np.any(self.torque)):
-            problems.add(where, "force and torque are zero; give force=(x, y, z) in N/m")
+            problems.add(where, "force and torque are zero; give force=(x, y, z) in N/m", "force")
 
     def __repr__(self) -> str:
         return f"<LineLoad {self.name!r}: on {self.beam.name}>"

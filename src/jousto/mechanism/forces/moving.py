@@ -53,7 +53,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note a path that is none, and nodes that do not turn."""
         if len(self.path) < 2:
-            problems.add(where, f"path is {list(self.path)!r}, {TWO}")
+            problems.add(where, f"path is {list(self.path)!r}, {TWO}", "path")
             return
         corners = corners_of(problems, where, self.body, self.path)
         if isinstance(self.body, RigidBody) or not len(corners):
@@ -63,6 +63,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
                 where,
                 f"body {self.body.name!r} knows no rotations of its nodes, so that the way between "
                 "them is unknown; use a part made of beams, or forces at its nodes",
+                "body",
             )
 
     @cached_property
@@ -132,14 +133,14 @@ class MovingLoad(ForceElement, tag="moving-load"):
 def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence[str]) -> Array:
     """Return the corners (k, 3) of a path, body frame, or none if one is wrong."""
     corners = []
-    for name in names:
+    for i, name in enumerate(names):
         try:
             marker = body[name]
         except InputError as error:
-            problems.add(where, f"path: {error.problems[0].message}")
+            problems.add(where, error.problems[0].message, "path", i, named=False)
             continue
         if isinstance(body, FlexibleBody) and marker.node is None:
-            problems.add(where, f"path: {name!r} is not a node")
+            problems.add(where, f"{name!r} is not a node", "path", i, named=False)
         else:
             corners.append(marker.position_local)
     if len(corners) < len(names):
@@ -147,7 +148,12 @@ def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence
     points = np.array(corners)
     for a, b in itertools.pairwise(points):
         if np.array_equal(a, b):
-            problems.add(where, f"path: two corners that follow one another are at {a.tolist()}")
+            problems.add(
+                where,
+                f"two corners that follow one another are at {a.tolist()}",
+                "path",
+                named=False,
+            )
             return np.zeros((0, 3))
     return points
 

@@ -89,12 +89,14 @@ class _Controller(ForceElement):
             message = "tracking is missing, which is 0.9 kp/ki only where there is kp; give it in s"
             problems.add(where, message)
         if self.limit == 0.0 and self.lower is None:
-            problems.add(where, "limit is 0: it does nothing; for pulling alone give lower, too")
+            problems.add(
+                where, "limit is 0: it does nothing; for pulling alone give lower, too", "limit"
+            )
         if self.lower is not None and self.limit is None:
-            problems.add(where, "lower goes with limit, the largest force; give it, too")
+            problems.add(where, "lower goes with limit, the largest force; give it, too", "lower")
         elif self.lower is not None and self.limit is not None and self.lower >= self.limit:
             low, high = f"{self.lower:g}", f"{self.limit:g}"
-            problems.add(where, f"lower is {low}, must be below the limit of {high}")
+            problems.add(where, f"lower is {low}, must be below the limit of {high}", "lower")
 
     @property
     def filter_time(self) -> float:

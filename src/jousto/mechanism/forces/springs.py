@@ -365,8 +365,11 @@ def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | No
             where,
             f"{name} is not symmetric: element ({i + 1},{j + 1}) is {M[i, j]:g}, "
             f"({j + 1},{i + 1}) is {M[j, i]:g}",
+            name,
         )
     elif np.linalg.eigvalsh(M.real)[0] < -1e-9 * scale:
         lowest = np.linalg.eigvalsh(M.real)[0]
-        problems.add(where, f"{name} has the negative eigenvalue {lowest:g}: it would add energy")
+        problems.add(
+            where, f"{name} has the negative eigenvalue {lowest:g}: it would add energy", name
+        )
     return read_only(M)

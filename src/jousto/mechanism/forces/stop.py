@@ -69,7 +69,7 @@ class Stop(ForceElement, tag="stop"):
         if low is None and high is None:
             problems.add(where, "has no limit; give lower, upper or both")
         elif low is not None and high is not None and np.real(low) > np.real(high):
-            problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}")
+            problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}", "lower")
 
     @property
     def loss(self) -> float:

@@ -124,7 +124,7 @@ class Fmu(Declared, section="fmus"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Read the description and compare with it."""
         if not isinstance(self.file, str | os.PathLike):
-            problems.add("fmu", f"file is {self.file!r}, must be the path of a .fmu")
+            problems.add("fmu", f"file is {self.file!r}, must be the path of a .fmu", "file")
             return
         path = Path(self.file)
         name = self.name or path.stem
@@ -145,9 +145,14 @@ class Fmu(Declared, section="fmus"):
         self._check_parameters(problems, where)
         for out, into in self.power.items():
             if out not in self.outputs:
-                problems.add(where, f"power: {out!r} is not among its outputs here")
+                problems.add(where, f"{out!r} is not among its outputs here", "power", named=False)
             if into not in self.inputs or not isinstance(self.inputs.get(into), tuple):
-                problems.add(where, f"power: {into!r} is not among its inputs from sensors here")
+                problems.add(
+                    where,
+                    f"{into!r} is not among its inputs from sensors here",
+                    "power",
+                    named=False,
+                )
         if self.estimate and not about.states:
             problems.add(
                 where,
@@ -170,12 +175,13 @@ class Fmu(Declared, section="fmus"):
             problems.add(
                 where,
                 f"{name!r} has causality {found.causality}, no {fit[0]}{suggest(name, known)}",
+                name,
             )
         elif not found.real:
             problems.add(where, f"{fit[0]} {name!r} is not one real number; only these can cross")
         else:
             if found.unit and not found.dimension:
-                warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI")
+                warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI", name)
             return found
         return None
 
@@ -206,6 +212,7 @@ class Fmu(Declared, section="fmus"):
                 problems.add(
                     where,
                     f"output {name!r} is for {value!r}, must be an Input of the mechanism, or None",
+                    "output",
                 )
 
     def _check_parameters(self, problems: Problems, where: str) -> None:
@@ -220,7 +227,11 @@ class Fmu(Declared, section="fmus"):
                 problems.add(where, f"parameter {name!r} is not one real number")
             else:
                 if found.unit and not found.dimension:
-                    warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI")
+                    warn(
+                        where,
+                        f"{name!r} is in {found.unit!r}, which is not known: taken as SI",
+                        name,
+                    )
                 self.parameters[name] = number(problems, where, f"parameter {name!r}", value)
 
     def _sensors(self) -> list[FmuSensor]:

@@ -253,5 +253,5 @@ def check_coordinate(problems: Problems, where: str, name: str, value: Any) -> C
         hint = f"is {value!r}, must be a coordinate such as hinge.angle or Distance(a, b)"
         if isinstance(value, Marker) and where.startswith("spring"):
             hint += "; between two markers there is Spring.between(name, a, b, stiffness, ...)"
-    problems.add(where, f"{name} {hint}")
+    problems.add(where, f"{name} {hint}", name)
     return None

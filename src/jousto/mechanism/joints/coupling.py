@@ -192,8 +192,10 @@ def check_kind(problems: Problems, where: str, name: str, value: Any, *, angle: 
         other = "an angle" if isinstance(found, Angle) else "a length"
         problems.add(
             where,
-            f"{name}: {found.name} is {other}, must be {wanted}; "
+            f"{found.name} is {other}, must be {wanted}; "
             "Gear couples two angles, Rack an angle and a length, Coupling any two",
+            name,
+            named=False,
         )
 
 

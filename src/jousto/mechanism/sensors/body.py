@@ -107,12 +107,13 @@ class SiteSensor(Sensor):
         given = vars(self)["sites"]
         wanted: tuple[Any, ...] = labels if given is None else given
         if not wanted:
-            problems.add(where, "sites is empty; None takes all of them")
+            problems.add(where, "sites is empty; None takes all of them", "sites")
         elif all(isinstance(site, float | int) for site in wanted):
             problems.add(
                 where,
                 f"sites is {wanted!r}, must be labels such as {labels[0]!r}; that of the place "
                 f"nearest to a point is {body.name}.reduced.stress.nearest((x, y, z))",
+                "sites",
             )
         else:
             for site in wanted:
@@ -188,7 +189,11 @@ def known_sites(where: str, body: FlexibleBody) -> tuple[str, ...]:
     stress: Any = getattr(body.reduced, "stress", None)
     if stress is None:
         raise InputError(
-            Problem(where, f"body {body.name!r} has no stress modes; its part has no stress data")
+            Problem(
+                where,
+                f"body {body.name!r} has no stress modes; its part has no stress data",
+                path=("body",),
+            )
         )
     return tuple(stress.labels)
 
@@ -199,5 +204,7 @@ def check_site(problems: Problems, where: str, key: str, body: FlexibleBody, sit
     if site not in labels:
         problems.add(
             where,
-            f"{key}: body {body.name!r} has no stress site {site!r}{suggest(str(site), labels)}",
+            f"body {body.name!r} has no stress site {site!r}{suggest(str(site), labels)}",
+            key,
+            named=False,
         )

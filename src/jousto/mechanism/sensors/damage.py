@@ -152,25 +152,29 @@ class DamageSensor(Sensor, tag="damage"):
             if component not in known:
                 problems.add(
                     where,
-                    f"components: sensor {sensor.name!r} has no {component!r}"
-                    f"{suggest(str(component), known)}",
+                    f"sensor {sensor.name!r} has no {component!r}{suggest(str(component), known)}",
+                    "components",
+                    named=False,
                 )
         if factor is None and sensor.unit != "Pa":
             problems.add(
                 where,
                 f"sensor {sensor.name!r} measures {sensor.unit}, the S-N curve is in Pa; give "
                 "factor, the stress in Pa for a value of 1",
+                "sensor",
             )
         if factor == 0.0:
             problems.add(
                 where,
                 "factor is 0, with which nothing is damaged; give the stress for a value of 1",
+                "factor",
             )
         if isinstance(sensor, VonMisesSensor) and not problems.found:
             warn(
                 where,
                 f"sensor {sensor.name!r} measures von Mises stress, which is never negative: of a"
                 " stress that changes sign it counts half the range; take components",
+                "sensor",
             )
         values: tuple[str, ...] = ("damage", "cycles")
         if len(measured) > 1:

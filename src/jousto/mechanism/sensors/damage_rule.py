@@ -54,6 +54,7 @@ def check_residue(problems: Problems, where: str, residue: Any) -> None:
         problems.add(
             where,
             f"residue is {residue!r}, must be one of {known}{suggest(str(residue), RESIDUES)}",
+            "residue",
         )
 
 
@@ -80,22 +81,27 @@ def meter_rule(
     """
     curve = getattr(sn, "numbers", None)
     if not isinstance(curve, tuple) or len(curve) != 5:
-        problems.add(where, f"sn is {sn!r}, must be an S-N curve: jo.SN(S_D=.., N_D=.., k=..)")
+        problems.add(
+            where, f"sn is {sn!r}, must be an S-N curve: jo.SN(S_D=.., N_D=.., k=..)", "sn"
+        )
         curve = (1.0, 1.0, 1.0, 1.0, 0.0)
     if not isinstance(mean, MeanStress | None):
         problems.add(
             where,
             f"mean is {mean!r}, must be a mean stress correction such as "
             "jo.fatigue.Goodman(S_u=..)",
+            "mean",
         )
         mean = None
     check_residue(problems, where, residue)
     if not isinstance(depth, int | np.integer) or isinstance(depth, bool) or depth < SHALLOWEST:
-        problems.add(where, f"depth is {depth!r}, must be a whole number from {SHALLOWEST} on")
+        problems.add(
+            where, f"depth is {depth!r}, must be a whole number from {SHALLOWEST} on", "depth"
+        )
         depth = SHALLOWEST
     width = number(problems, where, "resolution", resolution)
     if width is not None and width < 0.0:
-        problems.add(where, f"resolution is {width:g} Pa, must be 0 or positive")
+        problems.add(where, f"resolution is {width:g} Pa, must be 0 or positive", "resolution")
     S_D, N_D, k, below, cut = map(float, curve)
     return MeterRule(
         (S_D, N_D, k, below, cut),

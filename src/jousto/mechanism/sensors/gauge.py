@@ -221,8 +221,10 @@ class Gauge(Attached, tag="gauge"):
                 raise InputError(
                     Problem(
                         where,
-                        f"at: part '{reduced.name}' has no stress site {self.at!r}"
+                        f"part '{reduced.name}' has no stress site {self.at!r}"
                         f"{suggest(self.at, stress.labels)}",
+                        path=("at",),
+                        named=False,
                     )
                 )
         if reduced.faces:
@@ -294,7 +296,13 @@ def outward(g: Gauge, given: Array | None = None) -> Array:
     stress = known_stress(where, g.reduced)
     beams = elements(stress)
     if given is None and not beams:
-        raise InputError(Problem(where, "normal is missing: there are neither surface nor beams"))
+        raise InputError(
+            Problem(
+                where,
+                "normal is missing: there are neither surface nor beams",
+                path=("normal",),
+            )
+        )
     if given is not None:
         along = g.axis
         n = given - (given @ along) * along
@@ -304,7 +312,13 @@ def outward(g: Gauge, given: Array | None = None) -> Array:
         y, z = fibre.shares @ e.yz - 0.5 * (e.yz.min(axis=0) + e.yz.max(axis=0))
         n = e.axes[:, 1:] @ np.array([y, z])
     if np.linalg.norm(n) <= 1e-9:
-        raise InputError(Problem(where, "normal is missing or along the gauge; give normal=..."))
+        raise InputError(
+            Problem(
+                where,
+                "normal is missing or along the gauge; give normal=...",
+                path=("normal",),
+            )
+        )
     return np.asarray(n / np.linalg.norm(n))
 
 
@@ -322,6 +336,7 @@ def known_stress(where: str, reduced: ReducedPart) -> StressModes:
                 where,
                 f"part '{reduced.name}' has no stress modes and no surface; gauges need a part of "
                 "beams with section points or of solids",
+                path=("part",),
             )
         )
     return reduced.stress
@@ -359,11 +374,13 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
         near = ", ".join(f"{v:.5g}" for v in foot.x.round(9) + 0.0)
         problems.add(
             where,
-            f"at: is {1e3 * foot.distance:.4g} mm off the surface of part '{reduced.name}', more "
+            f"is {1e3 * foot.distance:.4g} mm off the surface of part '{reduced.name}', more "
             f"than reach {1e3 * reach:.4g} mm; the nearest place of it is ({near}) m",
+            "at",
+            named=False,
         )
     if g.direction is None:
-        problems.add(where, "direction is missing: on solids there is no natural one")
+        problems.add(where, "direction is missing: on solids there is no natural one", "direction")
         problems.raise_if_any()
     assert g.direction is not None
     normal = np.mean([f.normal for f in feet], axis=0)
@@ -373,6 +390,7 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
             where,
             "direction stands across the surface, whose normal there is "
             f"({', '.join(f'{v:.3g}' for v in normal.round(6) + 0.0)}); give one along it",
+            "direction",
         )
     problems.raise_if_any()
     t = tangent(g.direction, normal)
@@ -424,8 +442,10 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
             raise InputError(
                 Problem(
                     where,
-                    f"at: part '{reduced.name}' has neither a surface nor beams; name a stress "
+                    f"part '{reduced.name}' has neither a surface nor beams; name a stress "
                     f"site such as {stress.nearest(point)!r}",
+                    path=("at",),
+                    named=False,
                 )
             )
     fibre = nearest_fibre(beams, point)
@@ -436,9 +456,11 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
         raise InputError(
             Problem(
                 where,
-                f"at: is {1e3 * fibre.distance:.4g} mm off the beams of part '{reduced.name}', "
+                f"is {1e3 * fibre.distance:.4g} mm off the beams of part '{reduced.name}', "
                 f"more than reach {1e3 * reach:.4g} mm; the nearest place is ({near}) m on element "
                 f"{element.name}",
+                path=("at",),
+                named=False,
             )
         )
     t = element.axes[:, 0] if g.direction is None else g.direction

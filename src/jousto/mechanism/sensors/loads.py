@@ -72,8 +72,10 @@ class ReactionSensor(Sensor, tag="reaction"):
         if isinstance(self.joint, Coupler) and self.resolved_in != "world":
             problems.add(
                 where,
-                f"resolved_in: the reaction of {self.joint.name!r} is along its coordinates, "
+                f"the reaction of {self.joint.name!r} is along its coordinates, "
                 "leave resolved_in out",
+                "resolved_in",
+                named=False,
             )
 
     @property
@@ -169,8 +171,9 @@ class ForceSensor(Sensor, tag="force"):
         if self.resolved_in is not None and along(self.force):
             problems.add(
                 where,
-                f"resolved_in: {self.force.name!r} acts along its coordinate, "
-                "leave resolved_in out",
+                f"{self.force.name!r} acts along its coordinate, leave resolved_in out",
+                "resolved_in",
+                named=False,
             )
 
     @property

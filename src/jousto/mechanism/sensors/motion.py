@@ -55,7 +55,9 @@ class MotionSensor(Sensor):
         """Note a marker that observes itself."""
         if self.marker is self.relative_to:
             problems.add(
-                where, f"relative_to is the marker itself, {self.marker.label}: always zero"
+                where,
+                f"relative_to is the marker itself, {self.marker.label}: always zero",
+                "relative_to",
             )
 
     @property

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
-from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.errors import InputError, Problems
 from jousto.base.fields import Field, field
 from jousto.base.names import check_name
 from jousto.base.numbers import set_fields
@@ -33,7 +34,9 @@ class Pattern(Field[str, str]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the angle as a word."""
         if str(value) not in KINDS:
-            problems.add(where, f"kind is {value!r}, must be '45', '60' (delta) or '90' (tee)")
+            problems.add(
+                where, f"kind is {value!r}, must be '45', '60' (delta) or '90' (tee)", "kind"
+            )
         return KINDS.get(str(value))
 
 
@@ -74,6 +77,7 @@ class Rosette(Attached, tag="rosette"):
         """Place the grids in the plane of the surface."""
         keys = ("length", "width", "transverse", "temperature", "reach", "E", "nu")
         shared: dict[str, Any] = {key: getattr(self, key) for key in keys}
+        gauge = f"{Gauge.kind} {self.name!r}"
         try:
             first = Gauge(self.name, self.body, self.at, self.direction, **shared)
             n = outward(first, self.normal)
@@ -85,7 +89,7 @@ class Rosette(Attached, tag="rosette"):
             grids = tuple(Gauge(self.name, self.body, self.at, d, **shared) for d in directions)
         except InputError as error:
             raise InputError(
-                [Problem(where if "'" in p.where else p.where, p.message) for p in error.problems]
+                [replace(p, where=where) if p.where == gauge else p for p in error.problems]
             ) from None
         set_fields(self, normal=read_only(n), grids=grids)
 

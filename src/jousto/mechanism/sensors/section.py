@@ -142,14 +142,18 @@ def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: A
     if at is None:
         if not -n <= element < n:
             problems.add(
-                where, f"element {element}: beam {beam.name!r} has 0 to {n - 1}, e1 to e{n}"
+                where,
+                f"element {element}: beam {beam.name!r} has 0 to {n - 1}, e1 to e{n}",
+                "element",
             )
         else:
             return int(element) % n
         return 0
     if isinstance(at, str):
         if at not in PLACES:
-            problems.add(where, f"at is {at!r}, must be 'start', 'middle', 'end' or a length in m")
+            problems.add(
+                where, f"at is {at!r}, must be 'start', 'middle', 'end' or a length in m", "at"
+            )
             return 0
         s: float | None = PLACES[at] * beam.length
     else:
@@ -157,7 +161,9 @@ def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: A
     if s is None:
         return 0
     if not 0.0 <= s <= beam.length * (1 + 1e-9):
-        problems.add(where, f"at is {s:g} m, beam {beam.name!r} goes from 0 to {beam.length:g} m")
+        problems.add(
+            where, f"at is {s:g} m, beam {beam.name!r} goes from 0 to {beam.length:g} m", "at"
+        )
     nearest = int(np.abs(beam.s - s).argmin())
     if abs(beam.s[nearest] - s) < 1e-9 * beam.length:
         return min(nearest, n - 1)

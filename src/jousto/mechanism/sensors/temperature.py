@@ -87,7 +87,7 @@ class Temperature(Declared):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note a gauge factor of zero."""
         if self.gauge_factor == 0.0:
-            problems.add(where, "gauge_factor is zero")
+            problems.add(where, "gauge_factor is zero", "gauge_factor")
 
     @property
     def per_kelvin(self) -> float:

@@ -403,7 +403,9 @@ def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signa
     if isinstance(value, int | float | np.number) and not isinstance(value, bool):
         found = number(problems, where, name, value)
         return None if found is None else Constant(found)
-    problems.add(where, f"{name} is {value!r}, must be a number or a signal such as Step(1.0)")
+    problems.add(
+        where, f"{name} is {value!r}, must be a number or a signal such as Step(1.0)", name
+    )
     return None
 
 

@@ -80,7 +80,9 @@ class Ramp(Signal, tag="ramp", by_value=True):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note an end before the start."""
         if self.end <= self.start:
-            problems.add(where, f"end is {self.end:g} s, must be after start, {self.start:g} s")
+            problems.add(
+                where, f"end is {self.end:g} s, must be after start, {self.start:g} s", "end"
+            )
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -117,15 +119,16 @@ class Points(Signal):
         """Note times that do not increase, and other numbers of values."""
         t, y = self.times, self.values
         if len(t) == 0:
-            problems.add(where, "times is empty, must have at least one point")
+            problems.add(where, "times is empty, must have at least one point", "times")
         elif len(t) != len(y):
-            problems.add(where, f"{len(t)} times but {len(y)} values, must be as many")
+            problems.add(where, f"{len(t)} times but {len(y)} values, must be as many", "values")
         back = np.flatnonzero(np.diff(t) <= 0)
         if len(back):
             i = int(back[0])
             problems.add(
                 where,
                 f"times must increase: times[{i}] = {t[i]:g} s, times[{i + 1}] = {t[i + 1]:g} s",
+                "times",
             )
 
 

@@ -154,7 +154,7 @@ def unit_factor(where: str, unit: str) -> float:
     """Return the length of a unit in m."""
     if unit not in LENGTHS:
         hint = suggest(unit, LENGTHS)
-        raise InputError(Problem(where, f"unit is '{unit}'{hint}"))
+        raise InputError(Problem(where, f"unit is '{unit}'{hint}", path=("unit",)))
     return LENGTHS[unit]
 
 

@@ -95,9 +95,9 @@ def mesh_cad(
     where = path.name
     problems.positive(where, "size", size, "m")
     if order not in (1, 2):
-        problems.add(where, f"order is {order}, must be 1 or 2")
+        problems.add(where, f"order is {order}, must be 1 or 2", "order")
     if per_circle < 4:
-        problems.add(where, f"per_circle is {per_circle}, must be 4 or more")
+        problems.add(where, f"per_circle is {per_circle}, must be 4 or more", "per_circle")
     for face, length in (refine or {}).items():
         problems.positive(where, f"size at '{face}'", length, "m")
     problems.raise_if_any()
@@ -149,7 +149,9 @@ def cad_surface(path: Path, unit: str | None) -> Array:
     """
     scale = cad_scale(path, unit)
     if find_spec("gmsh") is None:
-        raise InputError(Problem(path.name, "reading CAD files needs Gmsh: pip install gmsh"))
+        raise InputError(
+            Problem(path.name, "reading CAD files needs Gmsh: pip install gmsh", path=("reading",))
+        )
     found = apart(
         path,
         "jousto.mesh.readers.step:meshed",
@@ -301,6 +303,7 @@ def _sizes(
             where,
             f"size is {size:g} m and the part {long:.3g} m across; sizes are in m, was"
             f" {1e-3 * size:g} meant?",
+            "size",
         )
     elif wanted > TOO_MANY:
         least = (_PER_CUBE * volume / TOO_MANY) ** (1 / 3)
@@ -308,17 +311,19 @@ def _sizes(
             where,
             f"size {size:g} m would make some {wanted:.0e} elements of a part {long:.3g} m across,"
             f" at most {TOO_MANY:.0e} are sensible: take {least:.2g} m or more",
+            "size",
         )
     for face, length in refine.items():
         if length > size:
             problems.add(
                 where,
-                f"refine: {length:g} m at '{face}' is no smaller than the size, {size:g} m; sizes"
-                " are in m",
+                f"{length:g} m at '{face}' is no smaller than the size, {size:g} m; sizes are in m",
+                "refine",
+                named=False,
             )
         if names.get(face, (0, 0))[0] != 2:
             known = [title for title, (dim, _) in names.items() if dim == 2]
-            problems.add(where, f"refine: no face '{face}'{suggest(face, known)}")
+            problems.add(where, f"no face '{face}'{suggest(face, known)}", "refine", named=False)
     problems.raise_if_any()
     gmsh.option.setNumber("Mesh.MeshSizeMax", size / scale)
     gmsh.option.setNumber("Mesh.MeshSizeMin", FINEST * min([size, *refine.values()]) / scale)

@@ -183,18 +183,19 @@ def _sections(path: Path, deck: Deck, units: Units, beams: _Beams) -> list[DeckS
         twice = members & (owner >= 0)
         if twice.any():
             named = some([str(i) for i in np.unique(beams.ids[twice])])
-            problems.add(block.where, f"element {named} has two sections")
+            problems.add(block.where, f"element {named} has two sections", "element")
         owner[members] = len(read)
         try:
             read.append(deck_section(block, instance.turn, materials, units))
         except InputError as error:
-            for problem in error.problems:
-                problems.add(problem.where, problem.message)
+            problems.found += error.problems
             read.append(None)
     bare = np.unique(beams.ids[owner < 0])
     if len(bare):
         named = some([str(i) for i in bare])
-        problems.add(path.name, f"element {named} has no *BEAM SECTION; give its set one")
+        problems.add(
+            path.name, f"element {named} has no *BEAM SECTION; give its set one", "element"
+        )
     problems.raise_if_any()
     return [section for i in owner if (section := read[i]) is not None]
 

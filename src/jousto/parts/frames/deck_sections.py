@@ -145,7 +145,7 @@ def deck_section(
                 raise block.wrong(f"there is no *MATERIAL, NAME={name}; known: {_known(materials)}")
             material = materials[name.upper()]
     except InputError as error:
-        if error.args and str(error).startswith(block.place):
+        if all(problem.where == block.where for problem in error.problems):
             raise
         raise block.wrong(str(error)) from None
     n1 = numbers(block, 1)

@@ -30,9 +30,9 @@ def check_elements(problems: Problems, where: str, value: Any) -> bool:
     except (TypeError, ValueError, OverflowError):
         good = False
     if not good:
-        problems.add(where, f"elements is {value!r}, must be a whole number from 1")
+        problems.add(where, f"elements is {value!r}, must be a whole number from 1", "elements")
     elif value > MOST_ELEMENTS:
-        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}")
+        problems.add(where, f"elements is {value}, must be at most {MOST_ELEMENTS}", "elements")
         return False
     return good
 

@@ -148,6 +148,7 @@ def check_frame(given: FrameArrays) -> Frame:
         problems.add(
             where,
             f"theory is {theory!r}, must be EulerBernoulli() or Timoshenko()",
+            "theory",
         )
     xyz = problems.array(where, "nodes", given.nodes, (None, 3))
     nn = 0 if xyz is None else len(xyz)
@@ -313,7 +314,7 @@ def _per_element(
     if not isinstance(value, Sequence) or isinstance(value, str):
         how = by_name(value) if kind is Material else ""
         wanted = f"a {kind.__name__} or one per element{how}"
-        problems.add(where, f"{name} is {value!r}, must be {wanted}")
+        problems.add(where, f"{name} is {value!r}, must be {wanted}", name)
         return None
     wrong = [i for i, item in enumerate(value) if not fits(item)]
     if wrong:
@@ -337,6 +338,7 @@ def _geometry(
         problems.add(
             where,
             f"element {e + 1} (nodes {ab[e, 0] + 1} and {ab[e, 1] + 1}) has zero length",
+            "element",
         )
     if up is None:
         up = default_orientation(b - a)
@@ -347,6 +349,7 @@ def _geometry(
             where,
             f"orientation {up[e].tolist()} of element {e + 1} is zero or parallel to the element;"
             " give a vector across it, near the local z axis",
+            "orientation",
         )
     return a, axes, length
 
@@ -379,6 +382,7 @@ def _shear_parameters(
                     where,
                     f"section of element {e + 1} has no shear coefficients ky and kz; give them"
                     " or use theory=EulerBernoulli()",
+                    "section",
                 )
                 ky = kz = 1.0
             known[id(s)] = (s.Iz / (ky * s.A), s.Iy / (kz * s.A))
@@ -402,8 +406,10 @@ def _point_masses(
         try:
             node = node_index(p.node, sets)
         except KeyError as error:
-            problems.add(where, f"point_masses[{i}]: {error.args[0]}")
+            problems.add(where, f"point_masses[{i}]: {error.args[0]}", "point_masses", i)
             continue
         if not 0 <= node < nn:
-            problems.add(where, f"point_masses[{i}]: node {node} is not in 0..{nn - 1}")
+            problems.add(
+                where, f"point_masses[{i}]: node {node} is not in 0..{nn - 1}", "point_masses", i
+            )
     return masses

@@ -102,6 +102,7 @@ class Member(Declared):
                     where,
                     f"orientation {self.orientation.tolist()} is zero or parallel to the member;"
                     " give a vector across it, near the local z axis",
+                    "orientation",
                 )
 
     @property
@@ -237,8 +238,9 @@ def _name_points(
                 where,
                 f"{label} at {place.tolist()} m is not at a node; the nearest is node{node + 1} at"
                 f" {xyz[node].tolist()} m",
+                label,
             )
         elif name in sets:
-            problems.add(where, f"{label}: this name is used by a member")
+            problems.add(where, "this name is used by a member", label, named=False)
         else:
             sets[name] = (int(node),)

@@ -59,7 +59,7 @@ def check_matrices(
     nn, ndof = len(xyz), mass.shape[0]
     dofs = dofs_per_node or (ndof // nn if nn else 0)
     if mass.shape != stiff.shape:
-        problems.add(where, f"M is {mass.shape} and K is {stiff.shape}, must be of one size")
+        problems.add(where, f"M is {mass.shape} and K is {stiff.shape}, must be of one size", "M")
     if dofs not in (3, 6) or dofs * nn != ndof:
         given = "" if dofs_per_node is None else f" with dofs_per_node = {dofs_per_node}"
         problems.add(
@@ -85,7 +85,7 @@ def check_matrices(
     _check_definite(problems, where, "M", mass, dofs)
     _check_definite(problems, where, "K", stiff, dofs)
     if np.trace((R.T @ times(mass, R))[:3, :3]) <= 0.0:
-        problems.add(where, "M holds no mass: a rigid translation has no kinetic energy")
+        problems.add(where, "M holds no mass: a rigid translation has no kinetic energy", "M")
     problems.raise_if_any()
     _check_free(where, stiff, mass, R, dofs)
     return mass, stiff, xyz, dofs
@@ -143,18 +143,18 @@ def _read(problems: Problems, where: str, name: str, value: Any) -> Sparse | Non
             raise TypeError
         shape = getattr(value, "shape", None) or np.shape(value)
         if len(shape) != 2 or shape[0] != shape[1] or shape[0] == 0:
-            problems.add(where, f"{name} has shape {shape}, must be square")
+            problems.add(where, f"{name} has shape {shape}, must be square", name)
             return None
         matrix = as_csr(value)
     except (TypeError, ValueError):
-        problems.add(where, f"{name} is not a matrix of real numbers")
+        problems.add(where, f"{name} is not a matrix of real numbers", name)
         return None
     coo = matrix.tocoo()
     row, column = coo.row, coo.col
     bad = np.flatnonzero(~np.isfinite(coo.data))
     if len(bad):
         i = bad[0]
-        problems.add(where, f"{name}[{row[i]}, {column[i]}] is {coo.data[i]}, must be finite")
+        problems.add(where, f"{name}[{row[i]}, {column[i]}] is {coo.data[i]}, must be finite", name)
         return None
     difference = (matrix - matrix.T).tocoo()
     worst = np.abs(difference.data)
@@ -168,6 +168,7 @@ def _read(problems: Problems, where: str, name: str, value: Any) -> Sparse | Non
             where,
             f"{name} is not symmetric: [{r}, {c}] is {matrix[r, c]:.6g} but [{c}, {r}] is"
             f" {matrix[c, r]:.6g}{hint}",
+            name,
         )
         return None
     return as_csr((matrix + matrix.T) * 0.5)
@@ -195,6 +196,7 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
             where,
             f"{name} is not positive semidefinite: the block of node{i + 1} has the eigenvalue"
             f" {lowest[i]:.6g}",
+            name,
         )
     elif ndof <= DENSE_UP_TO:
         values = np.linalg.eigvalsh(matrix.toarray())
@@ -203,6 +205,7 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
                 where,
                 f"{name} is not positive semidefinite: its lowest eigenvalue is {values[0]:.6g},"
                 f" its highest {values[-1]:.6g}",
+                name,
             )
 
 
@@ -235,4 +238,4 @@ def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
     force = np.abs(times(K, other))
     if force.max() < 1e-6 * times(abs(K), np.abs(other)).max():
         hint = "the rows run over x of all nodes, then y ...: put them node after node"
-    warn(where, f"K is not free: a rigid {some(hertz)} stores strain energy; {hint}")
+    warn(where, f"K is not free: a rigid {some(hertz)} stores strain energy; {hint}", "K")

@@ -76,6 +76,7 @@ class Matrices:
                 where,
                 f"node {bad[0]} has the direction {bad[1]}, must be 1..6 (temperatures, pressures"
                 " and the like cannot be used)",
+                "node",
             )
         twice, times = np.unique(dofs, axis=0, return_counts=True)
         if np.any(times > 1):
@@ -128,6 +129,7 @@ class Matrices:
                     where,
                     f"node_sets['{name}'] names node {found}, must be numbers of nodes as in the"
                     f" other program ({self.node_ids.min()}..{self.node_ids.max()})",
+                    "node_sets",
                 )
             sets[name] = members
         problems.raise_if_any()
@@ -260,6 +262,7 @@ def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
             where,
             "every node is coupled with every other: if these are condensed matrices, use"
             " reduce_superelement: a Part would estimate its inertia from these few nodes",
+            "every",
         )
 
 

@@ -170,7 +170,9 @@ def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str 
     }
     if format is not None:
         if format not in readers:
-            raise InputError(Problem("", f"format is {format!r}{suggest(format, readers)}"))
+            raise InputError(
+                Problem("", f"format is {format!r}{suggest(format, readers)}", path=("format",))
+            )
         return readers[format]
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))

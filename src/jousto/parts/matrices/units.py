@@ -62,7 +62,11 @@ class Units:
                 return cls(length, MASSES[words[1]], time, words[0])
         known = ", ".join(SYSTEMS)
         raise InputError(
-            Problem("", f"units is {text!r}, must be length-mass-time such as {known}")
+            Problem(
+                "",
+                f"units is {text!r}, must be length-mass-time such as {known}",
+                path=("units",),
+            )
         )
 
     @property

@@ -110,7 +110,7 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
             f"it has {', '.join(others)} only{instead(others)}" if others else "it has no elements"
         )
         known = ", ".join(KINDS)
-        problems.add(where, f"mesh '{mesh.name}' has no solid elements ({known}); {found}")
+        problems.add(where, f"mesh '{mesh.name}' has no solid elements ({known}); {found}", "mesh")
         problems.raise_if_any()
     for kind in ("pyramid", "pyramid13"):
         if kind in others:
@@ -118,6 +118,7 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
                 where,
                 f"mesh '{mesh.name}' has {kind} elements, which have no stiffness here; mesh the"
                 " transition with tetrahedra",
+                "mesh",
             )
     names, found_materials, owner = _materials(problems, where, mesh, cells, materials)
     problems.raise_if_any()
@@ -177,6 +178,7 @@ def _materials(
             where,
             f"materials is {given!r}, must be a Material, an Orthotropic or"
             f" {{element set: material}} with at least one entry{by_name(given)}",
+            "materials",
         )
         return (), (), owner
     by_file: dict[str, list[Ints]] = {}
@@ -192,6 +194,7 @@ def _materials(
             problems.add(
                 where,
                 f"material of '{name}' is {material!r}, must be a Material{by_name(material)}",
+                "material",
             )
             continue
         _check_material(problems, where, material)
@@ -227,7 +230,9 @@ def _check_material(problems: Problems, where: str, material: AnyMaterial) -> No
             " 0.495; take 0.49",
         )
     if material.rho == 0.0:
-        problems.add(where, f"density of material '{material.name}' is zero; solids need a mass")
+        problems.add(
+            where, f"density of material '{material.name}' is zero; solids need a mass", "density"
+        )
 
 
 def _check_volumes(problems: Problems, where: str, model: SolidModel) -> None:
@@ -282,6 +287,7 @@ def solid_masses(
             problems.add(
                 where,
                 f"weighed_mass is {weighed_mass:g} kg, but the point masses alone are {added:g} kg",
+                "weighed_mass",
             )
             problems.raise_if_any()
         low, high = LIKELY_FACTOR

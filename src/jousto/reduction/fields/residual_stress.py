@@ -92,7 +92,7 @@ def read_loads(part: Part, given: Any) -> dict[str, Array] | None:
         return None
     where, problems = f"part '{part.name}'", Problems()
     if part.stress is None:
-        problems.add(where, "residual_stress: the part has no stress data")
+        problems.add(where, "the part has no stress data", "residual_stress", named=False)
     loads: dict[str, Array] = {}
     if given is not True:
         if not isinstance(given, Mapping):

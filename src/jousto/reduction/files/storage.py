@@ -136,7 +136,7 @@ def load(path: Path, kind: type[P]) -> P:
         part = _part(header, arrays, kind)
     except InputError as error:
         raise InputError(
-            [Problem(where, f"{problem.message}; {AGAIN}") for problem in error.problems]
+            [Problem(where, f"{problem.sentence}; {AGAIN}") for problem in error.problems]
         ) from error
     except KeyError as error:
         raise InputError(Problem(where, f"{error.args[0]} is missing; {AGAIN}")) from error

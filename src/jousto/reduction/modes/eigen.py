@@ -20,6 +20,11 @@ from jousto.base.errors import InputError, Problem, warn
 from jousto.reduction.modes.lanczos import lanczos
 from jousto.reduction.sparse.factor import Solver
 
+
+class MissingModesError(InputError):
+    """There are fewer modes than were asked for, or none."""
+
+
 DENSE_LIMIT = 500
 """Problems up to this size are solved densely, with all modes."""
 
@@ -292,7 +297,7 @@ def select(
         There are not as many modes as asked for.
     """
     if modes is not None and modes > len(mu):
-        raise InputError(
+        raise MissingModesError(
             Problem(
                 where,
                 f"{modes} {kind} modes asked for, but there are only {len(mu)}: motions that move "

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.errors import InputError, Problems
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
@@ -48,7 +49,9 @@ def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern 
     items = (given,) if isinstance(given, str | np.ndarray | Pattern) else given
     if not isinstance(items, list | tuple):
         problems.add(
-            where, f"residuals is {given!r}, must be load patterns (ndof,) or names of stress sites"
+            where,
+            f"residuals is {given!r}, must be load patterns (ndof,) or names of stress sites",
+            "residuals",
         )
         return ()
     found: list[Pattern | str] = []
@@ -58,7 +61,9 @@ def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern 
             continue
         if not np.ndim(item):
             problems.add(
-                where, f"residual {item!r} is neither a load pattern (ndof,) nor a stress site"
+                where,
+                f"residual {item!r} is neither a load pattern (ndof,) nor a stress site",
+                "residual",
             )
             continue
         shape = (None,) * min(np.ndim(item), 2)
@@ -99,7 +104,9 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
             columns.append(item.loads)
     if sites and part.stress is None:
         problems.add(
-            where, f"residuals name the stress site '{sites[0]}', but the part has no stress data"
+            where,
+            f"residuals name the stress site '{sites[0]}', but the part has no stress data",
+            "residuals",
         )
     elif sites:
         assert part.stress is not None
@@ -107,7 +114,7 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
             rows = part.stress.rows(sites)
             columns.append(np.asarray(rows.toarray().T, dtype=np.float64))
         except InputError as error:
-            problems.found.extend(Problem(where, p.message) for p in error.problems)
+            problems.found.extend(replace(p, where=where) for p in error.problems)
     problems.raise_if_any()
     return np.concatenate(columns, axis=1) if columns else np.zeros((ndof, 0))
 

@@ -154,7 +154,8 @@ def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...
                 where,
                 f"function {item!r} is none: give BeamFunctions(...), Polynomials(...), "
                 "Splines(...), a function of the positions (nn, 3), or columns (ndof, m)",
+                "function",
             )
     if not items:
-        problems.add(where, "functions is empty, must be one or more")
+        problems.add(where, "functions is empty, must be one or more", "functions")
     return tuple(found)

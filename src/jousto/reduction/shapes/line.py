@@ -129,7 +129,7 @@ class LineFamily(Family):
     def consistent(self, problems: Problems, where: str) -> None:
         """Note that it bends along itself, or that there is no function."""
         if self.across == self.axis:
-            problems.add(where, f"across is '{self.across}', which is the axis")
+            problems.add(where, f"across is '{self.across}', which is the axis", "across")
         if not any(self.counts):
             problems.add(where, "has no function: give a number for bending, stretch or twist")
 

@@ -57,7 +57,7 @@ class Polynomials(Family, tag="polynomials"):
         """Note a limit without an axis, or an axis without one."""
         if (self.across is None) != (self.along == "all"):
             problems.add(
-                where, 'along and across go together: give both, as in along="x", across=2'
+                where, 'along and across go together: give both, as in along="x", across=2', "along"
             )
 
     def columns(self, part: Part) -> Columns:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -112,10 +111,24 @@ class Builder:
         for item in caught:
             self.warn(loc, item, own, name)
         for problem in errors.problems if errors else ():
-            message = shorten(problem.where, problem.message, own, name)
-            place = self.refine(loc, problem.message)
-            self.note(place, message.removeprefix(f"{place[-1]}: " if place else ""))
+            head = headline(problem.where, own, name)
+            self.note_problem(loc, problem, head)
         return result
+
+    def note_problem(self, loc: Loc, problem: Problem, head: str = "") -> None:
+        """Note a problem of the object of an entry, at the field that it is about.
+
+        Parameters
+        ----------
+        loc : tuple
+            Path of the entry.
+        problem : Problem
+        head : str
+            What stands before its message.
+        """
+        place = self.field(loc, problem.path)
+        message = problem.sentence if place == loc else problem.message
+        self.note(place, f"{head}{message}")
 
     def warn(
         self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
@@ -124,20 +137,17 @@ class Builder:
         if not issubclass(item.category, JoustoWarning):
             self.foreign.append(item)
             return
-        where, colon, message = str(item.message).partition(": ")
-        if colon:
-            message = shorten(where, message, own, name)
-        place = self.refine(loc, message)
-        message = message.removeprefix(f"{place[-1]}: " if place else "")
-        text = f"{self.document.where(place)}: {message if colon else where}"
-        self.warnings[text] = None
+        warning: Any = item.message
+        place = self.field(loc, warning.path)
+        own = {*own, *map(str, warning.path)}
+        message = f"{headline(warning.where, own, name)}{warning.message}"
+        self.warnings[f"{self.document.where(place)}: {message}"] = None
 
-    def refine(self, loc: Loc, message: str) -> Loc:
-        """Return the path of the field that a message of a constructor begins with."""
-        for word in re.findall(r"[A-Za-z_]\w*", message)[:4]:
-            if (*loc, word) in self.document.lines:
-                return (*loc, word)
-        return loc
+    def field(self, loc: Loc, path: Loc) -> Loc:
+        """Return the path of a field of an entry in the document, as far as it is written there."""
+        while path and (*loc, *path) not in self.document.lines:
+            path = path[:-1]
+        return (*loc, *path)
 
     def file(self, name: str) -> Path:
         """Return a file name of the document, relative to the document's folder."""
@@ -303,9 +313,9 @@ class Section(Mapping[str, Any]):
         return [(loc, item) for loc, item in found if item is not None]
 
 
-def shorten(where: str, message: str, own: set[str], name: Any) -> str:
-    """Return the sentence of a constructor without the name of the object it is about."""
+def headline(where: str, own: set[str], name: Any) -> str:
+    """Return what stands before the sentence of a constructor: nothing of its own object."""
     head = where.lower()
     if not where or head in own or head.endswith((f" {name!r}".lower(), f" '{name}'".lower())):
-        return message
-    return f"{where}: {message}"
+        return ""
+    return f"{where}: "

@@ -81,7 +81,7 @@ def _output(place: Place, fmus: Any, name: str, output: str) -> Any:
     try:
         return unit[output]
     except UnknownNameError as error:
-        place.builder.note(place.loc, error.problems[0].message)
+        place.builder.note_problem(place.loc, error.problems[0])
         return None
 
 

@@ -231,9 +231,8 @@ class ModelBuilder(Builder):
                 places, inner = places_of(items)
                 for problem in error.problems:
                     loc = places.get(problem.where, ())
-                    text = problem.message if loc else str(problem)
-                    loc = loc or inner.get(problem.where, ())
-                    self.note(self.refine(loc, problem.message) if loc else loc, text)
+                    head = "" if loc else f"{problem.where}: "
+                    self.note_problem(loc or inner.get(problem.where, ()), problem, head)
                 return None
         # what is broken would only cause wrong warnings
         if caught and not (self.found or self.broken):

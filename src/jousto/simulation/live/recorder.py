@@ -87,14 +87,14 @@ class Recorder:
         if len(rows) or len(happened):
             self._queue.put((rows, happened))
 
-    def close(self, ended: str = "completed") -> Solution:
-        """Return the results; `ended` says why nothing follows."""
+    def close(self, ended: str = "completed", complete: bool = True) -> Solution:
+        """Return the results; `ended` says why nothing follows, `complete` if they are whole."""
         self._queue.put(None)
         self._thread.join()
         wall = time.perf_counter() - self._started
         factor = (self._time - self._begin) / wall if wall > 0 else 0.0
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
-        return self._keeper.close(ended.startswith(("completed", "stopped")), facts)
+        return self._keeper.close(complete, facts)
 
     def _write(self) -> None:
         while (item := self._queue.get()) is not None:

@@ -302,12 +302,12 @@ class Runner:
         except Exception as error:  # whatever it is, the thread goes on and can be asked to reset
             if not isinstance(error, JoustoError):
                 log.exception("a live machine failed")
-            self._stop(f"{error}; reset goes back to the start", f"failed: {error}")
+            self._stop(f"{error}; reset goes back to the start", f"failed: {error}", complete=False)
             return False
         if self._recorder is not None:
             self._recorder.add(rows, machine.events())
             if self._recorder.failed:
-                self._stop(self._recorder.failed, "failed")
+                self._stop(self._recorder.failed, "failed", complete=False)
             elif self._recorder.full:
                 self._renewed("completed", lambda: None)
         else:
@@ -318,9 +318,9 @@ class Runner:
             return False
         return True
 
-    def _stop(self, message: str, ended: str) -> None:
+    def _stop(self, message: str, ended: str, complete: bool = True) -> None:
         self._playing, self._message = False, message
-        self._end_record(ended)
+        self._end_record(ended, complete)
         self._show()
 
     def _reset(self) -> None:
@@ -357,10 +357,10 @@ class Runner:
         self._records.append(Path(path))
         self.pace.start()
 
-    def _end_record(self, ended: str) -> None:
+    def _end_record(self, ended: str, complete: bool = True) -> None:
         if self._recorder is not None:
             recorder, self._recorder = self._recorder, None
-            recorder.close(ended)
+            recorder.close(ended, complete)
 
     def _show(self) -> None:
         machine, pace = self.machine, self.pace

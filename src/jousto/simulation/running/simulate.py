@@ -274,13 +274,13 @@ def _run(
 
     started = clock.perf_counter()
 
-    def close(ended: str) -> Solution:
+    def close(ended: str, complete: bool = False) -> Solution:
         wall = clock.perf_counter() - started
         reached = float(engine.time[0].real)
         factor = (reached - plan.start) / wall if wall > 0 else 0.0
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": factor}
         try:
-            return keeper.close(ended.startswith(("completed", "stopped")), facts)
+            return keeper.close(complete, facts)
         except OSError as error:
             message = f"cannot write {keeper.place}: {error}{_remedy(error)}"
             raise RunFailed(message, None, time=reached, body="") from error
@@ -301,7 +301,7 @@ def _run(
         close(f"failed: {type(error).__name__} in the progress function")
         raise
     if ending is None or not ending.failed:
-        solution = close("completed" if ending is None else ending.sentence)
+        solution = close("completed" if ending is None else ending.sentence, complete=True)
     else:
         solution = close(f"failed: {ending.sentence}")
         time = float(engine.time[0].real)

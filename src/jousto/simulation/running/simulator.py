@@ -175,29 +175,34 @@ class Simulator:
                 return
             if status != "ok":
                 problem = engine.problem(status)
-                self.close(f"failed: {problem}")
+                self.close(f"failed: {problem}", complete=False)
                 raise SimulationError(
                     f"the simulator stopped at {self.time:.6g} s: {problem}", time=self.time
                 )
 
-    def close(self, ended: str = "completed") -> Solution | None:
+    def close(self, ended: str = "completed", *, complete: bool = True) -> Solution | None:
         """End the results file and return its results; None without a `path`.
 
         Parameters
         ----------
         ended : str
             What the file says of its end.
+        complete : bool
+            Whether it says that the results are whole.
         """
         if self._record is None:
             return None
         record, self._record = self._record, None
-        return record.close(ended)
+        return record.close(ended, complete)
 
     def __enter__(self) -> Simulator:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self.close("completed" if error[0] is None else "failed: an error of the caller")
+        if error[0] is None:
+            self.close()
+        else:
+            self.close("failed: an error of the caller", complete=False)
 
     def read(self, name: str) -> NDArray[np.float64]:
         """Return the value (k,) of a sensor now.
@@ -271,8 +276,8 @@ class _Record:
             raise SimulationError(f"cannot write {self.path}: {error}", time=time) from error
         self._written += len(rows)
 
-    def close(self, ended: str) -> Solution:
+    def close(self, ended: str, complete: bool) -> Solution:
         """Return the results."""
         wall = clock.perf_counter() - self._started
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": float("nan")}
-        return self._keeper.close(ended.startswith("completed"), facts)
+        return self._keeper.close(complete, facts)

@@ -69,7 +69,9 @@ def schedule(
         problems.add(where, f"model is a {kind}, must be a Model{hint}")
     if not isinstance(solver, SOLVERS):
         known = ", ".join(s.__name__ for s in SOLVERS)
-        problems.add(where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)")
+        problems.add(
+            where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)", "solver"
+        )
     times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
     for name, value in times:
         if problems.array(where, name, value, ()) is not None:
@@ -78,7 +80,11 @@ def schedule(
     end = float(t_end) - start
     if not end > 0.0:
         raise InputError(
-            Problem(where, f"t_end = {t_end:g} s is not after the state's time, {start:.9g} s")
+            Problem(
+                where,
+                f"t_end = {t_end:g} s is not after the state's time, {start:.9g} s",
+                path=("t_end",),
+            )
         )
     unit = end if output_step is None else float(output_step)
     if end / min(solver.step, unit) > MOST_STEPS:

@@ -33,6 +33,13 @@ class NoConvergenceError(Exception):
         super().__init__(message)
 
 
+class SingularTangentError(NoConvergenceError):
+    """The tangent matrix is singular: something moves without stiffness."""
+
+    def __init__(self) -> None:
+        super().__init__("the tangent matrix is singular")
+
+
 @dataclass(frozen=True, eq=False)
 class Point:
     """Positions, multipliers (and the torque of a held azimuth) and the parameter."""
@@ -79,7 +86,7 @@ def factor(balance: Balance, point: Point) -> Any:
     try:
         return spl.splu(A)
     except RuntimeError as error:
-        raise NoConvergenceError("the tangent matrix is singular") from error
+        raise SingularTangentError from error
 
 
 def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
@@ -105,7 +112,7 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
     try:
         lu = spl.splu((A + sp.diags(added)).tocsc())
     except RuntimeError as error:
-        raise NoConvergenceError("the tangent matrix is singular") from error
+        raise SingularTangentError from error
     step = whole = -lu.solve(r)
     for _ in range(3):
         step = step - lu.solve(added * step)

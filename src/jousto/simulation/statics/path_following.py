@@ -18,6 +18,7 @@ from jousto.simulation.statics.continuation import (
     NoConvergenceError,
     Point,
     Rates,
+    SingularTangentError,
     along,
     at_load,
     free_motion,
@@ -90,7 +91,7 @@ class Walk:
             ) from error
 
     def _cause(self, error: NoConvergenceError, at: Point) -> str:
-        if "singular" in str(error):
+        if isinstance(error, SingularTangentError):
             try:
                 free = free_motion(self.balance, at)
             except (RuntimeError, ValueError, np.linalg.LinAlgError):
@@ -376,7 +377,7 @@ class Walk:
                 f"{np.sqrt(abs(lowest)) / (2 * np.pi):.3g} Hz, so a limit point is near, beyond "
                 "which there is no equilibrium close by; pass it with method='arc'"
             )
-        elif "singular" in str(error):
+        elif isinstance(error, SingularTangentError):
             remedy = self._cause(error, last)
         else:
             remedy = (

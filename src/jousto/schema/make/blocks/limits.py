@@ -88,7 +88,7 @@ def build_limits(
             one.value(known)
         except InputError as error:
             for problem in error.problems:
-                builder.note((SECTION, i), re.sub(r"^(limit|outcome) '.*?': ", "", str(problem)))
+                builder.note((SECTION, i), problem.sentence)
             continue
         if one.name in [other.name for other in found]:
             builder.note((SECTION, i), f"{one.name!r} is limited twice; name them: 'a = ...'")
