@@ -99,7 +99,7 @@ class Problem:
 
     def inside(self, where: str, *path: str | int, named: bool = False) -> Problem:
         """Return the problem of a larger object, of which this one's object is a field or item."""
-        text = self.sentence if self.where == path[-1] else str(self)
+        text = self.sentence if self.where in path[-1:] else str(self)
         return Problem(where, text, path=(*path, *self.path), named=named)
 
 
