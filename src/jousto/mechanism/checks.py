@@ -78,7 +78,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
     if len(different) > 1:
         problems.add("gravity", f"{len(different)} Gravity items, only one makes sense")
     if not any(isinstance(x, RigidBody | FlexibleBody | BeamBody) for x in items):
-        problems.add("mechanism", "has no bodies", "bodies")
+        problems.add("mechanism", "has no bodies")
 
 
 def check_assemblies(problems: Problems, mechanism: Members) -> None:
