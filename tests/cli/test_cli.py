@@ -628,7 +628,7 @@ def test_model_files_know_the_classes_of_a_file_that_is_given(tmp_path: Path) ->
     [
         (None, "own.py: no such file"),
         ("1 / 0", "own.py: cannot be imported: ZeroDivisionError: division by zero"),
-        ("import jousto as jo; jo.Material(1, nu=9)", "missing 2 arguments: 'nu', 'rho'"),
+        ("import jousto as jo; jo.Material(1, nu=9)", "missing 1 argument: 'rho'"),
     ],
 )
 def test_a_file_of_classes_that_fails(tmp_path: Path, text: str | None, sentence: str) -> None:
