@@ -107,6 +107,9 @@ static inline void jo_modal3(jo_real *restrict y, const jo_real *restrict M, con
     for (int c = 0; c < 3; c++) y[c] = s[c];
 }
 
+/* rounded up to whole vectors */
+static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
+
 static inline void jo_set3(jo_real *y, const jo_real *x) { y[0] = x[0]; y[1] = x[1]; y[2] = x[2]; }
 static inline void jo_add3(jo_real *y, const jo_real *x) { y[0] += x[0]; y[1] += x[1]; y[2] += x[2]; }
 static inline void jo_sub3(jo_real *y, const jo_real *x) { y[0] -= x[0]; y[1] -= x[1]; y[2] -= x[2]; }

@@ -2,7 +2,15 @@
 #ifndef JO_STAGE_H
 #define JO_STAGE_H
 
-#include "newton/newton_data.h"
+#include "small.h"
+
+/* What one unknown of Newton's matrix, an acceleration, changes: accelerations by a, velocities by v, increments of
+ * the position by q. The rows of the joints are those of C' times rows, or of C. */
+typedef struct {
+    double a, v, q, rows;
+    int position;           /* rows of C instead of C' */
+    int plain;              /* inertia forces change with accelerations only */
+} jo_weights;
 
 /* Parameters of an evaluation. All 0: the accelerations at the present state. */
 typedef struct {

@@ -61,7 +61,7 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
     const jo_beam_data *x = b->data;
     const jo_real *end[2] = {d->q + m->body[b->a].iq, d->q + m->body[b->b].iq};
     const jo_body_work *body[2] = {&d->body[b->a], &d->body[b->b]};
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     jo_real e[2][4], mid[4], t[3], r[3];
     for (int k = 0; k < 2; k++) {
         if (w->turned) product(e[k], end[k] + 3, w->B[k]);
@@ -111,7 +111,7 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
     const jo_real *va = d->v + m->body[b->a].iv, *vb = d->v + m->body[b->b].iv;
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     jo_real t[3], x[3];
     jo_mul3t(w->om[0], w->G[0], va + 3);
     jo_mul3t(w->om[1], w->G[1], vb + 3);
@@ -140,7 +140,7 @@ static void strain_rate(const jo_model *m, const jo_data *d, const int i)
 static int section(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam_data *x = m->beam[i].data;
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     jo_real e[6];
     const int status = strain(m, d, i);
     if (status != JO_OK) return status;
@@ -162,7 +162,7 @@ static int section(const jo_model *m, const jo_data *d, const int i)
 /* moments that its ends exert on the element */
 static void end_moments(const jo_model *m, const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     jo_real h[3], x[3];
     jo_cross(w->t, w->f, w->d);
     for (int j = 0; j < 3; j++) w->t[j] *= m->beam[i].data->length;
@@ -178,7 +178,7 @@ static void internal(const jo_model *m, jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
     jo_body_work *body[2] = {&d->body[b->a], &d->body[b->b]};
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     const jo_real *n = w->f;
     jo_real y[3];
     end_moments(m, d, i);
@@ -223,7 +223,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
 /* square of the accelerations that the forces of one element would cause at its bodies, in the metric of the masses */
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i)
 {
-    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_work *w = &d->beams.work[i];
     const int body[2] = {m->beam[i].a, m->beam[i].b};
     double n = 0.0, sum = 0.0;
     for (int j = 0; j < 3; j++) n += JO_RE(w->s[j]) * JO_RE(w->s[j]);
@@ -245,7 +245,7 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
     jo_real U = 0.0;
     for (int i = 0; i < m->nbeam; i++) {
         const jo_beam_data *x = m->beam[i].data;
-        const jo_real *e = d->beam[i].e;
+        const jo_real *e = d->beams.work[i].e;
         if (strain(m, d, i) != JO_OK) continue;
         jo_real sum = 0.0;
         for (int j = 0; j < 6; j++)
@@ -259,7 +259,7 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
    ends from its balance, each in the axes of the section there */
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
-    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_work *w = &d->beams.work[i];
     const jo_beam_data *x = m->beam[i].data;
     if (section(m, d, i) != JO_OK) return;
     for (int j = 0; j < 6; j++) {
@@ -278,13 +278,21 @@ void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
     }
 }
 
+void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    d->beams.count = m->nbeam;
+    d->beams.work = jo_take_many(a, m->nbeam, sizeof *d->beams.work);
+    d->beams.bent = jo_take_doubles(a, 2 * m->nbeam);
+    d->beams.stiff = jo_take_reals(a, JO_BEAM_KEPT * m->nbeam);
+}
+
 /* once: quaternions of the end frames on their bodies, and what there is to do */
 void jo_beam_setup(const jo_model *m, jo_data *d)
 {
     static const double unit[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     for (int i = 0; i < m->nbeam; i++) {
         const jo_beam_data *x = m->beam[i].data;
-        jo_beam_work *w = &d->beam[i];
+        jo_beam_work *w = &d->beams.work[i];
         jo_quaternion(w->B[0], x->B_a);
         jo_quaternion(w->B[1], x->B_b);
         for (int j = 0; j < 9; j++) w->turned |= x->B_a[j] != unit[j] || x->B_b[j] != unit[j];
@@ -299,17 +307,17 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
 void jo_beam_accept(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbeam; i++) {
-        jo_beam_work *w = &d->beam[i];
+        jo_beam_work *w = &d->beams.work[i];
         const double bent = 4.0 * atan(sqrt(JO_RE(w->square))), tension = JO_RE(w->s[0] * m->beam[i].data->limit);
         jo_set3(w->last, w->tau);
-        if (bent > d->bent[2 * i]) d->bent[2 * i] = bent;
-        if (tension > d->bent[2 * i + 1]) d->bent[2 * i + 1] = tension;
+        if (bent > d->beams.bent[2 * i]) d->beams.bent[2 * i] = bent;
+        if (tension > d->beams.bent[2 * i + 1]) d->beams.bent[2 * i + 1] = tension;
     }
 }
 
 /* the state is replaced: how the beams came to be bent is forgotten */
 void jo_beam_reset_history(jo_data *d)
 {
-    for (int i = 0; i < d->nbeam; i++)
-        for (int j = 0; j < 3; j++) d->beam[i].last[j] = 0.0;
+    for (int i = 0; i < d->beams.count; i++)
+        for (int j = 0; j < 3; j++) d->beams.work[i].last[j] = 0.0;
 }

@@ -2,6 +2,7 @@
 #ifndef JO_BEAM_H
 #define JO_BEAM_H
 
+#include "arena.h"
 #include "data.h"
 
 /* small operators that the beam element's forces and tangents share.
@@ -42,6 +43,8 @@ jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d);
 void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c);
 
 /* beam.c */
+void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a);
+static inline double *jo_beam_bent(jo_data *d) { return d->beams.bent; }   /* (nbeam x 2), see jo_data_bent */
 void jo_beam_setup(const jo_model *m, jo_data *d);
 int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i);
@@ -52,6 +55,6 @@ void jo_beam_reset_history(jo_data *d);
 
 /* beam_tangent.c */
 void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage);
-void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);   /* (nv) d->lag += K x + D z, z may be 0 */
+void jo_beam_lag(const jo_model *m, const jo_data *d, const jo_real *x, const jo_real *z, jo_real *lag);   /* (nv) lag += K x + D z, z may be 0 */
 
 #endif

@@ -23,4 +23,11 @@ typedef struct {
     jo_real last[3];        /* tau of the last accepted state */
 } jo_beam_work;
 
+typedef struct {
+    int count;
+    jo_beam_work *work;     /* (nbeam) */
+    double *bent;           /* (nbeam x 2) largest bending, rad, and tension so far */
+    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping that ROS2 keeps */
+} jo_beams;
+
 #endif

@@ -12,7 +12,7 @@
 void jo_beam_fibre(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam_data *x = m->beam[i].data;
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     const jo_real rest = x->e0[3], kappa = w->e[3] + rest;
     w->lean = x->polar * kappa;
     w->e[0] += 0.5 * x->polar * w->e[3] * (kappa + rest);
@@ -20,21 +20,21 @@ void jo_beam_fibre(const jo_model *m, const jo_data *d, const int i)
 
 void jo_beam_fibre_rate(const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     w->rate[0] += w->lean * w->rate[3];
 }
 
 /* f = J^T s */
 void jo_beam_fibre_force(const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     w->f[3] += w->lean * w->s[0];
 }
 
 /* C = J^T C J, and X (6 x 6): what J changes by itself, its fourth column */
 void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_real *C, jo_real *X)
 {
-    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_work *w = &d->beams.work[i];
     const jo_beam_data *x = m->beam[i].data;
     const jo_real p = x->polar;
     for (int j = 0; j < 36; j++) {

@@ -41,7 +41,7 @@ static void factor(jo_real k[3], const jo_real x)
 static void half_turn(const jo_model *m, const jo_data *d, const int i, jo_real *psi, jo_real k[3])
 {
     const jo_beam_data *x = m->beam[i].data;
-    const jo_real *e = d->beam[i].e;
+    const jo_real *e = d->beams.work[i].e;
     for (int j = 0; j < 3; j++) psi[j] = 0.5 * x->length * (e[3 + j] + x->e0[3 + j]);
     factor(k, jo_dot3(psi, psi));
 }
@@ -85,7 +85,7 @@ static void curving(jo_real *H, const jo_real *n, const jo_real *d, const jo_rea
 /* strains of d and phi: Gamma of the chord becomes that of the arc */
 void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     jo_real psi[3], k[3], g[3];
     half_turn(m, d, i, psi, k);
     unbent(g, w->d, psi, k[0]);
@@ -95,7 +95,7 @@ void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
 /* rates of d and kappa become those of the strains */
 void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     const jo_real h = 0.5 * m->beam[i].data->length;
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
@@ -109,7 +109,7 @@ void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 /* f = J^T s: conjugate to d and kappa */
 void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 {
-    jo_beam_work *w = &d->beam[i];
+    jo_beam_work *w = &d->beams.work[i];
     const jo_real h = 0.5 * m->beam[i].data->length;
     jo_real psi[3], k[3], A[9], x[3];
     half_turn(m, d, i, psi, k);
@@ -122,7 +122,7 @@ void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 /* E = J^T C J of a stiffness C, and X (6 x 6) = J^T X J with what J changes by itself; X reads its fourth column alone */
 void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, const jo_real *C, jo_real *E, jo_real *X)
 {
-    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_work *w = &d->beams.work[i];
     const jo_beam_data *x = m->beam[i].data;
     const jo_real h = 0.5 * x->length;
     jo_real psi[3], k[3], A[9], J[36], CJ[36];

@@ -242,13 +242,13 @@ static void scatter(const jo_model *m, jo_data *d, const jo_beam *b, const jo_re
         }
 }
 
-/* d->lag += K x + D z with what was kept */
-void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+/* lag += K x + D z with what was kept */
+void jo_beam_lag(const jo_model *m, const jo_data *d, const jo_real *x, const jo_real *z, jo_real *lag)
 {
     for (int i = 0; i < m->nbeam; i++) {
         const int a = m->body[m->beam[i].a].iv, b = m->body[m->beam[i].b].iv;
-        for (int v = 0; v < (z && d->beam[i].damped ? 2 : 1); v++) {
-            const jo_real *in = v ? z : x, *kept = d->stiff + JO_BEAM_KEPT * i + 9 * ROW * v;
+        for (int v = 0; v < (z && d->beams.work[i].damped ? 2 : 1); v++) {
+            const jo_real *in = v ? z : x, *kept = d->beams.stiff + JO_BEAM_KEPT * i + 9 * ROW * v;
             jo_real y[ROW] = {0.0}, out[9];
             for (int j = 0; j < 3; j++) {
                 y[j] = in[b + j] - in[a + j];
@@ -261,10 +261,10 @@ void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real 
                 out[r] = jo_sum(sum);
             }
             for (int j = 0; j < 3; j++) {
-                d->lag[a + j] -= out[j];
-                d->lag[b + j] += out[j];
-                d->lag[a + 3 + j] += out[3 + j];
-                d->lag[b + 3 + j] += out[6 + j];
+                lag[a + j] -= out[j];
+                lag[b + j] += out[j];
+                lag[a + 3 + j] += out[3 + j];
+                lag[b + 3 + j] += out[6 + j];
             }
         }
     }
@@ -273,7 +273,7 @@ void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real 
 static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const int i)
 {
     const jo_beam *b = &m->beam[i];
-    const jo_beam_work *w = &d->beam[i];
+    const jo_beam_work *w = &d->beams.work[i];
     const jo_weights *c = &stage->weights;
     const jo_real L = b->data->length, beta = b->data->beta, *C = b->data->C;
     jo_real fibrous[36], effective[36], changing[36] = {0.0}, right[3][3 * BLOCK];
@@ -305,9 +305,9 @@ static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const 
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);
             add_right(X, v ? V : K, right);
-            turn_left(d->stiff + JO_BEAM_KEPT * i + 9 * ROW * v, w, X);
+            turn_left(d->beams.stiff + JO_BEAM_KEPT * i + 9 * ROW * v, w, X);
         }
-        const jo_real *kept = d->stiff + JO_BEAM_KEPT * i;
+        const jo_real *kept = d->beams.stiff + JO_BEAM_KEPT * i;
         for (int j = 0; j < 9 * ROW; j++) Y[j] = c->q * kept[j] + (w->damped ? c->v * kept[9 * ROW + j] : 0.0);
     } else {
         zero(X, 9);

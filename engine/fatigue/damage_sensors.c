@@ -3,7 +3,7 @@
 #include "fatigue/fatigue.h"
 
 /* doubles that the read-out of the largest meter needs */
-int jo_damage_scratch(const jo_model *m)
+static int scratch_of(const jo_model *m)
 {
     int most = 0;
     for (int i = 0; i < m->nmeter; i++) {
@@ -13,12 +13,20 @@ int jo_damage_scratch(const jo_model *m)
     return most;
 }
 
-/* the metered sensors alone, `list` has room for them */
-void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
-    d->metered = *m;
-    d->metered.sensor = list;
-    d->metered.nsensor = 0;
+    d->damage.reading = jo_take_reals(a, m->nmeter ? m->nout : 0);
+    d->damage.scratch = jo_take_doubles(a, scratch_of(m));
+    d->damage.list = jo_take_many(a, m->nmeter ? m->nsensor : 0, sizeof *d->damage.list);
+}
+
+/* the metered sensors alone */
+void jo_damage_setup(const jo_model *m, jo_data *d)
+{
+    jo_sensor *list = d->damage.list;
+    d->damage.metered = *m;
+    d->damage.metered.sensor = list;
+    d->damage.metered.nsensor = 0;
     for (int i = 0; i < m->nsensor; i++) {
         const jo_sensor *s = &m->sensor[i];
         int used = 0;
@@ -27,8 +35,8 @@ void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
             used |= output >= s->offset && output < s->offset + s->count;
         }
         if (!used) continue;
-        list[d->metered.nsensor++] = *s;
-        d->metered_demanding |= jo_needs_accelerations(s);
+        list[d->damage.metered.nsensor++] = *s;
+        d->damage.demanding |= jo_needs_accelerations(s);
     }
 }
 
@@ -44,14 +52,14 @@ int jo_measure(const jo_model *m, jo_data *d)
     int due = 0;
     for (int i = 0; i < m->nmeter; i++) due |= is_new(d->memory + m->meter[i].at, time);
     if (!due) return JO_OK;
-    const int status = jo_ready_sensors(m, d, d->metered_demanding);
+    const int status = jo_ready_sensors(m, d, d->damage.demanding);
     if (status != JO_OK) return status;
-    jo_sensors(&d->metered, d, d->reading);
+    jo_sensors(&d->damage.metered, d, d->damage.reading);
     for (int i = 0; i < m->nmeter; i++) {
         const jo_meter *r = &m->meter[i];
         double *memory = d->memory + r->at;
         if (!is_new(memory, time)) continue;
-        const double x = r->factor * JO_RE(d->reading[r->output]);
+        const double x = r->factor * JO_RE(d->damage.reading[r->output]);
         jo_meter_push(r, memory, &x, 1);
         memory[JO_METER_TIME] = time;
     }

@@ -2,11 +2,21 @@
 #ifndef JO_FATIGUE_H
 #define JO_FATIGUE_H
 
+#include "arena.h"
 #include "data.h"
 
+/* damage and closed cycles that a meter has counted */
+static inline void jo_damage_read(const jo_model *m, const jo_data *d, int meter, jo_real *y)
+{
+    const jo_meter *r = &m->meter[meter];
+    const double *memory = d->memory + r->at;
+    y[0] = jo_same(jo_meter_damage(r, memory, r->residue, d->damage.scratch));
+    y[1] = jo_same(memory[JO_METER_CLOSED]);
+}
+
 /* damage_sensors.c */
-void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list);
-int jo_damage_scratch(const jo_model *m);
+void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a);
+void jo_damage_setup(const jo_model *m, jo_data *d);
 int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
 
 #endif

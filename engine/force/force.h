@@ -4,7 +4,14 @@
 
 #include "newton/newton.h"
 
-/* Functions of a kind of force, defined in its file; the rows of the kinds are in jousto.h. */
+/* value of a signal and its derivatives with respect to time */
+typedef struct { jo_real value, rate, second; } jo_signal_work;
+
+/* A state x' = f of a force F along a coordinate s, as ROS2 has it in its matrix: dF/dx, -df/dx, df/ds, df/ds'. */
+typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
+static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
+
+/* what the file of each kind of force defines; the rows of the kinds stand in jousto.h. */
 typedef struct {
     /* forces on the bodies, result in y; adds dissipated power to d->power.damping and power of forces to d->power.forces, W */
     int (*apply)(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y);
@@ -29,7 +36,8 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
 /* force_table.c */
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
-jo_real jo_stored(const jo_model *m, const jo_data *d);   /* energy of springs at the present markers and coordinates, J */
-void jo_state_nominals(const jo_model *m, jo_data *d, double duration);
+jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
+void jo_state_nominals(const jo_model *m, double duration, double *x);   /* (nstate) sizes whose errors matter */
+void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 #endif

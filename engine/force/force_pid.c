@@ -81,7 +81,7 @@ static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
     const jo_real none = jo_same(0.0), one = jo_same(1.0), cut = cut_of(x), steep = x->derivative * cut;
     const jo_mask out = beyond(x, u), speed = JO_LESS(none, x->speed);
     const jo_real slope = jo_choose(out, none, x->proportional + steep), windup = jo_choose(out, none, -x->integral);
-    jo_slopes_of_state *s = d->slopes + f->state;
+    jo_slopes_of_state *s = d->forces.slopes + f->state;
     y->stiffness = jo_choose(speed, none, slope);
     y->damping = jo_choose(speed, slope, none);
     s[0].force = jo_choose(out, none, one);

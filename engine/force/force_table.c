@@ -72,10 +72,15 @@ void jo_start_states(const jo_model *m, jo_data *d)
     }
 }
 
-void jo_state_nominals(const jo_model *m, jo_data *d, double duration)
+void jo_state_nominals(const jo_model *m, double duration, double *x)
 {
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
-        if (f->state >= 0) table[f->type]->nominals(m, f, duration, d->nominal + f->state);
+        if (f->state >= 0) table[f->type]->nominals(m, f, duration, x + f->state);
     }
+}
+
+void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    d->forces.slopes = jo_take_many(a, m->nstate, sizeof *d->forces.slopes);
 }

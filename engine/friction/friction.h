@@ -2,6 +2,7 @@
 #ifndef JO_FRICTION_H
 #define JO_FRICTION_H
 
+#include "arena.h"
 #include "data.h"
 
 /* friction.c */
@@ -16,6 +17,7 @@ void jo_friction_slopes(const jo_model *m, const jo_data *d, int i, jo_slopes *y
 void jo_newton_frictions(const jo_model *m, jo_data *d);
 
 /* friction_iteration.c */
+void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a);
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 
 /* friction_switch.c */

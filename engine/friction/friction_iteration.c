@@ -79,12 +79,12 @@ static void free_change(const jo_model *m, const jo_data *d, int set, int joint,
 static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
     if (jo_tree_active(d)) {
-        jo_tree_friction_response(m, d, f);
+        jo_tree_friction_response(m, d, d->friction.n, d->friction.coordinate, f);
         return;
     }
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
-    for (int c = 0; c < d->anderson.n; c++)
-        if (f[c] != 0.0) jo_push_change(m, d, d->anderson.coordinate[c], f[c]);
+    for (int c = 0; c < d->friction.n; c++)
+        if (f[c] != 0.0) jo_push_change(m, d, d->friction.coordinate[c], f[c]);
     if (jo_couples(m, stage)) {
         jo_coupled_respond(m, d);
         return;
@@ -115,7 +115,7 @@ static void reaction_change(const jo_model *m, const jo_data *d, const jo_slidin
 /* list of sliding frictions, their reactions without friction, and changes of these by unit forces */
 static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    jo_anderson *w = &d->anderson;
+    jo_anderson *w = &d->friction;
     w->nsliding = w->n = 0;
     store_multipliers(m, d, d->lam, 0);
     if (jo_tree_active(d)) jo_tree_update_slips(m, d);
@@ -149,7 +149,7 @@ static void find_sliding(const jo_model *m, jo_data *d, const jo_stage *stage)
 /* reactions y with friction forces f, after the change w->change of f */
 static inline void update_reactions(const jo_model *m, jo_data *d, const jo_stage *stage, const int n, const int nsliding)
 {
-    jo_anderson *w = &d->anderson;
+    jo_anderson *w = &d->friction;
     if (n <= JO_REACH) {
         for (int i = 0; i < nsliding; i++) {
             jo_sliding_friction *s = &w->sliding[i];
@@ -222,7 +222,7 @@ static inline int store_pair(jo_anderson *w, const int n, int unknowns, int stee
 static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, double first, const int n,
                          const int nsliding)
 {
-    jo_anderson *w = &d->anderson;
+    jo_anderson *w = &d->friction;
     double off[2], all[2], best = INFINITY;
     int steep = 0, stagnant = 0;
     w->pairs = 0;
@@ -271,14 +271,14 @@ static inline int iterate(const jo_model *m, jo_data *d, const jo_stage *stage, 
 
 static int solve_forces(const jo_model *m, jo_data *d, const jo_stage *stage, double first)
 {
-    const jo_anderson *w = &d->anderson;
+    const jo_anderson *w = &d->friction;
     return w->n == 1 ? iterate(m, d, stage, first, 1, 1) : iterate(m, d, stage, first, w->n, w->nsliding);   /* loops over one force unroll */
 }
 
 /* error_index = friction with the largest residual */
 static int report_failure(jo_data *d)
 {
-    const jo_anderson *w = &d->anderson;
+    const jo_anderson *w = &d->friction;
     double worst = -1.0;
     for (int i = 0; i < w->nsliding; i++)
         for (int k = 0; k < w->sliding[i].count; k++) {
@@ -293,9 +293,9 @@ static int report_failure(jo_data *d)
 /* converged friction forces on the bodies, and multipliers with friction */
 static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const jo_anderson *w = &d->anderson;
+    const jo_anderson *w = &d->friction;
     if (jo_tree_active(d)) {
-        jo_tree_apply_friction(m, d);
+        jo_tree_apply_friction(m, d, w->n, w->coordinate, w->f);
         return;
     }
     for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
@@ -324,7 +324,7 @@ static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
  * one. A larger solution is not physical: its friction increases the normal force by more than it needs (Painleve). */
 int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    const jo_anderson *w = &d->anderson;
+    const jo_anderson *w = &d->friction;
     jo_real *f = d->rub;
     find_sliding(m, d, stage);
     if (w->n && !solve_forces(m, d, stage, 1.0) && !solve_forces(m, d, stage, JO_SHORT_START)) return report_failure(d);
@@ -341,4 +341,20 @@ int jo_friction_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->nfriction; i++)
         if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], f + 2 * i);
     return JO_OK;
+}
+
+void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    jo_anderson *x = &d->friction;
+    jo_real **forces[5] = {&x->f, &x->g, &x->r, &x->before, &x->change};
+    x->sliding = jo_take_many(a, m->nfriction, sizeof *x->sliding);
+    x->coordinate = jo_take_ints(a, 2 * m->nfriction);
+    x->lam = jo_take_reals(a, m->nfriction ? m->nrow : 0);
+    x->reach = jo_take_reals(a, m->nfriction ? JO_REACH * m->nrow : 0);
+    for (int i = 0; i < 5; i++) *forces[i] = jo_take_reals(a, 2 * m->nfriction);
+    for (int i = 0; i < JO_PAIRS; i++) {
+        x->dF[i] = jo_take_reals(a, 2 * m->nfriction);
+        x->dR[i] = jo_take_reals(a, 2 * m->nfriction);
+        x->Q[i] = jo_take_reals(a, 2 * m->nfriction);
+    }
 }

@@ -35,7 +35,7 @@ static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRI
 
 static void save_state(jo_data *d)
 {
-    jo_kept *k = &d->kept;
+    jo_step_start *k = &d->events.start;
     memcpy(k->state, d->state, d->state_bytes);
     k->time = d->time[0];
     k->work = d->work;
@@ -48,7 +48,7 @@ static void save_state(jo_data *d)
 
 static void restore_state(jo_data *d)
 {
-    const jo_kept *k = &d->kept;
+    const jo_step_start *k = &d->events.start;
     memcpy(d->state, k->state, d->state_bytes);
     d->time[0] = k->time;
     d->work = k->work;
@@ -61,13 +61,14 @@ static void restore_state(jo_data *d)
 
 /* -- watched values ------------------------------------------------------------------------- */
 
-/* model d->watch with the sensors of events only, in `list` */
-void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+/* model d->events.watch with the sensors of events only */
+void jo_event_setup(const jo_model *m, jo_data *d)
 {
-    d->watch = *m;
-    d->watch.sensor = list;
-    d->watch.nsensor = 0;
-    d->demanding = m->nlock > 0;
+    jo_sensor *list = d->events.list;
+    d->events.watch = *m;
+    d->events.watch.sensor = list;
+    d->events.watch.nsensor = 0;
+    d->events.demanding = m->nlock > 0;
     for (int i = 0; i < m->nsensor; i++) {
         const jo_sensor *s = &m->sensor[i];
         int used = 0;
@@ -76,19 +77,19 @@ void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
             used |= output >= s->offset && output < s->offset + s->count;
         }
         if (!used) continue;
-        list[d->watch.nsensor++] = *s;
-        d->demanding |= jo_needs_accelerations(s);
+        list[d->events.watch.nsensor++] = *s;
+        d->events.demanding |= jo_needs_accelerations(s);
     }
 }
 
 /* g = watched values at the present state */
 static int watched_values(const jo_model *m, jo_data *d, double *g)
 {
-    const int status = jo_ready_sensors(m, d, d->demanding);
+    const int status = jo_ready_sensors(m, d, d->events.demanding);
     if (status != JO_OK) return status;
-    if (m->nevent) jo_sensors(&d->watch, d, d->measured);
+    if (m->nevent) jo_sensors(&d->events.watch, d, d->events.measured);
     for (int i = 0; i < jo_watched(m); i++)
-        g[i] = is_event(m, i) ? JO_RE(d->measured[m->event[i].output]) - m->event[i].threshold
+        g[i] = is_event(m, i) ? JO_RE(d->events.measured[m->event[i].output]) - m->event[i].threshold
                               : JO_RE(jo_friction_margin(m, d, i - m->nevent));
     return JO_OK;
 }
@@ -97,7 +98,7 @@ static int watched_values(const jo_model *m, jo_data *d, double *g)
 static int crosses(const jo_model *m, const jo_data *d, int i, double g)
 {
     const int now = sign(g), direction = is_event(m, i) ? m->event[i].direction : -1;
-    return now && now == -d->side[i] && (direction == 0 || direction == now);
+    return now && now == -d->events.side[i] && (direction == 0 || direction == now);
 }
 
 static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
@@ -111,8 +112,8 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
 static void accept_values(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < jo_watched(m); i++) {
-        if (is_event(m, i) && sign(g[i])) d->side[i] = sign(g[i]);
-        d->level[i] = g[i];
+        if (is_event(m, i) && sign(g[i])) d->events.side[i] = sign(g[i]);
+        d->events.level[i] = g[i];
     }
     if (m->nlock) jo_friction_update_direction(m, d);
 }
@@ -124,8 +125,8 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
 {
     double first = b;
     for (int i = 0; i < jo_watched(m); i++) {
-        if (!crosses(m, d, i, d->above[i])) continue;
-        const double ga = wa * d->side[i] * d->below[i], gb = wb * fabs(d->above[i]);
+        if (!crosses(m, d, i, d->events.above[i])) continue;
+        const double ga = wa * d->events.side[i] * d->events.below[i], gb = wb * fabs(d->events.above[i]);
         const double x = ga > 0.0 ? a + (b - a) * (ga / (ga + gb)) : 0.5 * (a + b);
         if (x < first) first = x;
     }
@@ -136,8 +137,8 @@ static double estimate_crossing(const jo_model *m, const jo_data *d, double a, d
 static int at_threshold(const jo_model *m, const jo_data *d)
 {
     for (int i = 0; i < jo_watched(m); i++) {
-        const double small = JO_VALUE_ROUNDING * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->scale[i]);
-        if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) <= small)) return 0;
+        const double small = JO_VALUE_ROUNDING * fmax(is_event(m, i) ? fabs(m->event[i].threshold) : 0.0, d->events.scale[i]);
+        if (crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) <= small)) return 0;
     }
     return 1;
 }
@@ -158,7 +159,7 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
     const double narrow = time_resolution(d);
     double a = 0.0, b = *length, at = b, wa = 1.0, wb = 1.0, before = 4.0 * b;
     int last = 0;
-    memcpy(d->below, d->level, (size_t)jo_watched(m) * sizeof *d->below);
+    memcpy(d->events.below, d->events.level, (size_t)jo_watched(m) * sizeof *d->events.below);
     for (int k = 0; k < JO_MAX_TRIALS && b - a > narrow && !(at == b && at_threshold(m, d)); k++) {
         double x = estimate_crossing(m, d, a, b, wa, wb);
         if (k % 3 == 2) {   /* bisection if the last three trials did not halve the bracket */
@@ -166,13 +167,13 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
             before = b - a;
         }
         x = fmin(fmax(x, a + 0.5 * narrow), b - 0.5 * narrow);
-        const int status = try_step(m, d, s, x, d->trial);
+        const int status = try_step(m, d, s, x, d->events.trial);
         if (status != JO_OK) return status;
         at = x;
-        const int side = any_crosses(m, d, d->trial) ? 1 : -1;
-        double **end = side > 0 ? &d->above : &d->below, *values_at = *end;
-        *end = d->trial;
-        d->trial = values_at;
+        const int side = any_crosses(m, d, d->events.trial) ? 1 : -1;
+        double **end = side > 0 ? &d->events.above : &d->events.below, *values_at = *end;
+        *end = d->events.trial;
+        d->events.trial = values_at;
         if (side > 0) b = x;
         else a = x;
         if (side == last) {   /* same end twice: halve the weight of the other one */
@@ -184,19 +185,19 @@ static int locate(const jo_model *m, jo_data *d, const jo_solver *s, double *len
         last = side;
     }
     *length = b;
-    return at == b ? JO_OK : try_step(m, d, s, b, d->above);
+    return at == b ? JO_OK : try_step(m, d, s, b, d->events.above);
 }
 
 /* -- effects of events ------------------------------------------------------------------------ */
 
 static int log_entry(const jo_model *m, jo_data *d, int i, int value, int *chain)
 {
-    double *entry = d->log + 3 * d->logged;
+    double *entry = d->events.log + 3 * d->events.logged;
     if (++*chain > max_entries(m)) {
         d->error_index = i;
         return JO_ENDLESS;
     }
-    d->logged++;
+    d->events.logged++;
     entry[0] = JO_RE(d->time[0]);
     entry[1] = i;
     entry[2] = value;
@@ -211,7 +212,7 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
     for (int j = 0; j < m->nforce; j++) loses |= m->force[j].release == i && !d->happened[i];
     if (loses) jo_energy(m, d, &before);
     d->happened[i]++;
-    d->side[i] = sign(d->above[i]);
+    d->events.side[i] = sign(d->events.above[i]);
     if (!loses) return;
     jo_energy(m, d, &after);
     d->work.damping += before.springs - after.springs;
@@ -220,24 +221,24 @@ static void apply_event(const jo_model *m, jo_data *d, int i)
 /* events at the present state and, repeatedly, those that they cause; *stop: first event that ends the run, -1: none */
 static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 {
-    for (int before = -1; before != d->logged;) {
-        before = d->logged;
+    for (int before = -1; before != d->events.logged;) {
+        before = d->events.logged;
         for (int i = 0; i < m->nevent; i++) {
-            if (!crosses(m, d, i, d->above[i])) continue;
-            const int status = log_entry(m, d, i, sign(d->above[i]), chain);
+            if (!crosses(m, d, i, d->events.above[i])) continue;
+            const int status = log_entry(m, d, i, sign(d->events.above[i]), chain);
             if (status != JO_OK) return status;
             apply_event(m, d, i);
             if (m->event[i].stop && *stop < 0) *stop = i;
         }
-        if (d->logged == before) break;
+        if (d->events.logged == before) break;
         jo_state_changed(d);   /* forces are others now */
         jo_forces_jumped(d);
-        memcpy(d->below, d->above, (size_t)m->nevent * sizeof *d->below);
-        const int status = watched_values(m, d, d->above);
+        memcpy(d->events.below, d->events.above, (size_t)m->nevent * sizeof *d->events.below);
+        const int status = watched_values(m, d, d->events.above);
         if (status != JO_OK) return status;
         for (int i = 0; i < m->nevent; i++) {   /* changes by round-off are no crossings */
-            const double jump = fabs(d->above[i] - d->below[i]), small = JO_JUMP * d->scale[i];
-            if (crosses(m, d, i, d->above[i]) && !(fabs(d->above[i]) > small && jump > small)) d->above[i] = 0.0;
+            const double jump = fabs(d->events.above[i] - d->events.below[i]), small = JO_JUMP * d->events.scale[i];
+            if (crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) > small && jump > small)) d->events.above[i] = 0.0;
         }
     }
     return JO_OK;
@@ -246,11 +247,11 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 /* frictions whose margin is exceeded at the present state */
 static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
 {
-    const int *before = (const int *)(d->kept.state + ((char *)d->slip - d->state));
-    const int logged = d->logged;
+    const int *before = (const int *)(d->events.start.state + ((char *)d->slip - d->state));
+    const int logged = d->events.logged;
     int last = -1, status = JO_OK;
     for (int i = m->nevent; i < jo_watched(m) && status == JO_OK; i++)
-        if (crosses(m, d, i, d->above[i])) {
+        if (crosses(m, d, i, d->events.above[i])) {
             status = jo_friction_switch(m, d, i - m->nevent);
             last = i;
         }
@@ -258,11 +259,11 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     jo_forces_jumped(d);
     for (int k = 0; k < m->nfriction && status == JO_OK; k++)
         if (d->slip[k] != before[k]) status = log_entry(m, d, m->nevent + k, d->slip[k], chain);
-    if (d->logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* unchanged state after a transition */
+    if (d->events.logged == logged && status == JO_OK && ++*chain > max_entries(m)) {   /* unchanged state after a transition */
         d->error_index = last;
         status = JO_ENDLESS;
     }
-    return status == JO_OK ? watched_values(m, d, d->above) : status;
+    return status == JO_OK ? watched_values(m, d, d->events.above) : status;
 }
 
 /* events and friction transitions at the present state */
@@ -275,11 +276,11 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     jo_add_step_work(d);
     status = events_happen(m, d, stop, chain);
     if (status == JO_OK && m->nlock) {
-        const int before = d->logged;
+        const int before = d->events.logged;
         status = frictions_switch(m, d, chain);
-        if (status == JO_OK && d->logged != before) status = events_happen(m, d, stop, chain);
+        if (status == JO_OK && d->events.logged != before) status = events_happen(m, d, stop, chain);
     }
-    if (status == JO_OK) accept_values(m, d, d->above);
+    if (status == JO_OK) accept_values(m, d, d->events.above);
     return status;
 }
 
@@ -287,8 +288,8 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
 
 static int start(const jo_model *m, jo_data *d)
 {
-    const int status = watched_values(m, d, d->level);
-    for (int i = 0; i < jo_watched(m); i++) d->side[i] = is_event(m, i) ? sign(d->level[i]) : 1;
+    const int status = watched_values(m, d, d->events.level);
+    for (int i = 0; i < jo_watched(m); i++) d->events.side[i] = is_event(m, i) ? sign(d->events.level[i]) : 1;
     jo_levels_measured(d);
     return status;
 }
@@ -297,7 +298,7 @@ static int start(const jo_model *m, jo_data *d)
 static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
 {
     for (int i = 0; i < m->nevent; i++)
-        if (fabs(d->level[i]) <= JO_TOUCH * fabs(g[i] - d->level[i])) d->side[i] = sign(g[i]);
+        if (fabs(d->events.level[i]) <= JO_TOUCH * fabs(g[i] - d->events.level[i])) d->events.side[i] = sign(g[i]);
 }
 
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
@@ -312,15 +313,15 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
         part.step = end - done;
         save_state(d);
         status = jo_one_step(m, d, &part);
-        if (status == JO_OK) status = watched_values(m, d, d->above);
+        if (status == JO_OK) status = watched_values(m, d, d->events.above);
         if (status != JO_OK) break;
-        if (first) set_first_sides(m, d, d->above);
+        if (first) set_first_sides(m, d, d->events.above);
         first = 0;
-        if (!any_crosses(m, d, d->above)) {
-            accept_values(m, d, d->above);
+        if (!any_crosses(m, d, d->events.above)) {
+            accept_values(m, d, d->events.above);
             break;
         }
-        for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+        for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
         status = locate(m, d, s, &part.step);
         if (status != JO_OK) break;
         done += part.step;
@@ -347,15 +348,15 @@ int jo_event_keep(const jo_model *m, jo_data *d)
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found)
 {
     *found = 0;
-    int status = watched_values(m, d, d->above);
+    int status = watched_values(m, d, d->events.above);
     if (status != JO_OK) return status;
-    if (first) set_first_sides(m, d, d->above);
-    *found = any_crosses(m, d, d->above);
+    if (first) set_first_sides(m, d, d->events.above);
+    *found = any_crosses(m, d, d->events.above);
     if (!*found) {
-        accept_values(m, d, d->above);
+        accept_values(m, d, d->events.above);
         return JO_OK;
     }
-    for (int i = 0; i < jo_watched(m); i++) d->scale[i] = fabs(d->above[i] - d->level[i]);
+    for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
     const long long steps = d->counts.steps;
     status = locate(m, d, s, length);
     d->counts.steps = steps;
@@ -374,4 +375,4 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain)
 int jo_log_room(const jo_model *m) { return jo_watched(m) ? JO_LOG_STEPS * max_entries(m) : 0; }
 
 /* whether the log has room for the entries of another step */
-int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->logged + max_entries(m) <= jo_log_room(m); }
+int jo_log_has_room(const jo_model *m, const jo_data *d) { return d->events.logged + max_entries(m) <= jo_log_room(m); }

@@ -2,6 +2,7 @@
 #ifndef JO_INTEGRATE_H
 #define JO_INTEGRATE_H
 
+#include "arena.h"
 #include "data.h"
 
 /* result_row.c */
@@ -23,12 +24,20 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one ste
 
 /* events.c */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* the same, with location of events */
-void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list);
+void jo_event_setup(const jo_model *m, jo_data *d);
 int jo_watched(const jo_model *m);
 int jo_event_keep(const jo_model *m, jo_data *d);   /* saves the state for repetition of a step */
 int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, double *length, int *found);   /* first crossing in the step */
 int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
+
+/* what happened in the last call, see jo_data_log */
+static inline const double *jo_log_entries(const jo_data *d) { return d->events.log; }
+static inline int jo_log_count(const jo_data *d) { return d->events.logged; }
+
+/* integrate_layout.c */
+void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a);   /* the part of it that is state */
+void jo_integrate_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 #endif

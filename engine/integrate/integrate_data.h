@@ -2,7 +2,7 @@
 #ifndef JO_INTEGRATE_DATA_H
 #define JO_INTEGRATE_DATA_H
 
-#include "small.h"
+#include "stage.h"
 #include "valid_data.h"
 
 /* State at the start of a step, for repetition of the step. */
@@ -12,7 +12,7 @@ typedef struct {
     double waiting;
     jo_valid valid;
     char *state;            /* copy of the arrays */
-} jo_kept;
+} jo_step_start;
 
 /* Error control of the adaptive method, and its last step for dense output. */
 typedef struct {
@@ -30,5 +30,45 @@ typedef struct {
     int status;             /* jo_status of the last failed evaluation, or JO_OK */
     int worst;              /* body with the largest error */
 } jo_control;
+
+/* The adaptive method: stages of its step, and what its errors are measured against. */
+typedef struct {
+    jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in a step */
+    jo_real *change;        /* (2 nw + 3) what the step changed */
+    jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
+    jo_real *defect[2];     /* (nv) estimated errors of increments and velocities of the bodies of a tree */
+    double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far, (nstate) states */
+    double *nominal;        /* (nstate) size of states whose errors matter */
+} jo_adaptive;
+
+/* Generalised alpha: what it remembers of the end of its last step, and its kept factors. */
+typedef struct {
+    jo_real *algorithmic, *end_a, *end_q, *end_v, *end_lam;   /* algorithmic and true accelerations .. */
+    jo_real *end_time;      /* (1) */
+    jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
+    jo_weights weights;     /* with which N was factored */
+    double aged;            /* rad, by which a body has turned since then, at most */
+} jo_alpha;
+
+/* Events and frictions that are watched, (jo_watched) each. */
+typedef struct {
+    jo_step_start start;
+    jo_model watch;         /* the model with the watched sensors only */
+    jo_sensor *list;        /* these */
+    jo_real *measured;      /* (nout) their values */
+    double *level, *below, *above, *trial, *scale;   /* value less threshold, margin: at the start of the step, at the ends of the
+                                                      * interval in which a crossing lies, between; change in the step */
+    int *side;              /* sign of the value, 0: starts at the threshold */
+    int demanding;          /* watched sensors need accelerations */
+    double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
+    int logged;
+} jo_events;
+
+/* The instants of jo_run, and its last call. */
+typedef struct {
+    jo_real start;
+    double step, left;      /* s; time at the end of the last call */
+    long long count;
+} jo_instants;
 
 #endif

@@ -62,7 +62,7 @@ int jo_write_row(const jo_model *m, jo_data *d, jo_real *row)
     for (int i = 0; i < m->nevent; i++) *row++ = jo_same(d->happened[i]);
     for (int i = 0; i < m->ninput; i++) *row++ = d->input[i];
     for (int i = 0; i < m->nmemory; i++) *row++ = jo_same(d->memory[i]);
-    for (int i = 0; i < m->nx + m->nu; i++) *row++ = d->tree.x[i];
+    for (int i = 0; i < m->nx + m->nu; i++) *row++ = d->x[i];
     return JO_OK;
 }
 

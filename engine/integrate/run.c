@@ -14,8 +14,8 @@ static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 static void invalidate(jo_data *d)
 {
     jo_call_begins(d);
-    d->logged = 0;
-    if (JO_COMMON(d->time[0]) != d->left) jo_restart(d);
+    d->events.logged = 0;
+    if (JO_COMMON(d->time[0]) != d->run.left) jo_restart(d);
 }
 
 /* joint coordinates for models with trees and explicit methods; with error control only without bodies in maximal coordinates */
@@ -32,7 +32,7 @@ int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status == JO_OK) status = step(m, d, s);
     if (status == JO_OK) status = jo_measure(m, d);
     jo_tree_to_maximal(m, d);
-    d->left = JO_COMMON(d->time[0]);
+    d->run.left = JO_COMMON(d->time[0]);
     return status;
 }
 
@@ -48,8 +48,8 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
                long long *count, int *written, jo_real *rows)
 {
     const size_t size = (size_t)jo_row_size(m);
-    if (!jo_grid_valid(d) || d->grid.count != *count || d->grid.step != s->step)
-        d->grid.start = d->time[0] - instant(*count, s->step);
+    if (!jo_grid_valid(d) || d->run.count != *count || d->run.step != s->step)
+        d->run.start = d->time[0] - instant(*count, s->step);
     for (long long i = 0; i < nsteps && (!jo_watched(m) || jo_log_has_room(m, d)); i++) {
         int status = step(m, d, s);
         if (status == JO_EVENT) {
@@ -62,7 +62,7 @@ static int run(const jo_model *m, jo_data *d, const jo_solver *s, long long nste
         }
         if (status != JO_OK) return status;
         ++*count;
-        d->time[0] = d->grid.start + instant(*count, s->step);
+        d->time[0] = d->run.start + instant(*count, s->step);
         status = jo_measure(m, d);
         if (status != JO_OK) return status;
         if (*count % every == 0) {
@@ -82,9 +82,9 @@ int jo_run(const jo_model *m, jo_data *d, const jo_solver *s, long long nsteps, 
     int status = select_coordinates(m, d, s);
     if (status == JO_OK) status = run(m, d, s, nsteps, every, count, written, rows);
     jo_tree_to_maximal(m, d);
-    d->left = JO_COMMON(d->time[0]);
+    d->run.left = JO_COMMON(d->time[0]);
     jo_grid_left(d, status == JO_OK);
-    d->grid.count = *count;
-    d->grid.step = s->step;
+    d->run.count = *count;
+    d->run.step = s->step;
     return status;
 }

@@ -47,9 +47,9 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
     const int known = jo_accelerations_known(d);
     const jo_real time = d->time[0];
     const jo_work work = d->work;
-    for (int i = 0; i < d->ny; i++) d->q1[i] = d->y[i];
-    for (int i = 0; i < d->nw; i++) d->v1[i] = d->w[i];
-    for (int i = 0; i < m->nrow; i++) d->lam1[i] = d->lam[i];
+    for (int i = 0; i < d->ny; i++) d->adaptive.q1[i] = d->y[i];
+    for (int i = 0; i < d->nw; i++) d->adaptive.v1[i] = d->w[i];
+    for (int i = 0; i < m->nrow; i++) d->adaptive.lam1[i] = d->lam[i];
     jo_interpolate(m, d, (t - d->control.from) / d->control.length);
     d->time[0] = t;
     jo_state_changed(d);
@@ -59,10 +59,10 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
         if (status == JO_OK) close_joints(m, d);
     }
     if (status == JO_OK) status = jo_write_row(m, d, row);
-    for (int i = 0; i < d->ny; i++) d->y[i] = d->q1[i];
-    for (int i = 0; i < d->nw; i++) d->w[i] = d->v1[i];
+    for (int i = 0; i < d->ny; i++) d->y[i] = d->adaptive.q1[i];
+    for (int i = 0; i < d->nw; i++) d->w[i] = d->adaptive.v1[i];
     jo_positions_moved(d);
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->lam1[i];
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->adaptive.lam1[i];
     d->work = work;
     d->time[0] = time;
     jo_restore_stage(d, 1);
@@ -77,7 +77,7 @@ static void extent_of(const jo_model *m, const jo_data *d, int body, double *out
 {
     const jo_body *b = &m->body[body];
     const jo_real *v = d->v + b->iv;
-    const double *so_far = d->extent + 3 * body;
+    const double *so_far = d->adaptive.extent + 3 * body;
     out[0] = jo_larger(so_far[0], jo_larger(jo_length(v, 3), size_of(m) * jo_length(v + 3, 3)));
     out[1] = jo_larger(so_far[1], jo_length(d->q + b->iq + 7, b->n));
     out[2] = jo_larger(so_far[2], jo_length(v + 6, b->n));
@@ -98,10 +98,10 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     double error = 0.0;
     for (int i = 0; i < m->nstate; i++) {
-        const double largest = jo_larger(d->extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
+        const double largest = jo_larger(d->adaptive.extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
         const double defect = jo_error_estimate(d, 2 * d->nw - m->nstate + i, 1);
         if (defect == 0.0) continue;   /* such as an unused state, without size */
-        const double ratio = defect / (s->tolerance * jo_larger(largest, d->nominal[i]));
+        const double ratio = defect / (s->tolerance * jo_larger(largest, d->adaptive.nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
         if (error != error) return error;
     }
@@ -113,7 +113,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
  * also JO_SMALL_SHARE of the size of the mechanism / duration of the run. */
 static double step_error(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    jo_real *const defect[2] = {d->lag, d->sum};
+    jo_real *const defect[2] = {d->adaptive.defect[0], d->adaptive.defect[1]};
     if (jo_tree_active(d)) jo_tree_error_estimate(m, d, defect[0], defect[1]);
     const double size = size_of(m), top = jo_larger(largest_speed(m, d), size / d->control.duration);
     double error = 0.0;
@@ -152,10 +152,10 @@ static void update_extent(const jo_model *m, jo_data *d)
     double x[3];
     for (int i = 0; i < m->nbody; i++) {
         extent_of(m, d, i, x);
-        for (int j = 0; j < 3; j++) d->extent[3 * i + j] = x[j];
+        for (int j = 0; j < 3; j++) d->adaptive.extent[3 * i + j] = x[j];
     }
     for (int i = 0; i < m->nstate; i++) {
-        double *largest = d->extent + 3 * m->nbody + i;
+        double *largest = d->adaptive.extent + 3 * m->nbody + i;
         *largest = jo_larger(*largest, fabs(JO_RE(jo_states(m, d)[i])));
     }
 }
@@ -327,8 +327,8 @@ static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long la
     if (status == JO_OK && !jo_accelerations_valid(d)) status = jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_sync_all(m, d);
-    for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->extent[i] = 0.0;
-    jo_state_nominals(m, d, (double)last * s->step);
+    for (int i = 0; i < 3 * m->nbody + m->nstate; i++) d->adaptive.extent[i] = 0.0;
+    jo_state_nominals(m, (double)last * s->step, d->adaptive.nominal);
     update_extent(m, d);
     c->start = JO_RE(d->time[0]);
     c->first = 1;
@@ -392,11 +392,11 @@ int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last,
               long long *count, int *written, jo_real *rows)
 {
     *written = 0;
-    d->logged = 0;
+    d->events.logged = 0;
     int status = m->nlink && !jo_mixed(m) ? jo_tree_from_maximal(m, d) : JO_OK;
     if (status == JO_OK && *count == 0) status = begin(m, d, s, last);
     if (status == JO_OK) status = follow_rows(m, d, s, last, tries, room, count, written, rows);
     jo_tree_to_maximal(m, d);
-    d->left = JO_RE(d->time[0]);
+    d->run.left = JO_RE(d->time[0]);
     return status;
 }

@@ -34,7 +34,7 @@ static int width(const jo_data *d) { return 2 * d->nw + 3; }
 static jo_real blend(const jo_data *d, const double *weight, int count, int nk, int i)
 {
     jo_real sum = 0.0;
-    for (int k = 0; k < count; k++) sum += weight[k] * d->stages[k * nk + i];
+    for (int k = 0; k < count; k++) sum += weight[k] * d->adaptive.stages[k * nk + i];
     return sum;
 }
 
@@ -59,7 +59,7 @@ static jo_work *work_of(const jo_data *d, jo_real *x) { return (jo_work *)(x + 2
 
 static void store_stage(jo_data *d, int k, const jo_real *rate)
 {
-    jo_real *x = d->stages + k * width(d);
+    jo_real *x = d->adaptive.stages + k * width(d);
     for (int i = 0; i < d->nw; i++) {
         x[i] = rate[i];
         x[d->nw + i] = d->wd[i];
@@ -70,7 +70,7 @@ static void store_stage(jo_data *d, int k, const jo_real *rate)
 /* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
 void jo_restore_stage(jo_data *d, int last)
 {
-    jo_real *x = d->stages + (last ? JO_STAGES - 1 : 0) * width(d);
+    jo_real *x = d->adaptive.stages + (last ? JO_STAGES - 1 : 0) * width(d);
     for (int i = 0; i < d->nw; i++) d->wd[i] = x[d->nw + i];
     d->power = *work_of(d, x);
     jo_stage_recalled(d, 1);
@@ -126,14 +126,14 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
         jo_position_rate(m, d, d->rate, d->dq);
         store_stage(d, k, d->rate);
     }
-    for (int i = 2 * nv; i < nk; i++) d->change[i] = blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, i);
-    jo_add_work(&d->work, h, work_of(d, d->change));
+    for (int i = 2 * nv; i < nk; i++) d->adaptive.change[i] = blend(d, WEIGHT[JO_STAGES - 1], JO_STAGES - 1, nk, i);
+    jo_add_work(&d->work, h, work_of(d, d->adaptive.change));
     for (int i = 0; i < nv; i++) {
-        d->change[i] = d->dq[i];
-        d->change[nv + i] = d->w[i] - d->v0[i];
+        d->adaptive.change[i] = d->dq[i];
+        d->adaptive.change[nv + i] = d->w[i] - d->v0[i];
     }
-    *work_of(d, d->change) = d->work;
-    jo_add_work(work_of(d, d->change), -1.0, &c->work);
+    *work_of(d, d->adaptive.change) = d->work;
+    jo_add_work(work_of(d, d->adaptive.change), -1.0, &c->work);
     d->time[0] = t0 + h;
     jo_accelerations_found(d, 1);
     return JO_OK;
@@ -143,7 +143,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
 static jo_real changed(const jo_data *d, double u, int nk, int i)
 {
     const double h = d->control.length;
-    const jo_real y = d->change[i], r3 = h * d->stages[i] - y, r4 = y - h * d->stages[(JO_STAGES - 1) * nk + i] - r3;
+    const jo_real y = d->adaptive.change[i], r3 = h * d->adaptive.stages[i] - y, r4 = y - h * d->adaptive.stages[(JO_STAGES - 1) * nk + i] - r3;
     const jo_real r5 = h * blend(d, DENSE, JO_STAGES, nk, i);
     return u * (y + (1.0 - u) * (r3 + u * (r4 + (1.0 - u) * r5)));
 }

@@ -4,6 +4,7 @@
  */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "newton/newton.h"
 #include "beam/beam.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
@@ -64,13 +65,10 @@ static void second_stage(const jo_model *m, jo_data *d, double gh)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
     for (int i = 0; i < m->nv; i++) {
-        d->base[i] = d->acc[i];
         d->rate[i] = gh * (2.0 * d->v0[i] - d->rate[i] + 3.0 * gh * d->acc[i]);
         d->dv[i] = gh * d->acc[i];
-        d->lag[i] = jo_same(0.0);
     }
-    for (int i = 0; i < m->nrow; i++) d->base_lam[i] = d->lam[i];
-    jo_beam_lag(m, d, d->rate, d->dv);
+    jo_coupled_second(m, d, d->acc, d->rate, d->dv);
 }
 
 /* ROS2 (Verwer, Spee, Blom, Hundsdorfer 1999), a W-method of order 2: modal stiffness and damping implicit.

@@ -90,9 +90,9 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     int status = jo_evaluate(m, d, &jo_now);
     if (status != JO_OK) return status;
     d->power0 = d->power;
-    for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+    for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
     for (int i = 0; i < d->nw; i++) {
-        d->algorithmic[i] = d->end_a[i] = d->a[i];
+        d->alpha.algorithmic[i] = d->alpha.end_a[i] = d->a[i];
         d->dq[i] = ahead * (d->v[i] + 0.5 * ahead * d->a[i]);
     }
     if (ahead == 0.0 || m->nbeam) return JO_OK;   /* an explicit move would strain stiff beams */
@@ -108,16 +108,16 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
     /* motions much faster than the step respond to the explicit move with huge accelerations: then no shift, at the cost of one error of
      * second order */
     double change = 0.0, scale = 0.0;
-    for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->end_a[i];
+    for (int i = 0; i < d->nw; i++) d->dq[i] = d->a[i] - d->alpha.end_a[i];
     for (int i = 0; i < m->nbody; i++) {
         change += size_of(m, d, i, d->dq + m->body[i].iv);
-        scale += size_of(m, d, i, d->end_a + m->body[i].iv);
+        scale += size_of(m, d, i, d->alpha.end_a + m->body[i].iv);
     }
     const double part = status == JO_OK && change < scale ? 1.0 : 0.0;
     for (int i = 0; i < m->nq; i++) d->q[i] = d->q0[i];
     for (int i = 0; i < d->nw; i++) {
         d->v[i] = d->v0[i];
-        if (part > 0.0) d->algorithmic[i] += (shift < 0.0 ? -part : part) * d->dq[i];
+        if (part > 0.0) d->alpha.algorithmic[i] += (shift < 0.0 ? -part : part) * d->dq[i];
     }
     return status == JO_BENT ? JO_OK : status;
 }
@@ -125,11 +125,11 @@ static int restart(const jo_model *m, jo_data *d, const jo_solver *s)
 /* whether time, q and v are those at the end of the last step */
 static int continues(const jo_model *m, const jo_data *d, double h)
 {
-    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->end_time)) < JO_SAME_TIME * h)) return 0;
+    if (!jo_history_valid(d) || !(fabs(JO_RE(d->time[0] - *d->alpha.end_time)) < JO_SAME_TIME * h)) return 0;
     for (int i = 0; i < m->nq; i++)
-        if (d->q[i] != d->end_q[i]) return 0;
+        if (d->q[i] != d->alpha.end_q[i]) return 0;
     for (int i = 0; i < d->nw; i++)
-        if (d->v[i] != d->end_v[i]) return 0;
+        if (d->v[i] != d->alpha.end_v[i]) return 0;
     return 1;
 }
 
@@ -138,8 +138,8 @@ static void update_state(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, b = s->newmark_beta, g = s->newmark_gamma;
     for (int i = 0; i < d->nw; i++) {
-        d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->algorithmic[i] + b * d->rate[i]));
-        d->v[i] = d->v0[i] + h * ((1.0 - g) * d->algorithmic[i] + g * d->rate[i]);
+        d->dq[i] = h * (d->v0[i] + h * ((0.5 - b) * d->alpha.algorithmic[i] + b * d->rate[i]));
+        d->v[i] = d->v0[i] + h * ((1.0 - g) * d->alpha.algorithmic[i] + g * d->rate[i]);
     }
     jo_add_increment(m, d->q, d->q0, d->dq);
     for (int i = 0; i < m->nbody; i++) {   /* E - f1 theta~ + f2 theta~ theta~ */
@@ -164,22 +164,22 @@ static int factor_matrix(const jo_model *m, jo_data *d, const jo_stage *stage)
         if (status == JO_OK) status = jo_newton_factor(m, d, 1);
     }
     jo_newton_factored(d, status == JO_OK);
-    d->aged = 0.0;
+    d->alpha.aged = 0.0;
     return status;
 }
 
-/* d->x = -[residual of the equations of motion in acc; C or C' of the joints] */
+/* d->newton.x = -[residual of the equations of motion in acc; C or C' of the joints] */
 static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, int first)
 {
     for (int i = 0; i < m->nbody; i++) {
         const jo_place *p = &m->place[i];
-        jo_real *x = d->x + m->node[p->node].at + p->local;
+        jo_real *x = jo_newton_vector(d) + m->node[p->node].at + p->local;
         for (int j = 0; j < 6 + m->body[i].n; j++) x[j] = -d->acc[m->body[i].iv + j];
     }
     for (int i = 0; i < m->njoint; i++) {
         const jo_place *p = &m->place[m->nbody + i];
         const jo_joint_work *w = &d->joint[i];
-        jo_real *x = d->x + m->node[p->node].at + p->local;
+        jo_real *x = jo_newton_vector(d) + m->node[p->node].at + p->local;
         for (int r = 0; r < m->joint[i].nrow; r++) {
             const jo_real lam = d->lam[m->joint[i].row + r];
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
@@ -193,14 +193,14 @@ static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, 
 
 static jo_real *solution_of(const jo_model *m, jo_data *d, int item)
 {
-    return d->x + m->node[m->place[item].node].at + m->place[item].local;
+    return jo_newton_vector(d) + jo_newton_place(m, item);
 }
 
-/* unknowns += share x, in the layout of d->x: a1 in rate, accelerations a, multipliers */
+/* unknowns += share x, in the layout of d->newton.x: a1 in rate, accelerations a, multipliers */
 static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, const jo_real *x, double share)
 {
     for (int i = 0; i < m->nbody; i++) {
-        const jo_real *y = x + (solution_of(m, d, i) - d->x);
+        const jo_real *y = x + jo_newton_place(m, i);
         const int iv = m->body[i].iv;
         for (int j = 0; j < 6 + m->body[i].n; j++) {
             d->rate[iv + j] += share * y[j];
@@ -208,7 +208,7 @@ static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, con
         }
     }
     for (int i = 0; i < m->njoint; i++) {
-        const jo_real *y = x + (solution_of(m, d, m->nbody + i) - d->x);
+        const jo_real *y = x + jo_newton_place(m, m->nbody + i);
         for (int r = 0; r < m->joint[i].nrow; r++) d->lam[m->joint[i].row + r] += share * y[r];
     }
 }
@@ -219,9 +219,9 @@ static void add_solution(const jo_model *m, jo_data *d, const jo_weights *c, con
 static double shorten(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage, double size)
 {
     double share = 1.0;
-    for (int i = 0; i < m->nv + m->nrow; i++) d->whole[i] = d->x[i];
+    for (int i = 0; i < m->nv + m->nrow; i++) d->alpha.whole[i] = jo_newton_vector(d)[i];
     for (int k = 0; k < JO_MAX_HALVINGS; k++, share *= 0.5) {
-        if (k) add_solution(m, d, &stage->weights, d->whole, -share);
+        if (k) add_solution(m, d, &stage->weights, d->alpha.whole, -share);
         update_state(m, d, s);
         d->counts.evaluations++;
         if (jo_residual_at(m, d, stage, d->acc) != JO_OK) continue;   /* no residual, such as with a folded beam */
@@ -261,7 +261,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
             if (rounding) rounding = part <= resolution(m, d, &stage->weights, i);
             if (!(part <= most)) { most = part; d->error_index = i; }
         }
-        add_solution(m, d, &stage->weights, d->x, 1.0);
+        add_solution(m, d, &stage->weights, jo_newton_vector(d), 1.0);
         size = sqrt(size);
         if (!isfinite(size)) return JO_NO_CONVERGENCE;
         double beam_forces = 0.0;
@@ -288,7 +288,7 @@ static int newton(const jo_model *m, jo_data *d, const jo_solver *s, const jo_st
     return JO_NO_CONVERGENCE;
 }
 
-/* d->x = -[0; c], or cdot if `velocity` */
+/* d->newton.x = -[0; c], or cdot if `velocity` */
 static void set_residuals(const jo_model *m, jo_data *d, int velocity)
 {
     for (int i = 0; i < m->nbody; i++) {
@@ -301,7 +301,7 @@ static void set_residuals(const jo_model *m, jo_data *d, int velocity)
     }
 }
 
-/* q = q o x or v += x with x = N^-1 d->x */
+/* q = q o x or v += x with x = N^-1 d->newton.x */
 static void correct(const jo_model *m, jo_data *d, int velocity)
 {
     jo_newton_solve(m, d);
@@ -328,7 +328,7 @@ static int close_joints(const jo_model *m, jo_data *d, const jo_stage *stage)
             else largest[0] = jo_largest_residual(m, d);   /* velocities are not needed */
             const double residual = JO_RE(largest[velocity]);
             if (residual <= small[velocity] || (k && !(residual < JO_MIN_REDUCTION * before))) break;
-            if (d->aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* new factors for the projection only */
+            if (d->alpha.aged > (jo_newton_soft(d) ? 0.0 : JO_MAX_AGE)) {   /* new factors for the projection only */
                 const int status = factor_matrix(m, d, stage);
                 if (status != JO_OK) return status;
             }
@@ -374,17 +374,17 @@ static double fastest_turn(const jo_model *m, const jo_data *d)
 /* prediction: algorithmic acceleration and multipliers of the last step */
 static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->end_lam[i];
+    for (int i = 0; i < m->nrow; i++) d->lam[i] = d->alpha.end_lam[i];
     for (int i = 0; i < d->nw; i++) {
-        d->rate[i] = d->algorithmic[i];
-        d->a[i] = (d->algorithmic[i] - s->alpha_f * d->end_a[i]) / (1.0 - s->alpha_f);
+        d->rate[i] = d->alpha.algorithmic[i];
+        d->a[i] = (d->alpha.algorithmic[i] - s->alpha_f * d->alpha.end_a[i]) / (1.0 - s->alpha_f);
     }
 }
 
 int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
-    const jo_weights old = d->weights;
+    const jo_weights old = d->alpha.weights;
     const jo_weights weights = {(1.0 - am) / (1.0 - af), g * h, b * h * h, 1.0 / (s->projection ? g * h : b * h * h),
                                 !s->projection, s->plain_inertia};
     if (!continues(m, d, h)) {
@@ -394,13 +394,13 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     }
     if (old.a != weights.a || old.v != weights.v || old.q != weights.q || old.position != weights.position
         || old.plain != weights.plain) jo_newton_outdated(d);
-    d->weights = weights;
+    d->alpha.weights = weights;
     const jo_stage stage = {.weights = weights};
     const jo_real t0 = d->time[0];
     for (int i = 0; i < m->nq; i++) d->q0[i] = d->q[i];
     for (int i = 0; i < d->nw; i++) d->v0[i] = d->v[i];
     d->time[0] = t0 + h;
-    d->aged += h * fastest_turn(m, d);
+    d->alpha.aged += h * fastest_turn(m, d);
     predict(m, d, s);
     const long long passed = d->counts.singular;
     int status = newton(m, d, s, &stage, 0);
@@ -418,10 +418,10 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         update_state(m, d, s);
         if (m->nstate) status = jo_residual_at(m, d, &stage, d->acc);   /* states of forces after the last increment */
         for (int i = 0; i < d->nw; i++) {
-            d->algorithmic[i] = d->rate[i];
-            d->end_a[i] = d->a[i];
+            d->alpha.algorithmic[i] = d->rate[i];
+            d->alpha.end_a[i] = d->a[i];
         }
-        for (int i = 0; i < m->nrow; i++) d->end_lam[i] = d->lam[i];
+        for (int i = 0; i < m->nrow; i++) d->alpha.end_lam[i] = d->lam[i];
         if (status == JO_OK) status = finish_work(m, d, h);
         if (status == JO_OK && s->projection && m->njoint) status = close_joints(m, d, &stage);
     }
@@ -432,9 +432,9 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
         jo_history_lost(d);
         return status;
     }
-    for (int i = 0; i < m->nq; i++) d->end_q[i] = d->q[i];
-    for (int i = 0; i < d->nw; i++) d->end_v[i] = d->v[i];
-    *d->end_time = d->time[0];
+    for (int i = 0; i < m->nq; i++) d->alpha.end_q[i] = d->q[i];
+    for (int i = 0; i < d->nw; i++) d->alpha.end_v[i] = d->v[i];
+    *d->alpha.end_time = d->time[0];
     jo_history_written(d);
     return JO_OK;
 }

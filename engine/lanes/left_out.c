@@ -3,9 +3,33 @@
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "force/force.h"
+#include "newton/newton.h"
 #include "friction/friction.h"
 #include "tree/tree.h"
 #include "integrate/integrate.h"
+#include "fatigue/fatigue.h"
+
+/* memory of these rooms */
+void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_friction_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_tree_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
+void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a)
+{
+    (void)m; (void)d; (void)a;
+}
 
 /* beams */
 void jo_beam_accept(const jo_model *m, jo_data *d)
@@ -26,9 +50,9 @@ jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
     (void)m; (void)d;
     return jo_same(0.0);
 }
-void jo_beam_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z)
 {
-    (void)m; (void)d; (void)x; (void)z;
+    (void)m; (void)d; (void)a; (void)x; (void)z;
 }
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
@@ -74,9 +98,9 @@ int jo_watched(const jo_model *m)
     (void)m;
     return 0;
 }
-void jo_event_setup(const jo_model *m, jo_data *d, jo_sensor *list)
+void jo_event_setup(const jo_model *m, jo_data *d)
 {
-    (void)m; (void)d; (void)list;
+    (void)m; (void)d;
 }
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
@@ -93,24 +117,19 @@ int jo_log_has_room(const jo_model *m, const jo_data *d)
     (void)m; (void)d;
     return 1;
 }
-int jo_damage_scratch(const jo_model *m)
-{
-    (void)m;
-    return 0;
-}
-void jo_damage_setup(const jo_model *m, jo_data *d, jo_sensor *list)
-{
-    (void)m; (void)d; (void)list;
-}
-int jo_measure(const jo_model *m, jo_data *d)
+void jo_damage_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
-    return 0;
 }
 double jo_meter_damage(const jo_meter *r, const double *memory, int residue, double *scratch)
 {
     (void)r; (void)memory; (void)residue; (void)scratch;
     return 0.0;
+}
+int jo_measure(const jo_model *m, jo_data *d)
+{
+    (void)m; (void)d;
+    return 0;
 }
 
 /* Newton's matrix of implicit steps, and adaptive ones */
@@ -151,31 +170,6 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
 }
 
 /* trees in joint coordinates: they run in q and v */
-size_t jo_link_bytes(void)
-{
-    return 0;
-}
-size_t jo_link_constant_bytes(void)
-{
-    return 0;
-}
-size_t jo_link_response_bytes(void)
-{
-    return 0;
-}
-size_t jo_loop_bytes(void)
-{
-    return 0;
-}
-size_t jo_reach_bytes(void)
-{
-    return 0;
-}
-int jo_loop_rows(const jo_model *m, int i)
-{
-    (void)m; (void)i;
-    return 0;
-}
 void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
@@ -202,10 +196,6 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     (void)m; (void)d; (void)stage;
     return JO_NO_CONVERGENCE;
-}
-void jo_hybrid_setup(const jo_model *m, jo_data *d)
-{
-    (void)m; (void)d;
 }
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 {

@@ -35,7 +35,7 @@ static int update_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (jo_in_hybrid(d)) return jo_hybrid_condense(m, d, stage);
     const int status = m->nforce ? jo_apply_forces(m, d, stage) : JO_OK;
     if (status != JO_OK || !m->nbeam) return status;
-    return jo_beam_forces(m, d, stage->second ? d->base : 0);
+    return jo_beam_forces(m, d, stage->second ? jo_coupled_base(d) : 0);
 }
 
 /* Cholesky factors of the bodies, accelerations without joints, rows of the joints */

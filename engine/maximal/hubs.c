@@ -11,14 +11,14 @@ void jo_hub_plan(const jo_model *m, jo_data *d)
     for (int c = 0; c < m->ncolumn; c++) {
         const int hub = m->column[c].joint - m->njoint;
         if (hub < 0) continue;
-        d->hubs[hub] = d->S + JO_BLOCK * c;
-        d->hubs[hub][0] = jo_same(0.0);
+        d->schur.hubs[hub] = d->schur.S + JO_BLOCK * c;
+        d->schur.hubs[hub][0] = jo_same(0.0);
     }
     for (int i = 0; i < m->npull; i++) {
         const jo_pull *p = &m->pull[i];
         const jo_joint *joint = &m->joint[p->joint];
-        jo_pull_plan *w = &d->pulls[i];
-        w->S = d->S + JO_BLOCK * p->block;
+        jo_pull_plan *w = &d->schur.pulls[i];
+        w->S = d->schur.S + JO_BLOCK * p->block;
         w->side = &d->joint[p->joint].side[p->side];
         w->rows = joint->nrow;
         w->first = JO_COMMON(w->S[0]) != 0.0;
@@ -33,11 +33,11 @@ void jo_hub_assemble(const jo_model *m, jo_data *d)
 {
     const int six = jo_padded(6);   /* rows of a block: the joint or hub that is eliminated later */
     for (int h = 0; h < m->nhub; h++) {
-        for (int j = 0; j < JO_BLOCK; j++) d->hubs[h][j] = jo_same(0.0);
-        for (int j = 0; j < 6; j++) d->hubs[h][(six + 1) * j] = jo_same(-1.0);
+        for (int j = 0; j < JO_BLOCK; j++) d->schur.hubs[h][j] = jo_same(0.0);
+        for (int j = 0; j < 6; j++) d->schur.hubs[h][(six + 1) * j] = jo_same(-1.0);
     }
     for (int i = 0; i < m->npull; i++) {
-        const jo_pull_plan *p = &d->pulls[i];
+        const jo_pull_plan *p = &d->schur.pulls[i];
         const int ld = jo_padded(p->rows);
         for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
         if (p->lock && !*p->lock) continue;
@@ -52,7 +52,7 @@ void jo_hub_scales(const jo_model *m, jo_data *d)
 {
     const int six = jo_padded(6);
     for (int i = 0; i < m->npull; i++) {
-        const jo_pull_plan *p = &d->pulls[i];
+        const jo_pull_plan *p = &d->schur.pulls[i];
         if (!p->first || (p->lock && !*p->lock)) continue;   /* once per block, which contains all sides of the joint */
         jo_real *scale = d->joint[m->pull[i].joint].scale;
         const int ld = jo_padded(p->rows);

@@ -2,11 +2,15 @@
 #ifndef JO_MAXIMAL_H
 #define JO_MAXIMAL_H
 
+#include "arena.h"
 #include "data.h"
 
 #define JO_MIN_PIVOT 1e-14  /* smallest pivot of an inertia / its value before elimination; 45 units of round-off of a double */
 
 #define JO_SINGULAR_PIVOT 1e-12  /* pivot of S = J M^-1 J^T / its value before elimination below which the row depends on others */
+
+/* maximal_layout.c */
+void jo_maximal_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 /* body.c */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh);
@@ -94,11 +98,6 @@ void jo_apply_reactions(const jo_model *m, jo_data *d);   /* adds -Cq^T lam to t
 
 /* energy.c */
 void jo_add_step_work(jo_data *d);
-
-/* dense_cholesky.c */
-int jo_gram_factor(jo_gram *g, int *row);   /* 1; 0: pivot of *row too small; -1: not finite */
-int jo_gram_factor_pivoted(jo_gram *g, double least);   /* with pivoting, down to `least` times the scale; 1, or -1: not finite */
-void jo_gram_solve(const jo_gram *g, jo_real *x);   /* x = S^-1 x; 0 in dependent rows */
 
 /* forward_dynamics.c */
 int jo_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);

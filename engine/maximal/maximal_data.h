@@ -12,7 +12,7 @@ typedef struct {
 } jo_body_set;
 
 typedef struct {
-    jo_real A[9];           /* orientation of the body frame */
+    jo_real A[9];           /* orientation in the world frame */
     jo_real At[12];         /* columns of A, padded */
     jo_real V[3], w[3];     /* velocity of the frame origin, m/s, angular velocity, rad/s, local */
     jo_real S[3], J[6];     /* first moment, kg m, and inertia tensor, kg m2, at p */
@@ -96,12 +96,19 @@ typedef struct { jo_real *S, *x, *scale; double sign; int n, first, count, updat
 typedef struct { jo_real *X, *x; int rows, kind; const int *lock; } jo_below_plan;
 typedef struct { jo_real *T; const jo_real *X, *Y; int rows, ny, kind; const int *lock_x, *lock_y; } jo_update_plan;
 
-/* Dense symmetric positive semidefinite matrix S and its factors, see dense_cholesky.c. */
+/* S, its factors and how these are carried out. */
 typedef struct {
-    int n, ld, rank;        /* rows; leading dimension; number of independent rows */
-    jo_real *S, *inverse, *y;   /* (n x ld) S or factors; (n) inverse pivots; (n) work space */
-    double *scale;          /* (n) scale of the diagonal: a pivot far below it belongs to a dependent row */
-    int *order;             /* (n) rows in the order of elimination */
-} jo_gram;
+    jo_real *S, *S0;        /* (nblock x JO_BLOCK) S = Cq M^-1 Cq^T or its factors; copy of S for refinement */
+    jo_real *gram[2];       /* (npair x 36) L_k weight L_l^T of pairs on flexible bodies, of both sets */
+    jo_pair_plan *pairs;
+    jo_pull_plan *pulls;
+    jo_real **hubs;         /* (nhub) diagonal blocks of the hubs */
+    jo_column_plan *columns;
+    jo_below_plan *belows;
+    jo_update_plan *updates;
+    jo_real **fills;        /* (nfill) fill-in blocks, 0 before elimination */
+    int nfill;
+    int first_column, npair, first_fill;   /* hybrid mode: range of columns, pairs and fill-ins of the block Cholesky */
+} jo_schur;
 
 #endif

@@ -16,7 +16,7 @@ static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
     const jo_marker_work *mk = &d->marker[k], *ml = &d->marker[l];
     const int np = m->body[m->marker[k].body].np;
     const jo_real *weight = d->body[m->marker[k].body].set[set].weight;
-    jo_real *gram = d->gram[set] + 36 * i;
+    jo_real *gram = d->schur.gram[set] + 36 * i;
     for (int r = 0; r < 6 && np; r++)
         for (int c = 0; c < 6; c++) {
             const jo_real *x = r < 3 ? mk->Phi : mk->Psi, *y = c < 3 ? ml->Phi : ml->Psi;
@@ -78,11 +78,11 @@ static void plan_sides(const jo_model *m, jo_data *d)
 /* blocks and sides of the pairs; first: whether the pair overwrites its block. S[0] stays 1 in blocks without a pair */
 static void plan_pairs(const jo_model *m, jo_data *d)
 {
-    for (int b = 0; b < m->nblock; b++) d->S[JO_BLOCK * b] = jo_same(1.0);
+    for (int b = 0; b < m->nblock; b++) d->schur.S[JO_BLOCK * b] = jo_same(1.0);
     for (int i = 0; i < m->npair; i++) {
         const jo_pair *p = &m->pair[i];
-        jo_pair_plan *w = &d->pairs[i];
-        w->S = d->S + JO_BLOCK * p->block;
+        jo_pair_plan *w = &d->schur.pairs[i];
+        w->S = d->schur.S + JO_BLOCK * p->block;
         w->k = &d->joint[p->joint_k].side[p->side_k];
         w->l = &d->joint[p->joint_l].side[p->side_l];
         w->flexible = m->body[m->marker[m->joint[p->joint_k].side[p->side_k]].body].n > 0;
@@ -99,13 +99,13 @@ static void plan_below(const jo_model *m, jo_data *d, const jo_column *col)
 {
     for (int i = col->first; i < col->first + col->count; i++) {
         const int row = m->below[i].joint;
-        jo_below_plan *x = &d->belows[i];
-        x->X = d->S + JO_BLOCK * m->below[i].block;
+        jo_below_plan *x = &d->schur.belows[i];
+        x->X = d->schur.S + JO_BLOCK * m->below[i].block;
         x->x = d->joint[row].x;
         x->rows = m->joint[row].nrow;
         x->kind = kind_of(x->rows, m->joint[col->joint].nrow);
         x->lock = lock_of(m, d, row);
-        if (JO_COMMON(x->X[0]) != 0.0) d->fills[d->nfill++] = x->X;
+        if (JO_COMMON(x->X[0]) != 0.0) d->schur.fills[d->schur.nfill++] = x->X;
     }
 }
 
@@ -114,31 +114,41 @@ static void plan_update(const jo_model *m, jo_data *d, const jo_column *col, int
 {
     const jo_update *up = &m->update[u];
     const int n = m->joint[col->joint].nrow;
-    jo_update_plan *x = &d->updates[u];
-    x->T = d->S + JO_BLOCK * up->target;
-    x->X = d->S + JO_BLOCK * up->left;
-    x->Y = d->S + JO_BLOCK * up->right;
+    jo_update_plan *x = &d->schur.updates[u];
+    x->T = d->schur.S + JO_BLOCK * up->target;
+    x->X = d->schur.S + JO_BLOCK * up->left;
+    x->Y = d->schur.S + JO_BLOCK * up->right;
     x->rows = up->left_rows;
     x->ny = up->right_rows;
     x->kind = up->right_rows == n ? kind_of(x->rows, n) : 5;
     for (int i = col->first; i < col->first + col->count; i++) {
-        if (m->below[i].block == up->left) x->lock_x = d->belows[i].lock;
-        if (m->below[i].block == up->right) x->lock_y = d->belows[i].lock;
+        if (m->below[i].block == up->left) x->lock_x = d->schur.belows[i].lock;
+        if (m->below[i].block == up->right) x->lock_y = d->schur.belows[i].lock;
     }
+}
+
+/* hybrid mode: the joints of trees have the first columns and the last pairs */
+static void plan_hybrid(const jo_model *m, jo_data *d)
+{
+    jo_schur *s = &d->schur;
+    while (s->first_column < m->ncolumn && jo_joint_in_tree(d, m->column[s->first_column].joint)) s->first_column++;
+    while (s->npair < m->npair && !jo_joint_in_tree(d, m->pair[s->npair].joint_k) && !jo_joint_in_tree(d, m->pair[s->npair].joint_l))
+        s->npair++;
 }
 
 /* plan of assembly and factorisation */
 void jo_joint_plan(const jo_model *m, jo_data *d)
 {
+    if (jo_mixed(m)) plan_hybrid(m, d);
     plan_sides(m, d);
     plan_pairs(m, d);
     jo_hub_plan(m, d);
     for (int c = 0; c < m->ncolumn; c++) {
-        if (c == d->tree.first_column) d->tree.first_fill = d->nfill;
+        if (c == d->schur.first_column) d->schur.first_fill = d->schur.nfill;
         const jo_column *col = &m->column[c];
         jo_joint_work *joint = &d->joint[col->joint];
-        jo_column_plan *w = &d->columns[c];
-        w->S = d->S + JO_BLOCK * c;
+        jo_column_plan *w = &d->schur.columns[c];
+        w->S = d->schur.S + JO_BLOCK * c;
         w->x = joint->x;
         w->scale = joint->scale;
         w->sign = col->joint < m->njoint ? 1.0 : -1.0;
@@ -148,7 +158,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         w->update = m->update_first[c];
         w->updates = m->update_first[c + 1] - w->update;
         w->lock = lock_of(m, d, col->joint);
-        if (JO_COMMON(w->S[0]) != 0.0) d->fills[d->nfill++] = w->S;   /* no pair: all sides on ground */
+        if (JO_COMMON(w->S[0]) != 0.0) d->schur.fills[d->schur.nfill++] = w->S;   /* no pair: all sides on ground */
         plan_below(m, d, col);
         for (int u = w->update; u < w->update + w->updates; u++) plan_update(m, d, col, u);
     }
@@ -313,14 +323,14 @@ static inline void subtract_product(jo_real *restrict T, const jo_real *restrict
 }
 
 /* hybrid mode skips the columns of joints in trees, which come first */
-static int first_column(const jo_data *d) { return jo_in_hybrid(d) ? d->tree.first_column : 0; }
+static int first_column(const jo_data *d) { return jo_in_hybrid(d) ? d->schur.first_column : 0; }
 
 /* S of all active joints; fill-in blocks and blocks of inactive joints are 0 */
 static void assemble(const jo_model *m, jo_data *d, int set)
 {
-    const int npair = jo_in_hybrid(d) ? d->tree.npair : m->npair;
+    const int npair = jo_in_hybrid(d) ? d->schur.npair : m->npair;
     for (int i = 0; i < npair; i++) {
-        const jo_pair_plan *p = &d->pairs[i];
+        const jo_pair_plan *p = &d->schur.pairs[i];
         if (is_switched_off(p->lock_k) || is_switched_off(p->lock_l)) {
             for (int j = 0; j < JO_BLOCK && p->first; j++) p->S[j] = jo_same(0.0);
             continue;
@@ -334,11 +344,11 @@ static void assemble(const jo_model *m, jo_data *d, int set)
 #undef FIRST
         if (!p->flexible) continue;
         if (m->marker[k->side[m->pair[i].side_k]].chi) pair_gram(m, d, i, set);
-        add_gram(p->S, k, p->k->C, l, p->l->C, d->gram[set] + 36 * i);
+        add_gram(p->S, k, p->k->C, l, p->l->C, d->schur.gram[set] + 36 * i);
     }
     jo_hub_assemble(m, d);
-    for (int i = jo_in_hybrid(d) ? d->tree.first_fill : 0; i < d->nfill; i++)
-        for (int j = 0; j < JO_BLOCK; j++) d->fills[i][j] = jo_same(0.0);
+    for (int i = jo_in_hybrid(d) ? d->schur.first_fill : 0; i < d->schur.nfill; i++)
+        for (int j = 0; j < JO_BLOCK; j++) d->schur.fills[i][j] = jo_same(0.0);
 }
 
 /* sqrt(smallest / largest moment of inertia) of the bodies of a joint. The rotation of a slender body about its axis dominates the diagonal
@@ -361,14 +371,14 @@ static double slenderness(const jo_model *m, const jo_data *d, const jo_joint *j
 /* S += eps diag(S), which makes S regular; copy of S in S0 for the refinement */
 static void regularise(const jo_model *m, jo_data *d)
 {
-    for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->S0[i] = d->S[i];
+    for (int i = 0; i < JO_BLOCK * m->nblock; i++) d->schur.S0[i] = d->schur.S[i];
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_joint *joint = &m->joint[m->column[c].joint];
         const int step = jo_padded(joint->nrow) + 1;
         const double share = slenderness(m, d, joint);
         for (int r = 0; r < joint->nrow; r++) {
-            d->columns[c].scale[r] *= share;
-            d->S[JO_BLOCK * c + step * r] += JO_SCHUR_REGULARISATION * d->columns[c].scale[r];
+            d->schur.columns[c].scale[r] *= share;
+            d->schur.S[JO_BLOCK * c + step * r] += JO_SCHUR_REGULARISATION * d->schur.columns[c].scale[r];
         }
     }
 }
@@ -378,7 +388,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
 {
     assemble(m, d, set);
     for (int c = first_column(d); c < m->ncolumn; c++) {
-        jo_column_plan *w = &d->columns[c];
+        jo_column_plan *w = &d->schur.columns[c];
         const int n = w->n, step = jo_padded(n) + 1;
         if (is_switched_off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
@@ -386,7 +396,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
     jo_hub_scales(m, d);
     if (jo_schur_soft(d)) regularise(m, d);
     for (int c = first_column(d); c < m->ncolumn; c++) {
-        const jo_column_plan *w = &d->columns[c];
+        const jo_column_plan *w = &d->schur.columns[c];
         int regular;
         if (is_switched_off(w->lock)) continue;
 #define CALL(n) regular = factor_diagonal(w->S, n, w->scale, w->sign)
@@ -400,14 +410,14 @@ static int factor(const jo_model *m, jo_data *d, int set)
             return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
         for (int i = w->first; i < w->first + w->count; i++) {
-            const jo_below_plan *x = &d->belows[i];
+            const jo_below_plan *x = &d->schur.belows[i];
             if (is_switched_off(x->lock)) continue;
 #define CALL(rows, n) divide_by_factor(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
         for (int i = w->update; i < w->update + w->updates; i++) {
-            const jo_update_plan *u = &d->updates[i];
+            const jo_update_plan *u = &d->schur.updates[i];
             if (is_switched_off(u->lock_x) || is_switched_off(u->lock_y)) continue;
             if (u->kind == 5) {
                 subtract_product(u->T, u->X, u->rows, u->Y, u->ny, w->S, w->n);
@@ -418,7 +428,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
             }
         }
         for (int i = w->first; i < w->first + w->count; i++) {
-            const jo_below_plan *x = &d->belows[i];
+            const jo_below_plan *x = &d->schur.belows[i];
             if (is_switched_off(x->lock)) continue;
 #define CALL(rows, n) multiply_inverse(x->X, jo_padded(rows), w->S, n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
@@ -482,10 +492,10 @@ static inline void subtract_right(jo_real *restrict x, const jo_real *restrict X
 static void solve_factored(const jo_model *m, jo_data *d)
 {
     for (int c = first_column(d); c < m->ncolumn; c++) {
-        const jo_column_plan *w = &d->columns[c];
+        const jo_column_plan *w = &d->schur.columns[c];
         if (is_switched_off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
-            const jo_below_plan *x = &d->belows[i];
+            const jo_below_plan *x = &d->schur.belows[i];
             if (is_switched_off(x->lock)) continue;
 #define CALL(rows, n) subtract_left(x->x, x->X, w->x, jo_padded(rows), n)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
@@ -496,10 +506,10 @@ static void solve_factored(const jo_model *m, jo_data *d)
 #undef CALL
     }
     for (int c = m->ncolumn - 1; c >= first_column(d); c--) {
-        const jo_column_plan *w = &d->columns[c];
+        const jo_column_plan *w = &d->schur.columns[c];
         if (is_switched_off(w->lock)) continue;
         for (int i = w->first; i < w->first + w->count; i++) {
-            const jo_below_plan *x = &d->belows[i];
+            const jo_below_plan *x = &d->schur.belows[i];
             if (is_switched_off(x->lock)) continue;
             if (x->rows == w->n) {
 #define CALL(n) subtract_right(w->x, x->X, x->x, n, n)
@@ -523,9 +533,9 @@ static void residual(const jo_model *m, jo_data *d)
         const int n = m->joint[col->joint].nrow, own = jo_padded(n);
         for (int i = 0; i < n; i++)   /* from the lower triangle */
             for (int j = 0; j < n; j++)
-                w->x[i] -= d->S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
+                w->x[i] -= d->schur.S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
         for (int i = col->first; i < col->first + col->count; i++) {
-            const jo_real *X = d->S0 + JO_BLOCK * m->below[i].block;
+            const jo_real *X = d->schur.S0 + JO_BLOCK * m->below[i].block;
             jo_joint_work *v = &d->joint[m->below[i].joint];
             const int rows = m->joint[m->below[i].joint].nrow;
             subtract_left(v->x, X, w->sum, jo_padded(rows), n);

@@ -263,17 +263,6 @@ static void section(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_
     for (int i = 0; i < s->count; i++) y[i] = first + i < 24 ? all[first + i] : jo_same(0.0);
 }
 
-/* damage and closed cycles of each meter */
-static void damage(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_real *y)
-{
-    for (int k = 0; k < s->count / 2; k++) {
-        const jo_meter *r = &m->meter[s->object + k];
-        const double *memory = d->memory + r->at;
-        y[2 * k] = jo_same(jo_meter_damage(r, memory, r->residue, d->scratch));
-        y[2 * k + 1] = jo_same(memory[JO_METER_CLOSED]);
-    }
-}
-
 /* whether a sensor needs accelerations or multipliers */
 int jo_needs_accelerations(const jo_sensor *s)
 {
@@ -335,7 +324,9 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
         case JO_SENSOR_STRESS:
         case JO_SENSOR_VON_MISES:
         case JO_SENSOR_PRINCIPAL: stress(m, d, s, y); break;
-        case JO_SENSOR_DAMAGE: damage(m, d, s, y); break;
+        case JO_SENSOR_DAMAGE:
+            for (int k = 0; k < s->count / 2; k++) jo_damage_read(m, d, s->object + k, y + 2 * k);
+            break;
         case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
         case JO_SENSOR_SECTION: section(m, d, s, y); break;
         default: break;

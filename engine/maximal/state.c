@@ -14,14 +14,14 @@ void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
 {
     const int nu = m->nu, nv = m->nv;
     for (int i = 0; jo_tree_active(d) != tree && i < m->nstate; i++) {   /* copy the states of forces */
-        const jo_real x = tree ? d->v[nv + i] : d->tree.u[nu + i], rate = tree ? d->a[nv + i] : d->tree.ud[nu + i];
-        *(tree ? d->tree.u + nu + i : d->v + nv + i) = x;
-        *(tree ? d->tree.ud + nu + i : d->a + nv + i) = rate;
+        const jo_real x = tree ? d->v[nv + i] : d->u[nu + i], rate = tree ? d->a[nv + i] : d->ud[nu + i];
+        *(tree ? d->u + nu + i : d->v + nv + i) = x;
+        *(tree ? d->ud + nu + i : d->a + nv + i) = rate;
     }
     jo_tree_chosen(d, tree);
-    d->y = tree ? d->tree.x : d->q;
-    d->w = tree ? d->tree.u : d->v;
-    d->wd = tree ? d->tree.ud : d->a;
+    d->y = tree ? d->x : d->q;
+    d->w = tree ? d->u : d->v;
+    d->wd = tree ? d->ud : d->a;
     d->ny = tree ? m->nx : m->nq;
     d->nw = (tree ? nu : nv) + m->nstate;
     for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;

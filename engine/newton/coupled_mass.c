@@ -32,22 +32,19 @@ static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
     jo_newton_rows(m, d, &rows);
 }
 
-static jo_real *part_of(const jo_model *m, jo_data *d, int item)
-{
-    return d->x + m->node[m->place[item].node].at + m->place[item].local;
-}
+static jo_real *part_of(const jo_model *m, jo_data *d, int item) { return d->newton.x + jo_newton_place(m, item); }
 
-/* d->x = N^-1 d->x; with regularised factors by iterative refinement: multipliers of least norm */
+/* d->newton.x = N^-1 d->newton.x; with regularised factors by iterative refinement: multipliers of least norm */
 static void solve(const jo_model *m, jo_data *d)
 {
     jo_newton_solve(m, d);
     if (!jo_newton_soft(d)) return;
-    for (int i = 0; i < m->nv; i++) d->sum[i] = 0.0;
+    for (int i = 0; i < m->nv; i++) d->newton.sum[i] = 0.0;
     for (int i = 0; i < m->njoint; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
     for (int k = 0;; k++) {
         for (int i = 0; i < m->nbody; i++) {
-            jo_real *x = part_of(m, d, i), *sum = d->sum + m->body[i].iv;
+            jo_real *x = part_of(m, d, i), *sum = d->newton.sum + m->body[i].iv;
             for (int j = 0; j < 6 + m->body[i].n; j++) {
                 sum[j] += x[j];
                 x[j] = k < JO_REFINEMENTS ? 0.0 : sum[j];
@@ -112,11 +109,11 @@ static void row_accelerations(const jo_model *m, const jo_data *d, const jo_stag
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
-    for (int i = 0; i < m->nv; i++) d->a[i] = d->base[i];
-    jo_equations_residual(m, d, d->sum);
+    for (int i = 0; i < m->nv; i++) d->a[i] = d->newton.base[i];
+    jo_equations_residual(m, d, d->newton.sum);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];
-        const jo_real *r = d->sum + b->iv, *a = d->base + b->iv, *f = d->lag + b->iv;
+        const jo_real *r = d->newton.sum + b->iv, *a = d->newton.base + b->iv, *f = d->newton.lag + b->iv;
         jo_real *x = part_of(m, d, i);
         for (int j = 0; j < 6; j++) x[j] = (stage->set ? f[j] : 0.0) - r[j];
         for (int j = 0; j < b->n; j++) x[6 + j] = -r[6 + j] - gh * (b->D[j] + gh * b->K[j]) * a[6 + j];
@@ -135,7 +132,7 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->njoint; i++) {
         const jo_real *x = part_of(m, d, m->nbody + i);
         for (int r = 0; r < m->joint[i].nrow; r++)
-            d->joint[i].x[r] = x[r] + (stage->second ? d->base_lam[m->joint[i].row + r] : 0.0);
+            d->joint[i].x[r] = x[r] + (stage->second ? d->newton.base_lam[m->joint[i].row + r] : 0.0);
     }
 }
 
@@ -145,11 +142,11 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
 {
     int status = JO_OK;
     if (stage->second) {   /* reactions of stage 1 as forces */
-        for (int i = 0; i < m->nrow; i++) d->lam[i] = d->base_lam[i];
+        for (int i = 0; i < m->nrow; i++) d->lam[i] = d->newton.base_lam[i];
         jo_apply_reactions(m, d);
     } else {
         for (int i = 0; i < m->nbody; i++) {
-            jo_real *a = d->base + m->body[i].iv;
+            jo_real *a = d->newton.base + m->body[i].iv;
             for (int j = 0; j < 6 + m->body[i].n; j++) a[j] = j < 3 ? m->gravity[j] : 0.0;
         }
         jo_schur_softened(d, m->redundant > 0);
@@ -161,17 +158,27 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
         if (status != JO_OK) return status;
         if (stage->set) {   /* the first stage of ROS2 */
             for (int i = 0; i < m->nv; i++) {
-                d->sum[i] = -stage->gh * d->v[i];
-                d->lag[i] = 0.0;
+                d->newton.sum[i] = -stage->gh * d->v[i];
+                d->newton.lag[i] = 0.0;
             }
-            jo_beam_lag(m, d, d->sum, 0);
+            jo_beam_lag(m, d, d->newton.sum, 0, d->newton.lag);
         }
     }
     jo_coupled_solve(m, d, stage);
     return JO_OK;
 }
 
-/* joint[].x = change of the multipliers by the changes of forces in y and yp of the bodies */
+void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z)
+{
+    for (int i = 0; i < m->nv; i++) {
+        d->newton.base[i] = a[i];
+        d->newton.lag[i] = jo_same(0.0);
+    }
+    for (int i = 0; i < m->nrow; i++) d->newton.base_lam[i] = d->lam[i];
+    jo_beam_lag(m, d, x, z, d->newton.lag);
+}
+
+/* joint[].x = the change of the multipliers due to the changes of force in y and yp of the bodies */
 void jo_coupled_respond(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbody; i++) {

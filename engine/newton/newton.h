@@ -2,6 +2,7 @@
 #ifndef JO_NEWTON_H
 #define JO_NEWTON_H
 
+#include "arena.h"
 #include "data.h"
 
 /* Joint or force element between two markers a, b with its derivatives for Newton's matrix: forces y = [F_a, T_a, F_b, T_b] (world) and
@@ -35,10 +36,16 @@ void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f
 void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_force_work *out);
 void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_real (*X)[12]);
 
+/* what jo_newton_solve solves, in place: (nv + nrow), and where the unknowns of a body or joint lie in it */
+static inline jo_real *jo_newton_vector(jo_data *d) { return d->newton.x; }
+static inline int jo_newton_place(const jo_model *m, int item) { return m->node[m->place[item].node].at + m->place[item].local; }
+
+/* newton_layout.c */
+void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a);
+
 /* newton_factor.c */
 typedef struct { jo_real *at; int stride; } jo_block;
-static inline int jo_pad(int count) { return (count + JO_PAD - 1) & ~(JO_PAD - 1); }
-jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* block of items x, y: bodies, then joints */
+jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y);   /* rows of x, columns of y: bodies, then joints */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant);
 void jo_newton_solve(const jo_model *m, jo_data *d);
 
@@ -64,6 +71,10 @@ void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage);      
 /* coupled_mass.c */
 int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether masses of bodies are coupled in a stage */
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
+/* the accelerations that jo_coupled_accelerations starts from */
+static inline const jo_real *jo_coupled_base(const jo_data *d) { return d->newton.base; }
+/* the second stage of ROS2 starts from a and the present multipliers; beams lag by their stiffness times x and damping times z */
+void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z);
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_coupled_respond(const jo_model *m, jo_data *d);   /* joint[].x: change of the multipliers by y, yp */
 void jo_coupled_correction(const jo_model *m, jo_data *d, jo_real *increment);

@@ -12,7 +12,7 @@
 
 void jo_newton_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
+    for (int i = 0; i < m->nnewton; i++) d->newton.N[i] = 0.0;
     for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
     if (m->nbeam) jo_newton_beams(m, d, stage);
 }
@@ -29,7 +29,7 @@ void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage)
 
 int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
-    for (int i = 0; i < m->nnewton; i++) d->N[i] = 0.0;
+    for (int i = 0; i < m->nnewton; i++) d->newton.N[i] = 0.0;
     for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
     if (m->nbeam) jo_newton_beams(m, d, stage);
     for (int i = 0; i < m->nactive; i++) {
@@ -60,7 +60,7 @@ static int assemble_with(const jo_model *m, jo_data *d, double ca, double cv, do
 int jo_newton_values(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out)
 {
     const int status = assemble_with(m, d, ca, cv, cq);
-    for (int i = 0; i < m->nnewton && status == JO_OK; i++) out[i] = d->N[i];
+    for (int i = 0; i < m->nnewton && status == JO_OK; i++) out[i] = d->newton.N[i];
     return status;
 }
 

@@ -4,12 +4,12 @@
 
 #include "small.h"
 
-/* Change of accelerations (a), velocities (v, s) and increments of positions (q, s2) by a unit of an unknown, an algorithmic acceleration.
- * The joint rows are `rows` times those of C', or of C. */
 typedef struct {
-    double a, v, q, rows;
-    int position;           /* whether the joint rows are those of C instead of C' */
-    int plain;              /* whether derivatives of inertia forces with respect to positions and velocities are omitted */
-} jo_weights;
+    jo_real *N, *x;         /* (nnewton) Newton's matrix or its factors, (nv + nrow) right-hand side or solution */
+    int *pivot;             /* (nv + nrow) row exchanges */
+    double *unit, *unit_of_row;   /* (nv + nrow) units of the unknowns of N; the same in the order of the exchanged rows */
+    jo_real *base, *base_lam;   /* (nv), (nrow) initial accelerations and multipliers of coupled_mass.c */
+    jo_real *lag, *sum;     /* (nv) forces of beams in the W-method; work space */
+} jo_newton;
 
 #endif

@@ -16,7 +16,7 @@ jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
     const jo_place *p = &m->place[x], *q = &m->place[y];
     const int early = p->node < q->node ? p->node : q->node, late = p->node < q->node ? q->node : p->node;
     const jo_node *node = &m->node[early];
-    jo_block block = {d->N + node->diagonal, jo_pad(node->size)};
+    jo_block block = {d->newton.N + node->diagonal, jo_pad(node->size)};
     if (early != late) {
         const jo_branch *branch = &m->branch[node->first], *end = branch + node->count;
         while (branch < end && branch->node != late) branch++;
@@ -29,9 +29,9 @@ jo_block jo_newton_find(const jo_model *m, jo_data *d, int x, int y)
             return none;
         }
         if (p->node == late) {
-            block.at = d->N + branch->lower;
+            block.at = d->newton.N + branch->lower;
         } else {
-            block.at = d->N + branch->upper;
+            block.at = d->newton.N + branch->upper;
             block.stride = jo_pad(branch->width);
         }
     }
@@ -286,7 +286,7 @@ static void set_units(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nbody + m->njoint; i++) {
         const jo_block D = jo_newton_find(m, d, i, i);
         const int joint = i - m->nbody, count = joint < 0 ? 6 + m->body[i].n : m->joint[joint].nrow;
-        double *unit = d->unit + m->node[m->place[i].node].at + m->place[i].local;
+        double *unit = d->newton.unit + m->node[m->place[i].node].at + m->place[i].local;
         for (int r = 0; r < count; r++)
             unit[r] = sqrt(joint < 0 ? fabs(JO_RE(D.at[r * (D.stride + 1)])) : row_size(m, d, joint, r));
     }
@@ -313,7 +313,7 @@ static int node_joint(const jo_model *m, int node)
     return -1;
 }
 
-/* factors of d->N in place, node by node: LU of the diagonal block, A_cc^-1 A_cj, updates of later blocks. redundant: regularised */
+/* factors of d->newton.N in place, node by node: LU of the diagonal block, A_cc^-1 A_cj, updates of later blocks. redundant: regularised */
 int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
 {
     d->counts.factorisations++;
@@ -324,7 +324,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
-        jo_real *A = d->N + node->diagonal;
+        jo_real *A = d->newton.N + node->diagonal;
         double sum = 0.0;
         for (int i = 0; i < node->size * stride; i++) sum += fabs(JO_RE(A[i]));
         if (!isfinite(sum)) {
@@ -332,9 +332,9 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             return JO_NOT_FINITE;
         }
         const int six = node->size == JO_SIX;
-        int *pivot = d->pivot + node->at;
-        const double *column = d->unit + node->at;
-        double *row = d->unit_of_row + node->at;
+        int *pivot = d->newton.pivot + node->at;
+        const double *column = d->newton.unit + node->at;
+        double *row = d->newton.unit_of_row + node->at;
         for (int i = 0; i < node->size; i++) row[i] = column[i];
         const int failed = six ? factor_dense(A, JO_SIX, JO_ROW, pivot, column, row, vanished)
                                : factor_dense(A, node->size, stride, pivot, column, row, vanished);
@@ -345,7 +345,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
         }
         if (six) invert_six(A);
         for (int b = node->first; b < node->first + node->count; b++) {
-            jo_real *Y = d->N + m->branch[b].upper;
+            jo_real *Y = d->newton.N + m->branch[b].upper;
             const int padded = jo_pad(m->branch[b].width);
             if (six && padded == JO_ROW)
                 solve_six_rows(A, pivot, Y, JO_ROW);
@@ -358,8 +358,8 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             const jo_fill *fill = &m->fill[f];
             const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];
             const int padded = jo_pad(right->width);
-            jo_real *T = d->N + fill->target;
-            const jo_real *X = d->N + left->lower, *Y = d->N + right->upper;
+            jo_real *T = d->newton.N + fill->target;
+            const jo_real *X = d->newton.N + left->lower, *Y = d->newton.N + right->upper;
             if (six && left->width == JO_SIX && padded == JO_ROW)
                 subtract_six_rows(T, fill->stride, X, Y);
             else
@@ -369,22 +369,22 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
     return JO_OK;
 }
 
-/* d->x = N^-1 d->x: forward elimination, then back substitution */
+/* d->newton.x = N^-1 d->newton.x: forward elimination, then back substitution */
 void jo_newton_solve(const jo_model *m, jo_data *d)
 {
     for (int c = 0; c < m->nnode; c++) {
         const jo_node *node = &m->node[c];
         const int stride = jo_pad(node->size);
-        jo_real *x = d->x + node->at;
+        jo_real *x = d->newton.x + node->at;
         const int six = node->size == JO_SIX;
         if (six)
-            solve_six(d->N + node->diagonal, d->pivot + node->at, x);
+            solve_six(d->newton.N + node->diagonal, d->newton.pivot + node->at, x);
         else
-            solve_column(d->N + node->diagonal, node->size, stride, d->pivot + node->at, x);
+            solve_column(d->newton.N + node->diagonal, node->size, stride, d->newton.pivot + node->at, x);
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
-            const jo_real *X = d->N + branch->lower;
-            jo_real *y = d->x + m->node[branch->node].at;
+            const jo_real *X = d->newton.N + branch->lower;
+            jo_real *y = d->newton.x + m->node[branch->node].at;
             if (six && branch->width == JO_SIX)
                 subtract_six(y, X, x);
             else
@@ -393,11 +393,11 @@ void jo_newton_solve(const jo_model *m, jo_data *d)
     }
     for (int c = m->nnode - 1; c >= 0; c--) {
         const jo_node *node = &m->node[c];
-        jo_real *x = d->x + node->at;
+        jo_real *x = d->newton.x + node->at;
         for (int b = node->first; b < node->first + node->count; b++) {
             const jo_branch *branch = &m->branch[b];
             const int stride = jo_pad(branch->width);
-            const jo_real *Y = d->N + branch->upper, *y = d->x + m->node[branch->node].at;
+            const jo_real *Y = d->newton.N + branch->upper, *y = d->newton.x + m->node[branch->node].at;
             if (node->size == JO_SIX && branch->width == JO_SIX)
                 subtract_six(x, Y, y);
             else

@@ -15,9 +15,6 @@
 #include "friction/friction.h"
 #include "tree/tree_links.h"
 
-size_t jo_link_bytes(void) { return sizeof(jo_link_work); }
-size_t jo_link_constant_bytes(void) { return sizeof(jo_link_constants); }
-size_t jo_link_response_bytes(void) { return sizeof(jo_link_response); }
 
 /* ---- forward pass 1: orientations, velocities, velocity-product accelerations ------------------- */
 
@@ -62,8 +59,8 @@ static inline void link_kinematics(const jo_model *m, jo_data *d, int i)
     const jo_link_constants *c = &d->tree.constants[i];
     const jo_link_work *p = &d->tree.link[k->parent + 1];
     jo_link_work *w = &d->tree.link[i + 1];
-    const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u;
-    const jo_real qdd = k->driven < 0 ? 0.0 : d->tree.ud[k->u];   /* prescribed joint acceleration */
+    const jo_real *x = d->x + k->x, *u = d->u + k->u;
+    const jo_real qdd = k->driven < 0 ? 0.0 : d->ud[k->u];   /* prescribed joint acceleration */
     w->l = jo_vec_mat_mul(p->A, c->l);
     w->w = p->w;
     w->bias_alpha = p->bias_alpha;
@@ -353,7 +350,7 @@ void jo_tree_forward_pass_2(const jo_model *m, jo_data *d)
         const jo_link *k = &m->link[i];
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
-        jo_real *ud = d->tree.ud + k->u;
+        jo_real *ud = d->ud + k->u;
         const jo_vec alpha_parent = k->parent == last ? alpha : p->alpha, a_parent = k->parent == last ? a : p->a;
         /* at the origin of link i: a + alpha x l */
         alpha = alpha_parent;
@@ -389,7 +386,7 @@ jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d)
         const jo_link_work *w = &d->tree.link[i + 1];
         if (k->driven < 0) continue;
         d->tree.drive_force[i] = jo_link_drive_force(d, k, w);
-        power += d->tree.drive_force[i] * d->tree.u[k->u];
+        power += d->tree.drive_force[i] * d->u[k->u];
     }
     return power;
 }

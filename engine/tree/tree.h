@@ -2,6 +2,7 @@
 #ifndef JO_TREE_H
 #define JO_TREE_H
 
+#include "arena.h"
 #include "data.h"
 
 /* tree_force_response.c */
@@ -15,8 +16,8 @@ void jo_tree_joint_reaction(const jo_model *m, const jo_data *d, const jo_fricti
 void jo_tree_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);
 void jo_tree_lock_sticking(const jo_model *m, jo_data *d);   /* multipliers of the rows that lock sticking joints */
 void jo_tree_hold_sticking(const jo_model *m, jo_data *d);   /* coordinates of sticking joints at their locked values, rates 0 */
-void jo_tree_friction_response(const jo_model *m, jo_data *d, const jo_real *f);
-void jo_tree_apply_friction(const jo_model *m, jo_data *d);
+void jo_tree_friction_response(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f);
+void jo_tree_apply_friction(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f);
 void jo_tree_stop_sticking(const jo_model *m, jo_data *d);   /* impulses that stop the sticking joints */
 
 /* tree_position.c */
@@ -44,8 +45,6 @@ int jo_tree_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage);   /* state rates of the W-method */
 
 /* tree_loop_closure.c */
-size_t jo_loop_bytes(void);
-size_t jo_reach_bytes(void);
 int jo_loop_rows(const jo_model *m, int i);   /* rows of the group of loop i if i is the last loop of the group, else 0 */
 void jo_loop_setup(const jo_model *m, jo_data *d);
 int jo_loop_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);   /* multipliers, and their forces on the links */
@@ -53,17 +52,16 @@ void jo_loop_solve(const jo_model *m, jo_data *d);   /* multipliers for the righ
 void jo_loop_add_multiplier_forces(const jo_model *m, jo_data *d);   /* forces of the multipliers as added forces */
 jo_real jo_loop_power(const jo_model *m, const jo_data *d);   /* power of drives in loops, W */
 
+/* tree_layout.c */
+void jo_tree_layout(const jo_model *m, jo_data *d, jo_arena *a);
+
 /* tree.c */
-size_t jo_link_bytes(void);
-size_t jo_link_constant_bytes(void);
-size_t jo_link_response_bytes(void);
 int jo_tree_articulated_inertias(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forward pass 1, forces, backward pass */
 void jo_tree_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations of joints and links */
 jo_real jo_tree_drive_forces(const jo_model *m, jo_data *d);   /* forces of drives; returns their power, W */
 int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 
 /* tree_on_flexible_bodies.c */
-void jo_hybrid_setup(const jo_model *m, jo_data *d);
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d);   /* bodies in maximal coordinates and their markers from x and u */
 void jo_hybrid_accept_state(const jo_model *m, jo_data *d);   /* x and u of these bodies from q and v */
 int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forces, and inertia of the carried trees */

@@ -2,7 +2,7 @@
 #ifndef JO_TREE_DATA_H
 #define JO_TREE_DATA_H
 
-#include "maximal/maximal_data.h"
+#include "small.h"
 
 typedef struct jo_link_work jo_link_work;
 typedef struct jo_link_constants jo_link_constants;
@@ -10,15 +10,23 @@ typedef struct jo_link_response jo_link_response;
 typedef struct jo_loop_work jo_loop_work;
 typedef struct jo_reach_work jo_reach_work;
 
+/* A dense symmetric matrix S of n rows and its factors, see dense_cholesky.c. */
+typedef struct {
+    int n, ld, rank;        /* columns in memory; rows that do not repeat others */
+    jo_real *S, *inverse, *y;   /* (n x ld), (n) of the pivots, (n) scratch */
+    double *scale;          /* (n) what a diagonal may be like: a pivot that vanishes against it repeats others */
+    int *order;             /* (n) rows as they were eliminated */
+} jo_gram;
+
 /* Trees in joint coordinates, see tree.c. While a model runs in them, x and u are the state; q, v, a and lam are updated on demand. */
 typedef struct {
-    jo_real *x, *u, *ud;    /* (nx), (nu), (nu) joint coordinates, velocities, accelerations */
     jo_real *tau;           /* (nu) force along each joint coordinate, N or N m */
     jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of ROS2 */
     jo_real *drive_force;   /* (nlink) force of the drive of each link, N or N m */
     jo_link_work *link;     /* (nlink + 1), the ground first */
     jo_link_constants *constants;   /* (nlink) */
     jo_link_response *response;   /* (nlink + 1) response to added forces */
+    jo_real *joint_response;   /* (nu) response of the joints to added forces */
     jo_real *added_tau;     /* (nu) added forces along the joint coordinates, N or N m */
     int *marker, *coordinate, *body;   /* markers, coordinates and bodies that force laws read at every evaluation */
     int nmarker, ncoordinate, nbody;
@@ -31,7 +39,6 @@ typedef struct {
     jo_gram *gram;          /* (ngroup) Schur complements J H^-1 J^T, one for each group of coupled loops */
     int ngroup;
     int *loop_marker, nloop_marker;   /* markers of the joints that close loops */
-    int first_column, npair, first_fill;   /* hybrid mode: range of columns, pairs and fill-ins of the block Cholesky */
 } jo_tree;
 
 #endif

@@ -21,8 +21,8 @@ void jo_tree_update_bodies(const jo_model *m, jo_data *d)
         jo_link_work *w = &t->link[i + 1];
         w->p = jo_vec_add(p->p, w->l);
         w->v = jo_vec_add(p->v, jo_vec_cross(p->w, w->l));
-        if (k->type == JO_LINK_SLIDE) w->v = jo_vec_axpy(w->v, t->u[k->u], w->A[2]);
-        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) w->v = jo_vec_load(t->u + k->u);
+        if (k->type == JO_LINK_SLIDE) w->v = jo_vec_axpy(w->v, d->u[k->u], w->A[2]);
+        if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) w->v = jo_vec_load(d->u + k->u);
     }
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
@@ -74,8 +74,8 @@ static void update_coordinates(const jo_model *m, jo_data *d)
         const int c = m->force[i].coordinate;
         if (c < 0 || m->coordinate[c].link < 0) continue;
         const jo_link *k = &m->link[m->coordinate[c].link];
-        d->coordinate[c].value = jo_link_sign(k) * d->tree.x[k->x];
-        d->coordinate[c].rate = jo_link_sign(k) * d->tree.u[k->u];
+        d->coordinate[c].value = jo_link_sign(k) * d->x[k->x];
+        d->coordinate[c].rate = jo_link_sign(k) * d->u[k->u];
     }
     for (int i = 0; i < d->tree.ncoordinate; i++) {
         jo_coordinate_value(m, d, d->tree.coordinate[i]);
@@ -104,7 +104,7 @@ static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stag
         const jo_real *rate = jo_state_rates(m, d), *first = d->acc + d->nw - m->nstate;
         jo_real K = d->force[i].stiffness, D = d->force[i].damping, F = jo_same(0.0);
         for (int j = f->state; j < f->state + f->states; j++) {
-            const jo_slopes_of_state *s = &d->slopes[j];
+            const jo_slopes_of_state *s = jo_force_slopes(d, j);
             const jo_real c = s->force / (1.0 + gh * s->decay);
             K -= gh * c * s->value;
             D -= gh * c * s->rate;
@@ -129,14 +129,14 @@ void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage 
         const jo_link *k = implicit_link(m, d, f);
         if (!k) continue;
         const jo_real sign = jo_same(jo_link_sign(k)), *first = d->acc + d->nw - m->nstate;
-        jo_real *rate = jo_state_rates(m, d), rate_s = d->tree.u[k->u], a = d->tree.ud[k->u];
+        jo_real *rate = jo_state_rates(m, d), rate_s = d->u[k->u], a = d->ud[k->u];
         if (second) {
             const jo_real a1 = d->acc[k->u];
             rate_s += gh * a - 4.0 * gh * a1 - 2.0 * d->v0[k->u];
             a -= 2.0 * a1;
         } else rate_s += gh * a;
         for (int j = f->state; j < f->state + f->states; j++) {
-            const jo_slopes_of_state *s = &d->slopes[j];
+            const jo_slopes_of_state *s = jo_force_slopes(d, j);
             jo_real y = rate[j] + gh * sign * (s->value * rate_s + s->rate * a);
             if (second) y += 2.0 * gh * s->decay * first[j];
             rate[j] = y / (1.0 + gh * s->decay);
@@ -172,8 +172,8 @@ static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
     if (m->nstate) eliminate_states(m, d, stage);
     for (int i = 0; i < m->nu; i++) {
         const jo_real K = t->stiffness[i], D = t->damping[i];
-        if (stage->lead >= 0.0) t->tau[i] -= gh * K * t->u[i];
-        else t->tau[i] += gh * (K * (2.0 * d->v0[i] - t->u[i] + 4.0 * gh * d->acc[i]) + 2.0 * D * d->acc[i]);
+        if (stage->lead >= 0.0) t->tau[i] -= gh * K * d->u[i];
+        else t->tau[i] += gh * (K * (2.0 * d->v0[i] - d->u[i] + 4.0 * gh * d->acc[i]) + 2.0 * D * d->acc[i]);
     }
 }
 

@@ -24,8 +24,8 @@ void jo_tree_update_slips(const jo_model *m, jo_data *d)
         for (int k = 0; k < jo_slips(&m->friction[i]); k++) {
             const int c = jo_slip_of(&m->friction[i], k);
             const jo_link *link = link_along(m, c);
-            d->coordinate[c].value = jo_link_sign(link) * d->tree.x[link->x];
-            d->coordinate[c].rate = jo_link_sign(link) * d->tree.u[link->u];
+            d->coordinate[c].value = jo_link_sign(link) * d->x[link->x];
+            d->coordinate[c].rate = jo_link_sign(link) * d->u[link->u];
         }
 }
 
@@ -33,14 +33,14 @@ void jo_tree_update_slips(const jo_model *m, jo_data *d)
 jo_real jo_tree_slip_acceleration(const jo_model *m, const jo_data *d, int coordinate)
 {
     const jo_link *link = link_along(m, coordinate);
-    return jo_link_sign(link) * d->tree.ud[link->u];
+    return jo_link_sign(link) * d->ud[link->u];
 }
 
 /* distance from the origin of side 1 to the origin of side 0 along the joint axis if the link has side 0, m */
 static jo_real slide_distance(const jo_model *m, const jo_data *d, const jo_friction *f)
 {
     const jo_link *k = link_along(m, f->coordinate);
-    return k->type == JO_LINK_SLIDE ? d->tree.x[k->x] : jo_same(0.0);
+    return k->type == JO_LINK_SLIDE ? d->x[k->x] : jo_same(0.0);
 }
 
 /* Force and moment y (6) of a joint on side 1, in axes of the link, z along the joint axis. With `change` their change by the last
@@ -94,44 +94,43 @@ void jo_tree_hold_sticking(const jo_model *m, jo_data *d)
         if (!jo_sticks(m, d, f)) continue;
         for (int k = 0; k < jo_slips(f); k++) {
             const jo_link *link = link_along(m, jo_slip_of(f, k));
-            d->tree.x[link->x] = jo_link_sign(link) * d->held[2 * m->joint[f->lock].lock + k];
-            d->tree.u[link->u] = 0.0;
+            d->x[link->x] = jo_link_sign(link) * d->held[2 * m->joint[f->lock].lock + k];
+            d->u[link->u] = 0.0;
         }
     }
 }
 
 /* ---- response to n friction forces f along coordinates -------------------------------------------- */
 
-/* change of the accelerations of the links and, in d->sum, of the joints by friction forces f */
-void jo_tree_friction_response(const jo_model *m, jo_data *d, const jo_real *f)
+/* change of the accelerations of the links and, in joint_response, of the joints by friction forces f */
+void jo_tree_friction_response(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f)
 {
     jo_tree_clear_added_forces(m, d);
-    for (int c = 0; c < d->anderson.n; c++) {
-        const jo_link *k = link_along(m, d->anderson.coordinate[c]);
+    for (int c = 0; c < n; c++) {
+        const jo_link *k = link_along(m, coordinate[c]);
         d->tree.added_tau[k->u] += jo_link_sign(k) * f[c];
     }
-    jo_tree_force_response(m, d, d->sum);
+    jo_tree_force_response(m, d, d->tree.joint_response);
 }
 
-/* Add the converged friction forces x->f to tau and their response to all accelerations. With one force the response is known, to a unit
- * force, and scaled by x->f. */
-void jo_tree_apply_friction(const jo_model *m, jo_data *d)
+/* Add the converged friction forces f to tau and their response to all accelerations. With one force the response is known, to a unit
+ * force, and scaled by f. */
+void jo_tree_apply_friction(const jo_model *m, jo_data *d, int n, const int *coordinate, const jo_real *f)
 {
-    const jo_anderson *x = &d->anderson;
-    const jo_real part = x->n == 1 ? x->f[0] : jo_same(1.0);
-    if (x->n > 1) jo_tree_friction_response(m, d, x->f);
-    for (int c = 0; c < x->n; c++) {
-        const jo_link *k = link_along(m, x->coordinate[c]);
-        d->tree.tau[k->u] += jo_link_sign(k) * x->f[c];
+    const jo_real part = n == 1 ? f[0] : jo_same(1.0);
+    if (n > 1) jo_tree_friction_response(m, d, n, coordinate, f);
+    for (int c = 0; c < n; c++) {
+        const jo_link *k = link_along(m, coordinate[c]);
+        d->tree.tau[k->u] += jo_link_sign(k) * f[c];
     }
-    for (int i = 0; i < m->nu; i++) d->tree.ud[i] += part * d->sum[i];
+    for (int i = 0; i < m->nu; i++) d->ud[i] += part * d->tree.joint_response[i];
     /* alpha += dalpha, a += da; p^A of the joint reaction: f -= df, t -= dt */
     for (int i = 1; i <= m->nlink; i++) {
         const jo_link_response *c = &d->tree.response[i];
         jo_link_work *w = &d->tree.link[i];
         const int type = m->link[i - 1].type;
-        const jo_vec f = type == JO_LINK_BALL || type == JO_LINK_FREE ? jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)) : c->f;
-        w->f = jo_vec_axpy(w->f, -part, f);
+        const jo_vec change = type == JO_LINK_BALL || type == JO_LINK_FREE ? jo_vec_sub(c->f, jo_vec_mat_mul_lanes(w->HJinv, c->t)) : c->f;
+        w->f = jo_vec_axpy(w->f, -part, change);
         w->t = jo_vec_axpy(w->t, -part, c->t);
         w->alpha = jo_vec_axpy(w->alpha, part, c->alpha);
         w->a = jo_vec_axpy(w->a, part, c->a);
@@ -169,7 +168,7 @@ void jo_tree_stop_sticking(const jo_model *m, jo_data *d)
         c->alpha = p->alpha;
         c->a = jo_vec_add(p->a, jo_vec_cross(p->alpha, w->l));
         if (jo_link_is_locked(d, k)) {
-            const jo_vec rate_change = jo_vec_scale(-d->tree.u[k->u], w->A[2]);
+            const jo_vec rate_change = jo_vec_scale(-d->u[k->u], w->A[2]);
             if (k->type == JO_LINK_HINGE) c->alpha = jo_vec_add(c->alpha, rate_change);
             else c->a = jo_vec_add(c->a, rate_change);
         }
@@ -177,10 +176,10 @@ void jo_tree_stop_sticking(const jo_model *m, jo_data *d)
         inertial_force(&d->tree.constants[i], w, c);
     }
     /* dqd_f, and rates exactly 0 of the locked joints */
-    jo_tree_force_response(m, d, d->sum);
-    for (int i = 0; i < m->nu; i++) d->tree.u[i] += d->sum[i];
+    jo_tree_force_response(m, d, d->tree.joint_response);
+    for (int i = 0; i < m->nu; i++) d->u[i] += d->tree.joint_response[i];
     for (int i = 0; i < m->nlink; i++)
-        if (jo_link_is_locked(d, &m->link[i])) d->tree.u[m->link[i].u] = 0.0;
+        if (jo_link_is_locked(d, &m->link[i])) d->u[m->link[i].u] = 0.0;
     jo_state_changed(d);
     jo_positions_moved(d);
 }

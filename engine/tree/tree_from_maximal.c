@@ -14,7 +14,7 @@ static void match_turns(const jo_model *m, jo_data *d)
         if (c->turn < 0 || c->link < 0) continue;
         const jo_link *k = &m->link[c->link];
         const jo_real near = jo_link_sign(k) * d->turn[c->turn];
-        d->tree.x[k->x] += 2.0 * JO_PI * jo_floor((near - d->tree.x[k->x]) / (2.0 * JO_PI) + 0.5);
+        d->x[k->x] += 2.0 * JO_PI * jo_floor((near - d->x[k->x]) / (2.0 * JO_PI) + 0.5);
     }
 }
 
@@ -65,7 +65,7 @@ void jo_tree_count_turns(const jo_model *m, jo_data *d)
     if (!d->tree.counts_joint_angles || jo_nmaximal(d)) jo_count_turns(m, d);
     for (int i = 0; i < m->ncoordinate; i++) {
         const jo_coordinate *c = &m->coordinate[i];
-        if (c->turn >= 0 && c->link >= 0) d->turn[c->turn] = jo_link_sign(&m->link[c->link]) * d->tree.x[m->link[c->link].x];
+        if (c->turn >= 0 && c->link >= 0) d->turn[c->turn] = jo_link_sign(&m->link[c->link]) * d->x[m->link[c->link].x];
     }
 }
 
@@ -74,7 +74,7 @@ void jo_tree_prescribe_end_of_step(const jo_model *m, jo_data *d)
 {
     jo_tree_prescribe_motion(m, d);
     for (int i = 0; i < m->nlink; i++)
-        if (m->link[i].driven >= 0) d->dq[m->link[i].u] = d->tree.x[m->link[i].x] - d->q0[m->link[i].x];
+        if (m->link[i].driven >= 0) d->dq[m->link[i].u] = d->x[m->link[i].x] - d->q0[m->link[i].x];
 }
 
 /* accelerations and multipliers at the state q, v of the caller, computed in joint coordinates */

@@ -90,16 +90,16 @@ void jo_tree_prescribe_motion(const jo_model *m, jo_data *d)
         const jo_line_data *line = m->line[k->driven].data;
         const jo_signal_work s = jo_signal_at(m, d, m->line[k->driven].signal, d->time[0]);
         const jo_real factor = jo_link_sign(k) * line->factor[0];
-        d->tree.x[k->x] = (s.value + line->offset) / factor;
-        d->tree.u[k->u] = s.rate / factor;
-        d->tree.ud[k->u] = s.second / factor;
+        d->x[k->x] = (s.value + line->offset) / factor;
+        d->u[k->u] = s.rate / factor;
+        d->ud[k->u] = s.second / factor;
     }
 }
 
 /* JO_NOT_FINITE with the body in error_index if |[x, u]| is not below JO_MAX_STATE */
 int jo_tree_check_state(const jo_model *m, jo_data *d)
 {
-    const jo_real *x = d->tree.x;   /* and u behind it */
+    const jo_real *x = d->x;   /* and u behind it */
     const int n = m->nx + m->nu;
     jo_lanes squares = {0.0};
     double sum = 0.0;
@@ -112,8 +112,8 @@ int jo_tree_check_state(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nlink; i++) {
         const jo_link *k = &m->link[i];
         const int next_x = i + 1 < m->nlink ? k[1].x : m->nx, next_u = i + 1 < m->nlink ? k[1].u : m->nu;
-        for (int j = k->x; j < next_x; j++) sum += JO_RE(jo_magnitude(d->tree.x[j]));
-        for (int j = k->u; j < next_u; j++) sum += JO_RE(jo_magnitude(d->tree.u[j]));
+        for (int j = k->x; j < next_x; j++) sum += JO_RE(jo_magnitude(d->x[j]));
+        for (int j = k->u; j < next_u; j++) sum += JO_RE(jo_magnitude(d->u[j]));
         if (sum < JO_MAX_STATE && i + 1 < m->nlink) continue;
         d->error_index = k->body >= 0 ? k->body : k[1].body;
         return JO_NOT_FINITE;
@@ -125,7 +125,8 @@ int jo_tree_check_state(const jo_model *m, jo_data *d)
 double jo_tree_largest_rotation(const jo_model *m, jo_data *d)
 {
     double turn = 0.0;
-    jo_tree_body_rates(m, d, d->dq, d->lag);
-    for (int i = 0; i < m->nbody; i++) turn = jo_larger(turn, jo_length(d->lag + m->body[i].iv + 3, 3));
+    jo_real *rates = d->tree.maximal_copy + m->nq;   /* scratch here */
+    jo_tree_body_rates(m, d, d->dq, rates);
+    for (int i = 0; i < m->nbody; i++) turn = jo_larger(turn, jo_length(rates + m->body[i].iv + 3, 3));
     return turn;
 }

@@ -39,7 +39,7 @@ void jo_tree_hinge_sines(const jo_model *m, jo_data *d)
     for (; i < n; i += 4) {
         jo_real x[4], sine[4], cosine[4];
         const int count = n - i < 4 ? n - i : 4;
-        for (int j = 0; j < 4; j++) x[j] = d->tree.x[m->link[hinge[j < count ? i + j : i]].x];
+        for (int j = 0; j < 4; j++) x[j] = d->x[m->link[hinge[j < count ? i + j : i]].x];
         sines_of_four(x, sine, cosine);
         for (int j = 0; j < 4 && !is_moderate(x); j++) {
             sine[j] = jo_sin(x[j]);
@@ -53,7 +53,7 @@ void jo_tree_hinge_sines(const jo_model *m, jo_data *d)
     }
 #endif
     for (; i < n; i++) {
-        const jo_real x = d->tree.x[m->link[hinge[i]].x];
+        const jo_real x = d->x[m->link[hinge[i]].x];
         d->tree.link[hinge[i] + 1].sine = jo_sin(x);
         d->tree.link[hinge[i] + 1].cosine = jo_cos(x);
     }

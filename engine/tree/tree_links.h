@@ -251,4 +251,9 @@ static inline jo_real jo_link_drive_force(const jo_data *d, const jo_link *k, co
 /* 1, or -1 where the coordinate of the joint is minus the joint coordinate of the link */
 static inline double jo_link_sign(const jo_link *k) { return k->reversed ? -1.0 : 1.0; }
 
+/* dense_cholesky.c */
+int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
+int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
+void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
+
 #endif

@@ -12,8 +12,6 @@
 
 #define JO_REDUNDANT_PIVOT 1e-9     /* pivot / scale of the row below which the row depends on others, if redundant rows are possible */
 
-size_t jo_loop_bytes(void) { return sizeof(jo_loop_work); }
-size_t jo_reach_bytes(void) { return sizeof(jo_reach_work); }
 
 /* number of rows of the group of loop i if loop i is the last one of the group, else 0 */
 int jo_loop_rows(const jo_model *m, int i)

@@ -47,7 +47,7 @@ static double speed(const jo_model *m, const jo_data *d)
         const int turns = k->type == JO_LINK_HINGE || k->type == JO_LINK_BALL, frees = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
         const int count = k->type == JO_LINK_FIXED ? 0 : frees ? 6 : k->type == JO_LINK_BALL ? 3 : 1;
         for (int j = 0; j < count; j++)
-            fastest = jo_larger(fastest, fabs(JO_RE(d->tree.u[k->u + j])) * (turns || (frees && j > 2) ? m->size : 1.0));
+            fastest = jo_larger(fastest, fabs(JO_RE(d->u[k->u + j])) * (turns || (frees && j > 2) ? m->size : 1.0));
     }
     return fastest;
 }
@@ -86,7 +86,7 @@ int jo_tree_close_loops(const jo_model *m, jo_data *d)
     for (int k = 0; k < JO_MAX_CORRECTIONS && !is_closed(residual, small, k) && residual < JO_MIN_REDUCTION * before; k++) {
         before = residual;
         solve_correction(m, d, 0);
-        jo_tree_add_increment(m, d->tree.x, d->tree.x, d->rate);
+        jo_tree_add_increment(m, d->x, d->x, d->rate);
         update_loops(m, d);
         residual = largest_residual(m, d, 0);
     }
@@ -95,11 +95,11 @@ int jo_tree_close_loops(const jo_model *m, jo_data *d)
     for (int k = 0; k < JO_MAX_CORRECTIONS && !is_closed(rate, small_rate, k); k++) {
         before = rate;
         solve_correction(m, d, 1);
-        for (int i = 0; i < m->nu; i++) d->tree.u[i] += d->rate[i];
+        for (int i = 0; i < m->nu; i++) d->u[i] += d->rate[i];
         update_loops(m, d);
         rate = largest_residual(m, d, 1);
         if (rate < before) continue;
-        for (int i = 0; i < m->nu; i++) d->tree.u[i] -= d->rate[i];   /* undo: the factors belong to another position */
+        for (int i = 0; i < m->nu; i++) d->u[i] -= d->rate[i];   /* undo: the factors belong to another position */
         update_loops(m, d);
         rate = before;
         break;

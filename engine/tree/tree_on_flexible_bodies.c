@@ -9,26 +9,16 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-/* ranges of the block Cholesky in hybrid mode */
-void jo_hybrid_setup(const jo_model *m, jo_data *d)
-{
-    jo_tree *t = &d->tree;
-    while (t->first_column < m->ncolumn && jo_joint_in_tree(d, m->column[t->first_column].joint)) t->first_column++;
-    while (t->npair < m->npair && !jo_joint_in_tree(d, m->pair[t->npair].joint_k) && !jo_joint_in_tree(d, m->pair[t->npair].joint_l))
-        t->npair++;
-}
-
 /* q, v = x, u of the bodies in maximal coordinates; pose and velocity of these bodies and of their markers */
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 {
-    jo_tree *t = &d->tree;
     const int hybrid = jo_in_hybrid(d);
     if (jo_sync_is_hybrid(d)) return;
     for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body *b = &m->body[k->body];
-        for (int j = 0; j < 7 + b->n; j++) d->q[b->iq + j] = t->x[k->x + j];
-        for (int j = 0; j < 6 + b->n; j++) d->v[b->iv + j] = t->u[k->u + j];
+        for (int j = 0; j < 7 + b->n; j++) d->q[b->iq + j] = d->x[k->x + j];
+        for (int j = 0; j < 6 + b->n; j++) d->v[b->iv + j] = d->u[k->u + j];
     }
     jo_hybrid_begins(d);
     jo_update_positions(m, d);
@@ -40,12 +30,11 @@ void jo_hybrid_update_bodies(const jo_model *m, jo_data *d)
 /* x, u = q, v of the bodies in maximal coordinates */
 void jo_hybrid_accept_state(const jo_model *m, jo_data *d)
 {
-    jo_tree *t = &d->tree;
     for (int i = 0; i < jo_nmaximal(d); i++) {
         const jo_link *k = &m->link[i];
         const jo_body *b = &m->body[k->body];
-        for (int j = 0; j < 7 + b->n; j++) t->x[k->x + j] = d->q[b->iq + j];
-        for (int j = 0; j < 6 + b->n; j++) t->u[k->u + j] = d->v[b->iv + j];
+        for (int j = 0; j < 7 + b->n; j++) d->x[k->x + j] = d->q[b->iq + j];
+        for (int j = 0; j < 6 + b->n; j++) d->u[k->u + j] = d->v[b->iv + j];
     }
     jo_sync_reached(d, JO_SYNC_HYBRID);
 }
@@ -64,7 +53,7 @@ static void reset_carriers(const jo_model *m, jo_data *d)
             w->M[j] = w->H[j] = w->J[j] = zero;
         }
         w->w = jo_vec_mat_mul(w->A, b->w);
-        w->l = jo_vec_load(d->tree.x + k->x);
+        w->l = jo_vec_load(d->x + k->x);
         w->bias_alpha = w->bias_a = w->f = w->t = w->joint_f = w->joint_t = zero;
     }
 }
@@ -145,7 +134,7 @@ void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
         const jo_body *b = &m->body[k->body];
         const jo_body_work *w = &d->body[k->body];
         jo_link_work *link = &t->link[i + 1];
-        for (int j = 0; j < 6 + b->n; j++) t->ud[k->u + j] = d->a[b->iv + j];
+        for (int j = 0; j < 6 + b->n; j++) d->ud[k->u + j] = d->a[b->iv + j];
         if (!w->carried) continue;
         link->a = jo_vec_mat_mul(link->A, w->y);
         link->alpha = jo_vec_mat_mul(link->A, w->y + 3);

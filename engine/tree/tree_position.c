@@ -162,8 +162,8 @@ void jo_tree_setup(const jo_model *m, jo_data *d)
     set_ground(t->link);
     for (int i = 0; i < m->nlink; i++) {
         const int type = m->link[i].type;
-        if (type == JO_LINK_BALL) t->x[m->link[i].x] = 1.0;
-        if (type == JO_LINK_FREE || type == JO_LINK_BODY) t->x[m->link[i].x + 3] = 1.0;
+        if (type == JO_LINK_BALL) d->x[m->link[i].x] = 1.0;
+        if (type == JO_LINK_FREE || type == JO_LINK_BODY) d->x[m->link[i].x + 3] = 1.0;
     }
     set_link_constants(m, d);
     /* hinges, driven links, links with other children than i + 1 */
@@ -210,7 +210,7 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
         const jo_link_work *p = &d->tree.link[k->parent + 1];
         jo_link_work *w = &d->tree.link[i + 1];
         const int free = k->type == JO_LINK_FREE || k->type == JO_LINK_BODY;
-        const jo_real *x = d->tree.x + k->x, *u = d->tree.u + k->u, *e = free ? x + 3 : x;
+        const jo_real *x = d->x + k->x, *u = d->u + k->u, *e = free ? x + 3 : x;
         jo_vec B[3], slide_rate = jo_vec_zero();
         for (int j = 0; j < 3; j++) B[j] = jo_vec_mat_mul(p->A, c->K + 3 * j);
         w->l = jo_vec_mat_mul(p->A, c->l);
@@ -299,7 +299,7 @@ static void marker_frame(const jo_model *m, const jo_data *d, int body, int mark
 /* hinge angle + multiple of 2 pi, nearest to the counted angle of its coordinate or to the present joint coordinate, rad */
 static jo_real nearest_angle(const jo_model *m, const jo_data *d, const jo_link *k, int link, jo_real angle)
 {
-    jo_real near = d->tree.x[k->x];
+    jo_real near = d->x[k->x];
     for (int i = 0; i < m->ncoordinate; i++)
         if (m->coordinate[i].link == link && m->coordinate[i].turn >= 0) near = jo_link_sign(k) * d->turn[m->coordinate[i].turn];
     return angle + 2.0 * JO_PI * jo_floor((near - angle) / (2.0 * JO_PI) + 0.5);
@@ -315,8 +315,8 @@ static void read_hinge(const jo_model *m, jo_data *d, int link, const jo_real *t
     jo_real x[3], y[3];
     axis(x, o->A, 0);
     axis(y, o->A, 1);
-    d->tree.x[k->x] = nearest_angle(m, d, k, link, jo_arc_tangent(jo_dot3(to, y), jo_dot3(to, x)));
-    d->tree.u[k->u] = jo_dot3(about, w);
+    d->x[k->x] = nearest_angle(m, d, k, link, jo_arc_tangent(jo_dot3(to, y), jo_dot3(to, x)));
+    d->u[k->u] = jo_dot3(about, w);
 }
 
 /* ball: quaternion x of R = A_o^T A_f, rates u = A_f^T w */
@@ -347,8 +347,8 @@ static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o,
         jo_sub3(v, o->v);
         jo_cross(t, o->w, r);
         jo_sub3(v, t);
-        d->tree.x[k->x] = jo_dot3(z, r);
-        d->tree.u[k->u] = jo_dot3(z, v);
+        d->x[k->x] = jo_dot3(z, r);
+        d->u[k->u] = jo_dot3(z, v);
         if (k->body < 0) read_hinge(m, d, first + 1, xf, o, z, w);
     } else if (k->type == JO_LINK_HINGE && k->body < 0) {   /* universal */
         frame cross = *o;   /* x = z_o x z_f, y = z_o, z = z_f: axes of the link between */
@@ -363,7 +363,7 @@ static void read_joint(const jo_model *m, jo_data *d, int first, const frame *o,
     } else if (k->type == JO_LINK_HINGE) {
         read_hinge(m, d, first, xf, o, z, w);
     } else if (k->type == JO_LINK_BALL) {
-        read_ball(d->tree.x + k->x, d->tree.u + k->u, o, f, w);
+        read_ball(d->x + k->x, d->u + k->u, o, f, w);
     }
 }
 
@@ -375,8 +375,8 @@ void jo_tree_read_maximal_state(const jo_model *m, jo_data *d)
         const jo_link *last = k->body < 0 ? &m->link[i + 1] : k;
         if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) {
             const jo_body *b = &m->body[k->body];
-            for (int j = 0; j < 7 + b->n; j++) d->tree.x[k->x + j] = d->q[b->iq + j];
-            for (int j = 0; j < 6 + b->n; j++) d->tree.u[k->u + j] = d->v[b->iv + j];
+            for (int j = 0; j < 7 + b->n; j++) d->x[k->x + j] = d->q[b->iq + j];
+            for (int j = 0; j < 6 + b->n; j++) d->u[k->u + j] = d->v[b->iv + j];
             continue;
         }
         if (k->type == JO_LINK_FIXED) continue;

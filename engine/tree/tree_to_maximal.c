@@ -36,8 +36,8 @@ static void write_state(const jo_model *m, const jo_data *d, jo_real *q, jo_real
         if (k->body < 0) continue;
         const jo_body *b = &m->body[k->body];
         if (k->type == JO_LINK_FREE || k->type == JO_LINK_BODY) {   /* x, u are q, v: copies, equal bit for bit */
-            for (int j = 0; j < 7 + b->n; j++) q[b->iq + j] = d->tree.x[k->x + j];
-            for (int j = 0; j < 6 + b->n; j++) v[b->iv + j] = d->tree.u[k->u + j];
+            for (int j = 0; j < 7 + b->n; j++) q[b->iq + j] = d->x[k->x + j];
+            for (int j = 0; j < 6 + b->n; j++) v[b->iv + j] = d->u[k->u + j];
             continue;
         }
         body_frame(c, w, A, r);

@@ -127,7 +127,9 @@ def accesses(engine: Path, files: list[Path], empty: Path) -> set[Access]:
 
     def pieces(text: str) -> str:
         command = [str(COMPILER), *PLAIN, f"-I{empty}", f"-I{engine}", "-x", "c", "-"]
-        made = subprocess.run(command, input=text, capture_output=True, text=True, check=True)
+        made = subprocess.run(
+            command, input=text, capture_output=True, text=True, check=True, cwd=empty
+        )
         parts = MARKER.split(made.stdout)[1:]
         return "\n".join(
             f'# 1 "{Path(file).relative_to(engine) if file != "<stdin>" else file}"\n{piece}'

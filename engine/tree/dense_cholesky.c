@@ -1,5 +1,5 @@
 /* dense_cholesky.c - factorisation S = U^T D^-1 U of a small dense positive semidefinite matrix, with pivoting for dependent rows. */
-#include "maximal/maximal.h"
+#include "tree/tree_links.h"
 
 static void swap_reals(jo_real *a, jo_real *b)
 {

@@ -1,0 +1,15 @@
+/* fatigue_data.h - what the files of this room keep; other rooms reach it by the functions of fatigue.h. */
+#ifndef JO_FATIGUE_DATA_H
+#define JO_FATIGUE_DATA_H
+
+#include "small.h"
+
+typedef struct {
+    jo_model metered;       /* the model with the metered sensors only */
+    jo_sensor *list;        /* these */
+    jo_real *reading;       /* (nout) their values */
+    double *scratch;        /* of the largest meter */
+    int demanding;          /* metered sensors need accelerations */
+} jo_damage;
+
+#endif
