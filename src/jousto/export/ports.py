@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 from jousto.base.errors import InputError, Problem
 from jousto.export.constants import Constants
-from jousto.mechanism.forces.stop import NEVER
-from jousto.model.model import CoordinateModel, ForceModel, Model, SignalModel
+from jousto.mechanism.forces.law import NEVER, unit_along
+from jousto.model.force_numbers import law_in, struct_of
+from jousto.model.model import ForceModel, Model, SignalModel
 from jousto.model.native.header import named, places
 from jousto.model.packing.foreign import without_fmus
 from jousto.simulation.results.dataframes import component_units
@@ -153,8 +154,9 @@ def _input_unit(model: Model, name: str) -> str:
     place = next(i for i, s in enumerate(model.signals) if s.kind == "input" and s.name == name)
     units = set()
     for force in model.forces:
-        if place in (force.signal, force.reference):
-            units.add(_signal_unit(model, force, place))
+        for used, unit in _function_units(model, force):
+            if used == place:
+                units.add(unit)
     for joint in model.joints:
         for line in joint.lines:
             if line.signal == place:
@@ -162,18 +164,8 @@ def _input_unit(model: Model, name: str) -> str:
     return units.pop() if len(units) == 1 else "1"
 
 
-def _signal_unit(model: Model, force: ForceModel, place: int) -> str:
-    if force.kind in ("along", "pid") and place == force.reference:
-        unit = "rad" if _angular(model, force.coordinate) else "m"
-        rate = force.kind == "pid" and bool(named("jo_pid_data", force.data).speed)
-        return f"{unit}/s" if rate else unit
-    if force.kind == "pid":
-        return "N m" if _angular(model, force.coordinate) else "N"
-    return "1"  # of a force along a coordinate times the preload
-
-
 def _angular(model: Model, coordinate: int) -> bool:
-    return model.coordinates[coordinate].kind in ANGULAR
+    return coordinate >= 0 and model.coordinates[coordinate].kind in ANGULAR
 
 
 def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str, int, float]]:
@@ -202,65 +194,42 @@ def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str,
             yield from _law(model, found, name, line.signal)
 
 
+def _function_units(model: Model, force: ForceModel) -> Iterator[tuple[int, str]]:
+    """Yield the places of the functions of time of a force, and the units of their values."""
+    law, angular = law_in(force), _angular(model, force.coordinate)
+    yield force.reference, unit_along(law.reference, angular)
+    yield force.signal, unit_along(law.signal, angular)
+
+
 def state_units(model: Model) -> list[str]:
     """Return the units of the states of forces."""
-    found = []
-    for force in model.forces:
-        if force.kind == "pid":
-            angular = model.coordinates[force.coordinate].kind in ANGULAR
-            rate = bool(named("jo_pid_data", force.data).speed)
-            found += ["N m" if angular else "N", ("rad" if angular else "m") + "/s" * rate]
-    return found
+    return [
+        unit_along(unit, _angular(model, force.coordinate))
+        for force in model.forces
+        if force.states
+        for unit in law_in(force).states.values()
+    ]
 
 
 def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, str, int]]:
-    """Yield name, unit, description and place of the constants of a force."""
-    if force.kind == "along":
-        coordinate: CoordinateModel = model.coordinates[force.coordinate]
-        angular = coordinate.kind in ANGULAR
-        s, f = ("rad", "N m") if angular else ("m", "N")
-        units = {
-            "stiffness": f"{f}/{s}",
-            "damping": f"{f} s/{s}",
-            "free": s,
-            "preload": f,
-            "limit": f,
-        }
-        for name, at in places("jo_along_data").items():
-            yield name, units[name], f"{name} of {force.name}", at.start
-    elif force.kind == "stop":
-        angular = model.coordinates[force.coordinate].kind in ANGULAR
-        s, f = ("rad", "N m") if angular else ("m", "N")
-        units = {"stiffness": f"{f}/{s}", "loss": "1", "speed": f"{s}/s"}
-        for name, at in places("jo_stop_data").items():
-            if abs(force.data[at.start]) < NEVER:
-                yield name, units.get(name, s), f"{name} of {force.name}", at.start
-    elif force.kind == "pid":
-        angular = model.coordinates[force.coordinate].kind in ANGULAR
-        s, f = ("rad", "N m") if angular else ("m", "N")
-        rate = bool(named("jo_pid_data", force.data).speed)
-        units = {"lower": f, "upper": f, "weight": "1", "filter": "s", "tracking": "s"}
-        times = ("{}/{}/s", "{}/{}", "{} s/{}", "{} s2/{}")[rate:]
-        for name, text in zip(("integral", "proportional", "derivative"), times, strict=False):
-            units[name] = text.format(f, s)
-        for name, at in places("jo_pid_data").items():
-            if name in units and abs(force.data[at.start]) < NEVER:
-                usual = ", 0 for that of its gains" if units[name] == "s" else ""
-                yield name, units[name], f"{name} of {force.name}{usual}", at.start
-    elif force.kind == "bushing":
-        for field, letter, tail in (("K", "k", ""), ("D", "d", " s")):
-            at = places("jo_bushing_data")[field].start
-            for k in range(6):
-                unit = f"N{tail}/m" if k < 3 else f"N m{tail}/rad"
-                yield f"{letter}{k + 1}", unit, f"diagonal of {field} of {force.name}", at + 7 * k
-    elif force.kind in ("load", "modal load", "moving load"):
-        struct = f"jo_{force.kind.replace(' ', '_')}_data"
-        for field in ("force", "torque"):
-            if field in places(struct):
-                unit = "N" if field == "force" else "N m"
-                for k, axis in enumerate(XYZ):
-                    at = places(struct)[field].start + k
-                    yield f"{field}.{axis}", unit, f"{field} of {force.name}", at
+    """Yield name, unit, description and place of the numbers of a force that may change."""
+    law, angular = law_in(force), _angular(model, force.coordinate)
+    for name, at in places(struct_of(force.kind)).items():
+        unit = law.units.get(name)
+        if unit is None:
+            continue
+        note = f", {law.notes[name]}" if name in law.notes else ""
+        if isinstance(unit, tuple):  # the diagonal of a matrix
+            for k, one in enumerate(unit):
+                place = at.start + k * (len(unit) + 1)
+                yield f"{name.lower()}{k + 1}", one, f"diagonal of {name} of {force.name}", place
+        elif at.stop - at.start == len(XYZ):
+            for k, axis in enumerate(XYZ):
+                about = f"{name} of {force.name}{note}"
+                yield f"{name}.{axis}", unit_along(unit, angular), about, at.start + k
+        elif abs(force.data[at.start]) < NEVER:
+            about = f"{name} of {force.name}{note}"
+            yield name, unit_along(unit, angular), about, at.start
 
 
 LAWS = {

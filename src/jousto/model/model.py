@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.mechanism.bodies.marker import Marker
+from jousto.mechanism.forces.law import EngineLaw, law_of
 from jousto.mechanism.foreign.fmu import Fmu
 from jousto.mechanism.sensors.damage_rule import MeterRule
 from jousto.model.beam_record import BeamShape
@@ -280,6 +281,11 @@ class ForceModel:
     release: int = -1
     state: int = -1
     state_names: tuple[str, ...] = ()
+
+    @property
+    def law(self) -> EngineLaw:
+        """What is known of its law."""
+        return law_of(self.kind)
 
     @property
     def states(self) -> int:

@@ -17,12 +17,6 @@ from jousto.mechanism.bodies.body import FlexibleBody, RigidBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
-from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import Force, PointLoad, Torque
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.pid import PID, SpeedPID
-from jousto.mechanism.forces.springs import JointForce, Servo, Spring
-from jousto.mechanism.forces.stop import Stop
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Coordinate
 from jousto.mechanism.joints.coupling import Coupler, Drive
@@ -115,8 +109,7 @@ class SymbolMaker:
     def force(self, force: ForceElement) -> SymbolShape:
         """Return the symbol of what pushes."""
         points, axis, fixed = self._pushed(force)
-        kind = force_kind(force)
-        return SymbolShape(force.name, kind, "force", points, axis, fixed, _text(force))
+        return SymbolShape(force.name, force.symbol, "force", points, axis, fixed, _text(force))
 
     def friction(self, friction: Friction) -> SymbolShape:
         """Return the symbol of friction, at its joint."""
@@ -198,27 +191,19 @@ class SymbolMaker:
 
     def _pushed(self, force: ForceElement) -> tuple[tuple[SymbolPoint, ...], Array | None, bool]:
         """Return the points of a force, its direction, and whether that is fixed in the world."""
-        if isinstance(force, PointLoad):
-            vector = np.array(floats(getattr(force, "vector", (0.0, 0.0, 0.0))))
-            fixed = not force.follow
-            axis = vector if fixed else floats(force.marker.axes) @ vector
-            return (self.point(force.marker),), np.asarray(axis), fixed
-        if isinstance(force, MovingLoad):
-            points = [self.place(force.body, x) for x in force.points]
-            return tuple(points), np.array(floats(force.vector)), not force.follow
-        if isinstance(force, LineLoad):
-            mean = np.array(floats(force.force)).mean(axis=0)
-            markers = [force.beam[f"node{k + 1}"] for k in range(force.beam.n + 1)]
-            points = [self.point(marker) for marker in markers]
-            return tuple(points), mean if mean.any() else None, not force.follow
+        points = tuple(
+            self.point(at) if isinstance(at, Marker) else self.place(*at) for at in force.drawn_at
+        )
+        if force.direction is not None:
+            axis, follows = force.direction
+            return points, axis, not follows
+        if points:
+            return points, None, False
         if force.coordinates:
             return *self._along(force.coordinates), False
         push = force.pushes[0]
         if push.coordinate is not None:
             return *self._along([push.coordinate]), False
-        ends = [marker for marker in (push.a, push.b) if marker is not None]
-        if ends:
-            return tuple(self.point(marker) for marker in ends), None, False
         return (self.origin(push.body),), None, False
 
     def _sensed(self, sensor: Sensor) -> tuple[tuple[SymbolPoint, ...], Array | None]:
@@ -258,23 +243,6 @@ class SymbolMaker:
             return self._sensed(of)
         meters = sensor.meters
         return self._sensed(meters[0].sensor) if meters else ((), None)
-
-
-def force_kind(force: ForceElement) -> str:
-    """Return what a force is drawn as: its word in model files, or a finer one."""
-    turning = any(isinstance(s, Angle) for s in force.coordinates)
-    if isinstance(force, Spring):
-        soft = force.stiffness or force.table is not None
-        slow = force.damping or force.damper_table is not None
-        kind = "spring-damper" if soft and slow else "damper" if slow else "spring"
-        return f"torsion-{kind}" if turning else kind
-    if isinstance(force, Stop):
-        return "torsion-spring" if turning else "spring"
-    if isinstance(force, JointForce | Servo | PID | SpeedPID):
-        return "motor" if turning else "actuator"
-    if isinstance(force, Force | Torque):
-        return "moment" if isinstance(force, Torque) else "force"
-    return force.tag
 
 
 def _text(thing: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
+from jousto.base.arrays import Array
 from jousto.base.declare import Declared
 from jousto.base.fields import Name, field
 from jousto.base.object_repr import described
@@ -77,12 +78,18 @@ class ForceElement(Declared, section="forces"):
     ----------
     ties : bool
         Whether it holds bodies to each other, as springs do and loads do not.
+    measured : tuple of str
+        What a `ForceSensor` reads where it does not act along coordinates: "force", "moment".
+    unmeasured : str
+        Why a `ForceSensor` cannot read it, and what to do; empty if it can.
     pushes : tuple of Push
         The laws that act, often one.
     """
 
     kind = "force"
     ties: ClassVar[bool] = True
+    measured: ClassVar[tuple[str, ...]] = ("force", "moment")
+    unmeasured: ClassVar[str] = ""
     name: Name = field("Unique among the forces")
 
     @property
@@ -94,6 +101,36 @@ class ForceElement(Declared, section="forces"):
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The coordinates that it acts along; none if it acts at markers or on a body."""
         return tuple(value for value in vars(self).values() if isinstance(value, Coordinate))
+
+    @property
+    def turns(self) -> bool:
+        """Whether it acts along an angle."""
+        return any(s.unit == "rad" for s in self.coordinates)
+
+    @property
+    def symbol(self) -> str:
+        """What pictures show it as: its word in model files, or a finer one."""
+        return self.tag
+
+    @property
+    def drawn_at(self) -> tuple[Marker | tuple[MovingBody, Array], ...]:
+        """Markers, and points of bodies (body frame, m), at which pictures show it.
+
+        Empty for what acts along coordinates or on a whole body: it is shown between their
+        markers, or at the middle of the body.
+        """
+        push = self.pushes[0]
+        if self.coordinates or push.coordinate is not None:
+            return ()
+        return tuple(marker for marker in (push.a, push.b) if marker is not None)
+
+    @property
+    def direction(self) -> tuple[Array, bool] | None:
+        """Where it points, a vector (3,), and whether that turns with what it acts on.
+
+        In the world frame, or in that of the body; None for what points nowhere by itself.
+        """
+        return None
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import floats
 from jousto.base.errors import Problems
 from jousto.base.fields import Field, Flag, Reference, field
 from jousto.mechanism.beams.body import BeamBody
@@ -66,6 +67,7 @@ class LineLoad(ForceElement, tag="line"):
     """
 
     kind = "line load"
+    unmeasured = "acts all along a beam; take a SectionSensor, or ForceSensors on point forces"
     together = ("beam", "force", "torque")
     beam: BeamField = field("The beam")
     force: Rows = field(
@@ -103,6 +105,17 @@ class LineLoad(ForceElement, tag="line"):
 
     def __repr__(self) -> str:
         return f"<LineLoad {self.name!r}: on {self.beam.name}>"
+
+    @property
+    def drawn_at(self) -> tuple[Marker, ...]:
+        """The nodes of the beam."""
+        return tuple(self.beam[f"node{k + 1}"] for k in range(self.beam.n + 1))
+
+    @property
+    def direction(self) -> tuple[Array, bool] | None:
+        """That of the mean force, in section axes if it follows."""
+        mean = np.array(floats(self.force)).mean(axis=0)
+        return (mean, self.follow) if mean.any() else None
 
     @property
     def pushes(self) -> tuple[Push, ...]:

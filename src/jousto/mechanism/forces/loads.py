@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from jousto.base.arrays import Array
+from jousto.base.complexstep import floats
 from jousto.base.declare import Declared
 from jousto.base.fields import Flag, field
 from jousto.base.numbers import Vector
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.signals.base import OptionalSignal
 
 
@@ -17,6 +20,9 @@ class Gravity(Declared):
 
     kind = "gravity"
     acceleration: Vector = field("World frame, for example ``(0, -9.81, 0)``", unit="m/s2")
+
+
+EngineLaw("load", units={"force": "N", "torque": "N m"}, side_by_side=True).declared()
 
 
 class PointLoad(ForceElement):
@@ -32,6 +38,17 @@ class PointLoad(ForceElement):
         kw_only=True,
     )
 
+    @property
+    def drawn_at(self) -> tuple[Marker, ...]:
+        """Its marker."""
+        return (self.marker,)
+
+    @property
+    def direction(self) -> tuple[Array, bool]:
+        """That of its vector, in the frame of the body if it follows."""
+        vector = np.array(floats(getattr(self, "vector", (0.0, 0.0, 0.0))))
+        return (floats(self.marker.axes) @ vector if self.follow else vector), self.follow
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: at {self.marker.label}>"
 
@@ -43,6 +60,8 @@ class PointLoad(ForceElement):
 
 class Force(PointLoad, tag="force"):
     """A force at a marker: ``Q_R = F``, ``Q_w = u~ A^T F``, ``Q_p = Phi^T A^T F``."""
+
+    measured = ("force",)
 
     vector: Vector = field(
         "Force F: in the world frame, or in the marker's axes if `follow`", unit="N"
@@ -63,9 +82,15 @@ class Torque(PointLoad, tag="torque"):
     """
 
     kind = "torque"
+    measured = ("moment",)
     vector: Vector = field(
         "Torque T: in the world frame, or in the marker's axes if `follow`", unit="N m"
     )
+
+    @property
+    def symbol(self) -> str:
+        """A turning arrow."""
+        return "moment"
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:

@@ -9,17 +9,24 @@ from functools import cached_property
 import numpy as np
 
 from jousto.base.arrays import Array, read_only
+from jousto.base.complexstep import floats
 from jousto.base.errors import InputError, Problems
 from jousto.base.fields import Flag, Texts, field
 from jousto.base.numbers import Vector
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 from jousto.mechanism.bodies.body_field import MovingBodyField
 from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.signals.base import OptionalSignal, SignalField
 
 NEAR = 1e-6  # of the length of a line: nodes that count as on it
 
 TWO = "must name two nodes or more, such as start and end"
+
+
+EngineLaw(
+    "moving load", units={"force": "N"}, constants=("count", "modes"), reference="m"
+).declared()
 
 
 class MovingLoad(ForceElement, tag="moving-load"):
@@ -32,6 +39,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
     """
 
     kind = "moving load"
+    measured = ("force",)
     together = ("body", "path")
     body: MovingBodyField = field("The body; the part of a flexible one has rotations at its nodes")
     path: Texts = field(
@@ -85,6 +93,16 @@ class MovingLoad(ForceElement, tag="moving-load"):
         """Path length at each node of the path (k,), m, from 0."""
         steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         return read_only(np.concatenate([[0.0], np.cumsum(steps)]))
+
+    @property
+    def drawn_at(self) -> tuple[tuple[MovingBody, Array], ...]:
+        """The points of its path."""
+        return tuple((self.body, point) for point in self.points)
+
+    @property
+    def direction(self) -> tuple[Array, bool]:
+        """That of its vector, in the frame of the body if it follows."""
+        return np.array(floats(self.vector)), self.follow
 
     @property
     def pieces(self) -> Array:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, OptionalNumber
 from jousto.mechanism.forces.base import ForceElement, Push
-from jousto.mechanism.forces.stop import NEVER
+from jousto.mechanism.forces.law import NEVER, EngineLaw, Unit
 from jousto.mechanism.joints.coordinate import (
     DAMPING,
     FORCE,
@@ -24,8 +27,47 @@ FILTER = 0.1
 """Filter time over derivative time kd / kp, where no filter time is given (N = 10)."""
 TRACKING = 0.9
 """Tracking time over integral time kp / ki, where no tracking time is given."""
-STATES = ("integral", "filtered")
-"""Integral part, and what is measured behind the filter."""
+SHARED: dict[str, Unit] = {
+    "weight": "1",
+    **dict.fromkeys(("filter", "tracking"), "s"),
+    **dict.fromkeys(("lower", "upper"), FORCE),
+}
+
+
+class _PidLaw(EngineLaw):
+    def with_numbers(self, numbers: Any) -> EngineLaw:
+        """Return the law of a coordinate, or of its rate."""
+        return _OF_RATE if numbers.speed else self
+
+
+_OF_VALUE = _PidLaw(
+    "pid",
+    units={
+        "proportional": STIFFNESS,
+        "integral": STIFFNESS_RATE,
+        "derivative": DAMPING,
+        **SHARED,
+    },
+    notes=dict.fromkeys(("filter", "tracking"), "0 for that of its gains"),
+    constants=("filter_share", "tracking_share", "start", "speed"),
+    # the integral part, and what is measured behind the filter
+    states={"integral": FORCE, "filtered": VALUE},
+    reference=VALUE,
+    signal=FORCE,
+    between=True,
+    fast={"controllers": ()},
+).declared()
+_OF_RATE = replace(
+    _OF_VALUE,
+    units={
+        "proportional": DAMPING,
+        "integral": STIFFNESS,
+        "derivative": INERTIA,
+        **SHARED,
+    },
+    states={"integral": FORCE, "filtered": RATE},
+    reference=RATE,
+)
 
 
 class _Controller(ForceElement):
@@ -99,6 +141,11 @@ class _Controller(ForceElement):
             problems.add(where, f"lower is {low}, must be below the limit of {high}", "lower")
 
     @property
+    def symbol(self) -> str:
+        """What moves."""
+        return "motor" if self.turns else "actuator"
+
+    @property
     def filter_time(self) -> float:
         """Time constant of the filter of the derivative, s; 0 without derivative."""
         if not self.kd:
@@ -139,7 +186,7 @@ class _Controller(ForceElement):
                 active=True,
                 reference=self.reference,
                 signal=self.feedforward,
-                states=STATES,
+                states=tuple(_OF_VALUE.states),
             ),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.bodies.body_field import FlexibleField
 from jousto.mechanism.bodies.marker import Marker, MarkerField
 from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.joints.coordinate import (
     DAMPING,
     FORCE,
@@ -53,6 +55,41 @@ class CurveField(Field["Table | None", "Table | None"]):
         return value
 
 
+class _AlongLaw(EngineLaw):
+    def with_numbers(self, numbers: Any) -> EngineLaw:
+        """Return the law whose function is the force where it is times 1."""
+        return replace(self, signal=FORCE) if numbers.preload == 1.0 else self
+
+
+_AlongLaw(
+    "along",
+    units={
+        "stiffness": STIFFNESS,
+        "damping": DAMPING,
+        "free": VALUE,
+        "preload": FORCE,
+        "limit": FORCE,
+    },
+    reference=VALUE,
+    between=True,
+    fast={"springs": ("stiffness", "spring"), "dampers": ("damping", "damper")},
+    side_by_side=True,
+).declared()
+EngineLaw(
+    "bushing",
+    units={
+        "K": ("N/m",) * 3 + ("N m/rad",) * 3,
+        "D": ("N s/m",) * 3 + ("N m s/rad",) * 3,
+    },
+    constants=("preload",),
+    between=True,
+    fast={"bushings": ()},
+    side_by_side=True,
+).declared()
+EngineLaw("modal load", units={"force": "N", "torque": "N m"}, side_by_side=True).declared()
+EngineLaw("user", constants=("none",)).declared()
+
+
 class Spring(ForceElement, tag="spring"):
     """A spring and damper along a coordinate.
 
@@ -89,6 +126,14 @@ class Spring(ForceElement, tag="spring"):
     def between(cls, name: str, a: Marker, b: Marker, *args: Any, **kwargs: Any) -> Spring:
         """Return the spring along the line between two markers; the rest as for `Spring`."""
         return cls(name, Distance(a, b, name=f"{name}.distance"), *args, **kwargs)
+
+    @property
+    def symbol(self) -> str:
+        """A spring, a damper or both."""
+        soft = self.stiffness or self.table is not None
+        slow = self.damping or self.damper_table is not None
+        kind = "spring-damper" if soft and slow else "damper" if slow else "spring"
+        return f"torsion-{kind}" if self.turns else kind
 
     @property
     def free_value(self) -> float:
@@ -184,6 +229,11 @@ class JointForce(ForceElement, tag="joint-force"):
     signal: SignalField = field("Force as a function of time", unit=FORCE)
 
     @property
+    def symbol(self) -> str:
+        """What moves."""
+        return "motor" if self.turns else "actuator"
+
+    @property
     def pushes(self) -> tuple[Push, ...]:
         """The force along its coordinate."""
         s, f = self.coordinate, self.signal
@@ -205,6 +255,11 @@ class Servo(ForceElement, tag="servo"):
         remedy="None is no limit",
         default=None,
     )
+
+    @property
+    def symbol(self) -> str:
+        """What moves."""
+        return "motor" if self.turns else "actuator"
 
     @property
     def pushes(self) -> tuple[Push, ...]:

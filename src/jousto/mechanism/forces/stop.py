@@ -8,12 +8,20 @@ from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, OptionalNumber
 from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.law import NEVER, EngineLaw
 from jousto.mechanism.joints.coordinate import RATE, STIFFNESS, VALUE, CoordinateField
 
-NEVER = 1e300
-"""A limit that no coordinate reaches stands for none."""
 SLOW = {"rad": 0.1, "m": 0.02}
 """Speed of a stop where none is given, rad/s and m/s."""
+
+
+EngineLaw(
+    "stop",
+    units={"stiffness": STIFFNESS, "lower": VALUE, "upper": VALUE, "loss": "1", "speed": RATE},
+    between=True,
+    fast={"stops": ()},
+    side_by_side=True,
+).declared()
 
 
 class Stop(ForceElement, tag="stop"):
@@ -70,6 +78,11 @@ class Stop(ForceElement, tag="stop"):
             problems.add(where, "has no limit; give lower, upper or both")
         elif low is not None and high is not None and np.real(low) > np.real(high):
             problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}", "lower")
+
+    @property
+    def symbol(self) -> str:
+        """A spring."""
+        return "torsion-spring" if self.turns else "spring"
 
     @property
     def loss(self) -> float:

@@ -9,10 +9,6 @@ from jousto.base.fields import Field, Reference, field
 from jousto.mechanism.bodies.marker import Marker, OptionalMarker
 from jousto.mechanism.forces.base import ForceElement
 from jousto.mechanism.forces.friction import Friction
-from jousto.mechanism.forces.line_load import LineLoad
-from jousto.mechanism.forces.loads import Force, Torque
-from jousto.mechanism.forces.moving import MovingLoad
-from jousto.mechanism.forces.springs import ModalLoad
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.joints.coupling import Coupler
@@ -142,12 +138,8 @@ class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
             problems.add(
                 where, f"{self.name} is {value!r}, must be a force element such as a Spring"
             )
-        elif isinstance(value, LineLoad):
-            problems.add(
-                where,
-                f"{value.name!r} acts all along beam {value.beam.name!r}; take a "
-                "SectionSensor, or ForceSensors on point forces",
-            )
+        elif isinstance(value, ForceElement) and value.unmeasured:
+            problems.add(where, f"{value.name!r} {value.unmeasured}")
         return value
 
 
@@ -181,21 +173,25 @@ class ForceSensor(Sensor, tag="force"):
         """Units, one for all components or one for each half of them."""
         if found := along(self.force):
             return joined_units(found)
-        return {Force: "N", MovingLoad: "N", Torque: "N m"}.get(type(self.force), "N, N m")
+        units = {"force": "N", "moment": "N m"}
+        return ", ".join(units[half] for half in self._measured)
 
     @property
     def components(self) -> tuple[str, ...]:
         """Components of force and moment."""
         if found := along(self.force):
             return joined_names(found)
-        if isinstance(self.force, Force | MovingLoad):
-            return FORCE
-        return MOMENT if isinstance(self.force, Torque) else (*FORCE, *MOMENT)
+        halves = {"force": FORCE, "moment": MOMENT}
+        return tuple(name for half in self._measured for name in halves[half])
+
+    @property
+    def _measured(self) -> tuple[str, ...]:
+        return self.force.measured if isinstance(self.force, ForceElement) else ("force", "moment")
 
     @property
     def first(self) -> int:
         """Place of the first component among those of force and moment."""
-        return 3 if isinstance(self.force, Torque) else 0
+        return 0 if "force" in self._measured else 3
 
     @property
     def axes(self) -> Marker | None:
@@ -226,11 +222,11 @@ class ForceSensor(Sensor, tag="force"):
         kind = getattr(force, "kind", type(force).__name__.lower())
         if found := along(force):
             return f"{kind} {force.name} along {' and '.join(s.name for s in found)}"
-        if isinstance(force, ModalLoad):
-            return f"resultant of {kind} {force.name} on {force.body.name}"
-        whole: Any = force
-        body = whole.body if isinstance(force, MovingLoad) else pushed(whole).body
-        return f"{kind} {force.name} on {body.name}"
+        body = getattr(force, "body", None)
+        if body is None:
+            return f"{kind} {force.name} on {pushed(force).body.name}"
+        whole = "resultant of " if "moment" in self._measured else ""
+        return f"{whole}{kind} {force.name} on {body.name}"
 
 
 def along(force: Any) -> tuple[Coordinate, ...]:

@@ -21,9 +21,6 @@ from jousto.model.native.native import Engine
 Bytes = NDArray[np.uint8]
 Words = NDArray[np.uint64]
 
-FORCES = ("load", "along", "bushing", "stop", "modal load")
-"""Kinds of force that lanes know: CMakeLists.txt compiles them for vectors."""
-
 OWN = ("size", "gravity")
 """Fields of a jo_model that may differ between machines of one structure, besides its numbers."""
 
@@ -52,7 +49,7 @@ def structure(model: Model) -> str:
 def _is_plain(model: Model) -> bool:
     alone = (model.frictions, model.beams, model.events, model.meters, model.links)
     locked = any(joint.lock >= 0 for joint in model.joints)
-    return not (any(alone) or locked) and all(f.kind in FORCES for f in model.forces)
+    return not (any(alone) or locked) and all(force.law.side_by_side for force in model.forces)
 
 
 @functools.cache

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from jousto.base.arrays import Array, crossed, skew
 from jousto.mechanism.forces.base import Push
-from jousto.mechanism.forces.moving import MovingLoad
 from jousto.natural.equations.bodies import FRAME
 from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.frames import Frames, Pose, tangent
@@ -261,13 +260,17 @@ def modal_load(push: Push, frames: Frames, scalars: Scalars) -> Law:
     return apply
 
 
-def moving(force: MovingLoad, frames: Frames) -> Law:
+def moving(push: Push, frames: Frames, scalars: Scalars) -> Law:
     """Return a force that travels along a path on a body."""
-    body = frames.index(force.body)
-    lengths, pieces, F = force.lengths, force.pieces, np.asarray(force.vector)
+    assert push.reference is not None
+    assert push.body is not None
+    position = push.reference
+    body = frames.index(push.body)
+    lengths, pieces = (np.asarray(x) for x in push.rest)
+    F = np.asarray(push.data["force"])
 
     def apply(now: Instant, out: Action) -> None:
-        s = float(force.position(now.t))
+        s = float(position(now.t))
         if not 0.0 <= s <= lengths[-1]:
             out.felt.append(np.zeros(6))
             return
@@ -276,7 +279,7 @@ def moving(force: MovingLoad, frames: Frames) -> Law:
         place = pieces[k] @ (s - lengths[k]) ** np.arange(4)
         Phi = place[1:].T
         n = Phi.shape[1]
-        world = factor(force.signal, now.t) * (F @ X[1:] if force.follow else F)
+        world = factor(push.signal, now.t) * (F @ X[1:] if push.follow else F)
         Q = np.zeros(frames.bodies.width)
         Q[:FRAME] = np.outer(np.append(1.0, place[0] + Phi @ xi[:n]), world).ravel()
         Q[FRAME : FRAME + n] = Phi.T @ (X[1:] @ world)
@@ -324,6 +327,10 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
     "bushing": bushing,
     "stop": stop,
     "modal load": modal_load,
+    "moving load": moving,
     "user": user,
 }
-"""Laws by the word of a `Push`; a `MovingLoad` has its own."""
+"""Laws by the word of a `Push`."""
+
+REFUSED = {"pid": "it does not integrate the states of controllers"}
+"""Laws of the engine that the moving frame does not have, and why."""

@@ -7,14 +7,13 @@ from typing import Any
 from jousto.base.errors import Problems
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.checks import where
-from jousto.mechanism.forces.moving import MovingLoad
 from jousto.mechanism.joints.base import Joint
 from jousto.mechanism.joints.coordinate import Angle, Displacement, Distance
 from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
-from jousto.natural.equations.force_laws import LAWS
+from jousto.natural.equations.force_laws import LAWS, REFUSED
 
 READINGS = (
     *("position", "velocity", "acceleration", "acceleration parts"),
@@ -85,13 +84,11 @@ def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
                         where(joint), f"the moving frame does not know {type(s).__name__}s"
                     )
     for force in mechanism.forces:
-        if isinstance(force, MovingLoad):
-            _check_signal(problems, force, force.signal)
-            _check_signal(problems, force, force.position)
-            continue
         for push in force.pushes:
             if push.kind not in LAWS:
-                problems.add(where(force), f"the moving frame does not know the law {push.kind!r}")
+                why = f": {REFUSED[push.kind]}" if push.kind in REFUSED else ""
+                message = f"the moving frame does not know the law {push.kind!r}{why}"
+                problems.add(where(force), message)
             elif push.kind == "user" and not callable(push.function):
                 problems.add(
                     where(force),

@@ -9,13 +9,12 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.mechanism.bodies.body import FlexibleBody
-from jousto.mechanism.forces.moving import MovingLoad
 from jousto.mechanism.mechanism import Mechanism
 from jousto.natural.equations.block_matrix import Layout, Slopes
 from jousto.natural.equations.bodies import Bodies, Shape
 from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
-from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law, moving
+from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law
 from jousto.natural.equations.frames import Frames, Pose
 from jousto.natural.equations.friction import rubbing
 from jousto.natural.equations.supported import check_known
@@ -85,10 +84,7 @@ class Machine:
         self.felt: dict[int, int] = {}
         for force in mechanism.forces:
             self.felt[id(force)] = len(self.laws)
-            if isinstance(force, MovingLoad):
-                self.laws.append(moving(force, self.frames))
-            else:
-                self.laws += [LAWS[p.kind](p, self.frames, self.scalars) for p in force.pushes]
+            self.laws += [LAWS[p.kind](p, self.frames, self.scalars) for p in force.pushes]
         for friction in mechanism.frictions:
             self.felt[id(friction)] = len(self.laws)
             self.laws.append(rubbing(friction, self.rows, self.scalars))

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.mechanism.forces.law import unit_along
+from jousto.model.force_numbers import law_in
 from jousto.model.model import CoordinateModel, Model
 from jousto.model.native.header import named
 
@@ -128,16 +130,12 @@ def _units(model: Model) -> dict[int, str]:
             if len(line.coordinates) == 1:
                 note(line.signal, _length(model.coordinates[line.coordinates[0]]))
     for force in model.forces:
-        if force.kind == "pid":
-            s = model.coordinates[force.coordinate]
-            rate = bool(named("jo_pid_data", force.data).speed)
-            note(force.reference, f"{_length(s)}/s" if rate else _length(s))
-            note(force.signal, "N m" if _length(s) == "rad" else "N")
-        elif force.kind == "along":
-            s = model.coordinates[force.coordinate]
-            note(force.reference, _length(s))
-            if named("jo_along_data", force.data).preload == 1.0:  # the signal is the force
-                note(force.signal, "N m" if _length(s) == "rad" else "N")
+        if force.coordinate >= 0:
+            law = law_in(force)
+            angular = _length(model.coordinates[force.coordinate]) == "rad"
+            for signal, unit in ((force.reference, law.reference), (force.signal, law.signal)):
+                if unit != "1":
+                    note(signal, unit_along(unit, angular))
     return found
 
 

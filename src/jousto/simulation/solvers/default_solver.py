@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from jousto.model.model import Model
+from jousto.mechanism.forces.law import LAWS
+from jousto.model.force_numbers import numbers_of
+from jousto.model.model import ForceModel, Model
 from jousto.simulation.controllers import fastest_tracking
 from jousto.simulation.solvers.explicit import ROS2, Solver
 from jousto.simulation.solvers.explicit_growth import excess
@@ -80,16 +82,21 @@ def _without_tracking(
 
 def fast(model: Model) -> str:
     """Return what the model has that may be fast: springs, dampers, bushings or stops."""
-    words = {"springs": False, "dampers": False, "bushings": False, "stops": False}
-    words["controllers"] = any(force.kind == "pid" for force in model.forces)
+    words: set[str] = set()
     for force in model.forces:
-        if force.kind == "along":
-            words["springs"] |= bool(force.data[0] != 0.0 or force.spring >= 0)
-            words["dampers"] |= bool(force.data[1] != 0.0 or force.damper >= 0)
-        elif force.kind in ("bushing", "stop"):
-            words["bushings" if force.kind == "bushing" else "stops"] = True
-    *first, last = [word for word, there in words.items() if there] or ["springs or bushings"]
+        for word, causes in force.law.fast.items():
+            if word not in words and (not causes or any(_has(force, one) for one in causes)):
+                words.add(word)
+    every = dict.fromkeys(word for name in sorted(LAWS) for word in LAWS[name].fast)
+    *first, last = [word for word in every if word in words] or ["springs or bushings"]
     return f"{', '.join(first)} or {last}" if first else last
+
+
+def _has(force: ForceModel, cause: str) -> bool:
+    """Return whether a number of a force is not zero, or a function of it is there."""
+    if cause in ("spring", "damper"):
+        return bool(getattr(force, cause) >= 0)
+    return bool(getattr(numbers_of(force), cause) != 0.0)
 
 
 def choose_fixed(model: Model) -> Solver:

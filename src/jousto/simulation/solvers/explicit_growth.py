@@ -16,7 +16,6 @@ from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 
-ELASTIC = ("along", "bushing", "stop", "pid")  # kinds of forces that may be stiff
 DISTANCE = 1e-7  # of the size of the mechanism, or rad, of the differences
 SPEED = 1e-8  # the same in a step
 
@@ -29,10 +28,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
     also for machines without springs and bushings, or with more than 300 states, which are not
     examined.
     """
-    if (
-        not any(force.kind in ELASTIC for force in model.forces)
-        or 2 * model.nv + model.nstate > DENSE
-    ):
+    if not any(force.law.between for force in model.forces) or 2 * model.nv + model.nstate > DENSE:
         return 0.0
     model = _without_functions(model)
     try:

@@ -15,8 +15,6 @@ from jousto.simulation.statics.residual import TIME, Balance
 GROUND = -1
 NOTHING = 1e-9
 """Of the sum of the absolute forces on a group: the resultant that is left of forces in balance."""
-BETWEEN = ("along", "pid", "stop", "bushing")
-"""Kinds of forces that act on two bodies, equal and opposite."""
 UNHELD = (
     "body '{}' is pushed in a direction in which nothing holds it; add a joint, "
     "or take the load away that pushes it"
@@ -96,5 +94,5 @@ def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
     if force.coordinate >= 0:
         yield from _of_coordinate(model, force.coordinate)
     dead = force.kind == "load" and not force.follow
-    if not (dead or force.kind in BETWEEN):
+    if not (dead or force.law.between):
         yield GROUND

@@ -1,0 +1,84 @@
+"""What is known of the laws of the engine besides their formulas, which are in C."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from jousto.mechanism.joints.coordinate import Along
+
+Unit: TypeAlias = str | Along | tuple[str, ...]
+"""SI unit of a number; of one that depends on whether its coordinate is a length or an angle; of
+the numbers on the diagonal of a matrix."""
+
+NEVER = 1e300
+"""A number as large as this stands for none, such as a limit that no coordinate reaches."""
+
+LAWS: dict[str, EngineLaw] = {}
+"""The laws by their names."""
+
+
+@dataclass(frozen=True, eq=False)
+class EngineLaw:
+    """A law of the engine: which of its numbers have a unit, and what it does to a motion.
+
+    A law that is not declared has none of all this: its numbers are constants of an exported
+    program, it is taken for a load, and machines that have it run one by one.
+
+    Parameters
+    ----------
+    name : str
+        Its name in the header of the engine, ``jousto.h``, blanks for underscores.
+    units : mapping of str to Unit
+        Numbers that a running program may change, by their names in the header.
+    notes : mapping of str to str
+        What descriptions add to them.
+    constants : tuple of str
+        Its other numbers, which stay.
+    states : mapping of str to Unit
+        Names of its first-order states.
+    reference, signal : Unit
+        Units of the functions of time that it follows, and that act in it.
+    between : bool
+        Whether it acts on two bodies, equal and opposite, by how they stand and move: it may be
+        stiff, so that steps must see it.
+    fast : mapping of str to tuple of str
+        What messages about its speed call it, and the numbers of which one is not zero then, or
+        the functions (``spring``, ``damper``) of which one is there; none for always.
+    side_by_side : bool
+        Whether machines with it may step together; the file of its formula is compiled for
+        vectors (``CMakeLists.txt``).
+    """
+
+    name: str
+    units: Mapping[str, Unit] = field(default_factory=dict)
+    notes: Mapping[str, str] = field(default_factory=dict)
+    constants: tuple[str, ...] = ()
+    states: Mapping[str, Unit] = field(default_factory=dict)
+    reference: Unit = "1"
+    signal: Unit = "1"
+    between: bool = False
+    fast: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    side_by_side: bool = False
+
+    def declared(self) -> EngineLaw:
+        """Put it among the laws, and return it."""
+        LAWS[self.name] = self
+        return self
+
+    def with_numbers(self, numbers: Any) -> EngineLaw:
+        """Return the law for its numbers, where they decide on units; `numbers` has their names."""
+        return self
+
+
+def law_of(name: str) -> EngineLaw:
+    """Return the law of a name."""
+    return LAWS.get(name) or EngineLaw(name)
+
+
+def unit_along(unit: Unit, angular: bool) -> str:
+    """Return a unit for a coordinate that is an angle, or a length."""
+    if isinstance(unit, Along):
+        return unit.angle if angular else unit.length
+    return str(unit)

@@ -1,0 +1,24 @@
+"""The numbers of a force by the names that the header of the engine has for them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jousto.mechanism.forces.law import EngineLaw
+from jousto.model.model import ForceModel
+from jousto.model.native.header import named
+
+
+def struct_of(kind: str) -> str:
+    """Return the struct of the numbers of a law, ``jo_modal_load_data``."""
+    return f"jo_{kind.replace(' ', '_')}_data"
+
+
+def numbers_of(force: ForceModel) -> Any:
+    """Return the numbers of a force, an attribute each."""
+    return named(struct_of(force.kind), force.data)
+
+
+def law_in(force: ForceModel) -> EngineLaw:
+    """Return what is known of the law of a force with its numbers."""
+    return force.law.with_numbers(numbers_of(force))
