@@ -78,6 +78,6 @@ def test_a_deck_of_other_elements_names_them_and_what_is_read(tmp_path: Path) ->
     with pytest.raises(InputError) as error:
         jo.read_mesh(deck(tmp_path, text))
     told = str(error.value)
-    assert "holds elements of type MASS (2), EC3D8R (1) only, which are not read" in told
+    assert "contains only elements of type MASS (2), EC3D8R (1), which are not supported" in told
     for kind in ("tetra10", "hexahedron20", "wedge15"):
         assert kind in told
