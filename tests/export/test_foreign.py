@@ -382,7 +382,7 @@ def test_a_model_file_says_the_same_as_python(oil: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (b" " * (1 << 30), "has more than 64 MB"),
+        (b" " * (1 << 30), "is larger than 64 MB"),
         (b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><a>&b;</a>', "a document type"),
     ],
     ids=["blanks", "entities"],

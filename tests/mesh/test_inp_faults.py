@@ -49,7 +49,9 @@ def test_coordinates_left_out_at_the_end_are_zero(tmp_path: Path) -> None:
 def test_surplus_numbers_are_no_other_element(tmp_path: Path) -> None:
     # nine elements of ten numbers are ten of nine
     rows = "".join(f"{i + 1}, {BRICK}, 1\n" for i in range(9))
-    with pytest.raises(InputError, match="too many numbers for a C3D8: number and 8 nodes"):
+    with pytest.raises(
+        InputError, match="too many numbers for a C3D8, which has its number and 8 nodes"
+    ):
         jo.read_mesh(deck(tmp_path, f"{NODES}*ELEMENT, TYPE=C3D8\n{rows}"))
     # over two lines they may stand
     mesh = jo.read_mesh(

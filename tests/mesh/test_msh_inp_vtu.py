@@ -114,7 +114,7 @@ def test_midside_order_of_gmsh_is_not_ours(written: Path) -> None:
 
 
 def test_gmsh_format_4_0_is_refused(written: Path) -> None:
-    with pytest.raises(InputError, match=r"Gmsh's format 4; formats 2\.2 and 4\.1 are read"):
+    with pytest.raises(InputError, match=r"Gmsh's format 4; formats 2\.2 and 4\.1 are supported"):
         jo.read_mesh(written / "plate_4.0_0.msh")
 
 
@@ -317,14 +317,14 @@ def test_abaqus_deck(tmp_path: Path) -> None:
     ("found", "instead", "sentence"),
     [
         (" 31, 2.,", " 31, two,", r"bar.inp:4: \*NODE: ' *31, two, 0., 0.' is no node"),
-        (" 5, 11, 31", " 5, 11, 77", "element 5 needs node 77, which the file does not hold"),
+        (" 5, 11, 31", " 5, 11, 77", "element 5 needs node 77, which the file does not contain"),
         (" 5, 11, 31,", " 5, 11,", "8 numbers do not make whole C3D8 elements of 9 numbers"),
         (" RANGE, 42,", " RAGNE, 42,", "'RAGNE' is neither a number nor a set"),
         (" first, SECOND", " first, 8, x", "'x' is neither a number nor a set"),
         (" EVERYTHING, S2", " NOTHING, S2", "'NOTHING' is neither a number nor a set"),
         (" 5, S4", " 6, S4", "surface 'right' contains element 6, which is not in the file"),
         (" 42, 2., 1., 1.", " 10, 2., 1., 1.", "node 10 is defined twice, at different positions"),
-        ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' is not there"),
+        ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' does not exist"),
         ("*HEADING", "*INSTANCE, NAME=a, PART=b", "INSTANCE: there is no part 'b' above it"),
         (" 5, 11, 31", " 7, 11, 31", "number 7 belongs to more than one element"),
         (" 5, 11, 31", " 5, 11.9, 31", r"\*ELEMENT: '11.9' is no whole number"),

@@ -177,7 +177,7 @@ def test_deck(tmp_path: Path) -> None:
         ),
         ("GRID,", "GRIT,", "contains no GRID entries"),
         ("GRID,5,,1.,1.,1.", "GRID,4,,1.,1.,1.", "node 4 is defined twice"),
-        ("PSOLID  3       8", "INCLUDE 'no.bdf'", "the included file 'no.bdf' is not there"),
+        ("PSOLID  3       8", "INCLUDE 'no.bdf'", "the included file 'no.bdf' does not exist"),
         (
             "PSOLID  3       8",
             "CORD2R,77,77,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,50,77,0.,0.,0.",

@@ -112,7 +112,7 @@ def test_damaged_files(tmp_path: Path) -> None:
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, MAA=ROD.M)
     (tmp_path / "rod.bdf").write_text(GRIDS[: GRIDS.index("GRID,27")])
-    with pytest.raises(InputError, match="has 18 rows but rod.bdf names 12"):
+    with pytest.raises(InputError, match="has 18 rows but rod.bdf has 12"):
         jo.parts.read_matrices(path)
     with pytest.raises(InputError, match="leave out M"):
         jo.parts.read_matrices(path, path)

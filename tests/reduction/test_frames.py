@@ -227,7 +227,7 @@ def test_refusals() -> None:
     with pytest.raises(jo.InputError, match="is that of mean axes"):
         in_frame(kept, NodeFrame("start"))
     solid = jo.reduce(_block(), jo.FreeFree(modes=3))
-    with pytest.raises(jo.InputError, match="neither 'node1' nor 'node2' turns"):
+    with pytest.raises(jo.InputError, match="neither 'node1' nor 'node2' has rotations"):
         in_frame(solid, ChordFrame("node1", "node2"))
     with pytest.raises(jo.InputError, match="has no rotation, which the frame needs"):
         in_frame(solid, NodeFrame("node1"))
