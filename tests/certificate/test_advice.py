@@ -223,7 +223,7 @@ def test_a_load_on_an_interface_needs_nothing() -> None:
     advice = advise(part, ENDS, frequency_limit=500.0, loads={"end fy": f.ravel()})
     assert isinstance(advice.method, CraigBampton) and not advice.method.residuals
     assert {row[4] for row in advice.table.rows} == {"0 %"}
-    assert "met to 1 % with 0 modes" in str(advice)
+    assert "reproduced within 1 % with 0 modes" in str(advice)
 
 
 def test_modes_below_the_limit_of_the_held_body_are_kept_whatever_the_accuracy() -> None:
