@@ -83,7 +83,7 @@ def test_what_newcomers_wrote() -> None:
     model, mesh, field = made["model"], made["mesh"], made["field"]
     hinge = made["mechanism"].joints[0]
     assert sentence(jo.StressSensor, "s", arm, (0.1, 0, 0.02)) == (
-        "sensor 's': sites is (0.1, 0, 0.02), must be labels such as 'e1.a.top'; that of the place "
+        "sensor 's': sites is (0.1, 0, 0.02), must be labels such as 'e1.a.top'; the site "
         "nearest to a point is arm.reduced.stress.nearest((x, y, z))"
     )
     for wrong in ("S355", STEEL):
@@ -91,7 +91,7 @@ def test_what_newcomers_wrote() -> None:
         assert said.startswith("damage_field: sn is ") and "jo.fatigue.estimate_sn('S355')" in said
     said = sentence(jo.damage_field, made["run"], made["curve"], residue="half")
     assert said.endswith("must be a StressField or a DutyCycle: jo.stress_field(run, body)")
-    named = "a name becomes one by jo.material('S355')"
+    named = "get it from the library by jo.material('S355')"
     assert named in sentence(jo.Part.solid, mesh, "S355")
     assert named in sentence(jo.Part.beam, 1.0, jo.Circle(0.01), 2, "S355")
     assert named in sentence(jo.Member, (0, 0, 0), (1, 0, 0), jo.Circle(0.01), "S355")

@@ -56,13 +56,13 @@ def test_a_body_that_is_held_vibrates_below_its_free_frequencies() -> None:
     part = rod()
     advice = advise(part, ("start",), frequency_limit=50.0)
     text = str(advice)
-    assert "has no elastic mode up to 50 Hz: its lowest, 106.2 Hz, is met instead." in text
-    assert "Held at start it has 2 modes up to the limit, from 16.71 Hz." in text
+    assert "has no elastic mode up to 50 Hz: its lowest, 106.2 Hz, is used instead." in text
+    assert "Fixed at start it has 2 modes up to the limit, from 16.71 Hz." in text
     assert isinstance(advice.method, CraigBampton) and advice.method.modes is not None
     assert advice.method.modes >= 2
     for limit in (10.0, 2.0):
         rigid = str(advise(part, ("start",), frequency_limit=limit))
-        assert "is met instead; a RigidBody may be enough" in rigid
+        assert "is used instead; a RigidBody may be enough" in rigid
 
 
 def test_a_finer_accuracy_takes_more_modes() -> None:
@@ -143,13 +143,13 @@ def test_stress_needs_more_modes_than_displacement() -> None:
     without = advise(replace(part, stress=None), ENDS, loads=loads, accuracy=0.05)
     assert "middle: stress" in with_stress.table.columns
     assert "middle: stress" not in without.table.columns
-    assert "the part has no stress to compare" in str(without)
+    assert "the part has no stress data to compare" in str(without)
 
 
 def test_without_interfaces() -> None:
     advice = advise(bent(), frequency_limit=100.0)
     assert advice.method == FreeFree(modes=4)
-    assert "name their nodes as interfaces" in str(advice)
+    assert "on the part, give their nodes as interfaces" in str(advice)
     with pytest.raises(InputError, match=r"17.37 Hz, lies above the frequency limit 5 Hz: a Rigid"):
         advise(bent(), frequency_limit=5.0)
 
@@ -175,14 +175,16 @@ def test_what_cannot_be_advised() -> None:
         advise(part, ENDS, loads={"tip": np.ones(3)})
     with pytest.raises(InputError, match="load 2 is zero everywhere"):
         advise(part, ENDS, loads=np.eye(78)[:, :2] * [1.0, 0.0])
-    with pytest.raises(InputError, match="loads need interfaces that hold the part"):
+    with pytest.raises(InputError, match="loads need interfaces that fix the part"):
         advise(part, loads=np.ones(78))
     with pytest.raises(InputError, match="no node set 'strat'; did you mean 'start'"):
         advise(part, ("strat",), frequency_limit=100.0)
     with pytest.raises(InputError, match="must be a Part such as"):
         advise(3, frequency_limit=1.0)  # type: ignore[arg-type]
     many = replace(rod(110), node_sets={"all": tuple(range(101))})
-    with pytest.raises(InputError, match="606 degrees of freedom, each of which is a mode: tie"):
+    with pytest.raises(
+        InputError, match="606 degrees of freedom, each of which becomes a mode: tie"
+    ):
         advise(many, "all", frequency_limit=100.0)
     steel = Material(E=210e9, nu=0.3, rho=7850.0)
     line = Part.beam(1.0, Rectangle(0.1, 0.1), 2, steel, lumped=True, rotary_inertia=False)
@@ -221,7 +223,7 @@ def test_a_load_on_an_interface_needs_nothing() -> None:
     advice = advise(part, ENDS, frequency_limit=500.0, loads={"end fy": f.ravel()})
     assert isinstance(advice.method, CraigBampton) and not advice.method.residuals
     assert {row[4] for row in advice.table.rows} == {"0 %"}
-    assert "met to 1 % with 0 modes" in str(advice)
+    assert "reproduced within 1 % with 0 modes" in str(advice)
 
 
 def test_modes_below_the_limit_of_the_held_body_are_kept_whatever_the_accuracy() -> None:

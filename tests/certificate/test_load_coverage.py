@@ -204,4 +204,4 @@ def test_doctor_tells_the_error_of_stress_from_two_percent() -> None:
         run(machine)
     (message,) = [text for text in jo.doctor(machine).warnings if "static work" in text]
     assert f"leave out {100 * left:.2g} % of the static work" in message
-    assert f"its stress is wrong by {100 * stress:.2g} % (energy norm)" in message
+    assert f"the error of its stress is {100 * stress:.2g} % (energy norm)" in message

@@ -320,7 +320,7 @@ def test_mistakes():
     with pytest.raises(InputError) as caught:
         assess([0, 1e6, 0], CURVE, residue="half", duration=-1.0, allowable=0.0, required=-5.0)
     assert len(caught.value.problems) == 3
-    with pytest.raises(InputError, match="no scatter is known"):
+    with pytest.raises(InputError, match="has no scatter"):
         assess([0, 1e6, 0], CURVE, residue="half", survival=0.99)
 
 

@@ -29,6 +29,6 @@ def test_a_scale_that_is_a_unit_is_told(scale: float, correlation: float, messag
 
 
 def test_millivolts_taken_as_volts_are_told() -> None:
-    with pytest.raises(jo.InputError, match="was it in mV/V"):
+    with pytest.raises(jo.InputError, match="if the output is in mV/V"):
         jo.gauges.quarter_bridge_strain(0.998)
     assert jo.gauges.quarter_bridge_strain(0.998e-3) == pytest.approx(0.002, rel=1e-3)

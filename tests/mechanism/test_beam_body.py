@@ -169,7 +169,7 @@ def test_a_free_beam_is_one_warning():
     with pytest.warns(jo.JoustoWarning) as seen:
         jo.Mechanism(beam, jo.Gravity((0, 0, -9.81)))
     assert [str(w.message) for w in seen] == [
-        "beam 'rope': is not connected to anything, it moves freely"
+        "beam 'rope': has no joint to another body, so it moves freely"
     ]
 
 
@@ -184,7 +184,7 @@ def test_a_beam_that_is_missing_is_named_as_such():
     ("change", "message"),
     [
         ({"points": [(0, 0, 0)]}, "has 1 point"),
-        ({"points": [(0, 0, 0), (0, 0, 0)]}, "at one place"),
+        ({"points": [(0, 0, 0), (0, 0, 0)]}, "coincide; leave one out"),
         ({"elements": None}, "elements is missing"),
         ({"elements": 0}, "whole number from 1"),
         ({"points": [(0, 0, 0), (1, 0, 0), (2, 0, 0)]}, "3 points make 2 elements"),
@@ -199,11 +199,11 @@ def test_a_beam_that_is_missing_is_named_as_such():
         ({"up": (1, 0, 0)}, "parallel to the beam"),
         ({"up": (0, 0, 0)}, "must have a direction"),
         ({"corners": [9]}, "no inner node"),
-        ({"markers": {"start": 2}}, "the name is taken"),
+        ({"markers": {"start": 2}}, "a node has this name already"),
         ({"markers": {"grip": 9}}, "no node 9"),
         ({"twist": [0, 1]}, "twist has shape"),
         ({"damping": 0.1}, "must be a BeamDamping"),
-        ({"straight": True, "reference": np.eye(3)}, "give one"),
+        ({"straight": True, "reference": np.eye(3)}, "give only one"),
         ({"name": "a.b"}, "must not contain"),
     ],
 )
@@ -234,7 +234,7 @@ def test_sections_must_be_stable(stiffness, message):
 
 
 def test_units_that_no_solid_has_are_warned_of():
-    with pytest.warns(jo.JoustoWarning, match="faster than any solid"):
+    with pytest.warns(jo.JoustoWarning, match="faster than in any solid"):
         jo.mechanism.BeamSection((1e9, 1e9, 1e9, 1, 1, 1), 1e-3, (2e-6, 1e-6, 1e-6))
 
 
@@ -251,7 +251,7 @@ def test_markers_have_names_numbers_and_arms():
 
 
 def test_twist_that_the_ends_of_an_element_do_not_show_is_refused():
-    with pytest.raises(jo.InputError, match=r"element \d by 6\.3 rad.* take 26 elements"):
+    with pytest.raises(jo.InputError, match=r"element \d by 6\.3 rad.* use 26 elements"):
         jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=4, twist=25.2)
     with pytest.raises(jo.InputError, match="were degrees meant"):
         jo.BeamBody("b", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.01), STEEL, elements=8, twist=90)
@@ -261,7 +261,7 @@ def test_millimetres_and_degrees_are_asked_for():
     points = [(0, 0, 0), (1, 0, 0)]
     with pytest.warns(jo.JoustoWarning, match="20 m wide and the beam 1 m long; were millimetres"):
         jo.BeamBody("b", points, jo.Rectangle(20, 2), STEEL, elements=8)
-    with pytest.warns(jo.JoustoWarning, match="twisted by 45 rad; were degrees meant"):
+    with pytest.warns(jo.JoustoWarning, match="twisted by 45 rad; if degrees were meant"):
         jo.BeamBody("b", points, jo.Circle(0.01), STEEL, elements=40, twist=45)
 
 
@@ -269,7 +269,7 @@ def test_millimetres_and_degrees_are_asked_for():
 def test_consistent_inertia_of_a_mass_centre_off_the_axis_is_refused(mass):
     section = jo.mechanism.BeamSection.of(jo.Rectangle(0.02, 0.01), STEEL, centroid=(0, 0.01))
     points = [(0, 0, 0), (1, 0, 0)]
-    with pytest.raises(jo.InputError, match="10 mm off the axis.* take 'corrected'"):
+    with pytest.raises(jo.InputError, match="10 mm off the axis.* use 'corrected'"):
         jo.BeamBody("b", points, section, elements=4, mass=mass)
     for good in ("lumped", "corrected"):
         jo.BeamBody("b", points, section, elements=4, mass=good)
@@ -297,7 +297,7 @@ def given_strip(*, turning: float | None = None, polar: float = 0.0, dense: floa
 def test_the_polar_inertia_is_the_sum_of_the_others():
     """Of a flat section; the torsion constant, b t^3/3, is often taken for it."""
     given_strip()
-    with pytest.warns(jo.JoustoWarning, match=r"about x .* of a flat section it is their sum"):
+    with pytest.warns(jo.JoustoWarning, match=r"about x .* in a flat section it is their sum"):
         given_strip(turning=1.32e-9)  # between Iz - Iy and Iz + Iy, or no body had it
 
 
@@ -316,7 +316,9 @@ def test_polar_of_composites_need_not_be_that_of_the_stiffness():
         (8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=5e-5
     )
     assert section.polar == 5e-5
-    with pytest.warns(jo.JoustoWarning, match="polar is 1e-09 m2, that of the stiffness 3.359e-05"):
+    with pytest.warns(
+        jo.JoustoWarning, match="polar is 1e-09 m2, but the stiffness means 3.359e-05"
+    ):
         jo.mechanism.BeamSection(
             (8e6, 3e6, 3e6, 4.0, 2.7, 266.0), 0.4, (2e-5, 1e-5, 1e-5), polar=1e-9
         )

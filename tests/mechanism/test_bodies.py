@@ -80,7 +80,7 @@ BAD_RIGID = [
     ({"mass": "heavy"}, "body 'b': mass is 'heavy', must be a number"),
     (
         {"inertia": (1, 1, 3)},
-        "body 'b': inertia breaks the triangle inequality: principal moments 1, 1, 3 kg m2, "
+        "body 'b': inertia violates the triangle inequality: principal moments 1, 1, 3 kg m2, "
         "the largest must not exceed the sum of the others, 2",
     ),
     (

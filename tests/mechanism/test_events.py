@@ -44,7 +44,7 @@ def test_what_an_event_refers_to_must_be_in_the_mechanism():
     with pytest.raises(jo.InputError) as error:
         jo.Mechanism(body, rail, push, twin, far, other_place)
     text = str(error.value)
-    assert "event 'far': rail.displacement: body 'body' is another body of that name" in text
+    assert "event 'far': rail.displacement: body 'body' is not the body of that name" in text
     assert (
         "joint force 'push': its signal is switched by event 'watching', which is not in the "
         "mechanism; add it" in text
@@ -52,8 +52,8 @@ def test_what_an_event_refers_to_must_be_in_the_mechanism():
     with pytest.raises(jo.InputError) as error:
         jo.Mechanism(body, rail, place, twin)
     assert (
-        "event 'twin': watches sensor 'place', which is another sensor of that name than the one "
-        "in the mechanism" in str(error.value)
+        "event 'twin': watches sensor 'place', which is not the sensor of that name in the "
+        "mechanism" in str(error.value)
     )
     with pytest.raises(jo.InputError) as error:
         jo.Mechanism(body, rail, watching)

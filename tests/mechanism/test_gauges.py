@@ -102,9 +102,9 @@ def test_rows_of_several(bar, beam):
     np.testing.assert_array_equal(B[1], gauges[1].rows[0])
     few = bar.keep([0, 2, 5])
     np.testing.assert_allclose(gauge_rows(gauges, few), B[:, [0, 2, 5]])
-    with pytest.raises(jo.InputError, match="parts of different numbers of modes"):
+    with pytest.raises(jo.InputError, match="parts with different numbers of modes"):
         gauge_rows([*gauges, Gauge("other", beam, "e1.a.top")])
-    with pytest.raises(jo.InputError, match="there are none"):
+    with pytest.raises(jo.InputError, match="the list is empty"):
         gauge_rows([])
     with pytest.raises(jo.InputError, match=r"gauges\[0\]: is 'g', must be a Gauge"):
         gauge_rows(["g"])
@@ -113,14 +113,14 @@ def test_rows_of_several(bar, beam):
 def test_what_is_wrong_on_solids(bar):
     (far,) = sentences(bar, (0.15, 0.025, 0.03), (1, 0, 0))
     assert far.startswith("gauge 'g': at: is 10 mm off the surface of part")
-    assert "more than reach 4 mm; the nearest place of it is (0.15, 0.025, 0.02) m" in far
+    assert "more than reach 4 mm; the nearest point of the surface is (0.15, 0.025, 0.02) m" in far
     assert sentences(bar, (0.15, 0.025, 0.03))[1] == (
-        "gauge 'g': direction is missing: on solids there is no natural one"
+        "gauge 'g': direction is missing; give it, solids have no default direction"
     )
     (across,) = sentences(bar, (0.15, 0.025, 0.02), (0, 0, 1))
-    assert "direction stands across the surface, whose normal there is (0, 0, 1)" in across
+    assert "direction is normal to the surface, whose normal there is (0, 0, 1)" in across
     (over,) = sentences(bar, (0.15, 0.045, 0.02), (0, 1, 0), length=0.02)
-    assert "grid of 20 x 0 mm leaves the surface or runs over an edge" in over
+    assert "grid of 20 x 0 mm leaves the surface or crosses an edge" in over
     assert sentences(bar, "n0", (1, 0, 0))[0].startswith("gauge 'g': at: part ")
 
 
@@ -154,7 +154,9 @@ def test_rosettes_say_what_is_wrong(bar, beam):
     assert "rosette 'r': kind is '30', must be '45', '60' (delta) or '90' (tee)" in str(error.value)
     with pytest.raises(jo.InputError, match="rosette 'r': direction is missing"):
         Rosette("r", bar, (0.15, 0.025, 0.02))
-    with pytest.raises(jo.InputError, match="rosette 'r': measures shear, which beams know"):
+    with pytest.raises(
+        jo.InputError, match="rosette 'r': measures shear, which is available at the section"
+    ):
         Rosette("r", beam, (0.3, 0.005, 0.02))
 
 
@@ -280,7 +282,7 @@ def test_temperature_of_gauges_and_bridges():
         jo.gauges.Temperature(20.0, part=STEEL, gauge=11.0)
     assert [str(p) for p in error.value.problems] == [
         f"temperature: part: {STEEL!r} has no alpha; give it in 1/K, as 12e-6",
-        "temperature: gauge is 11 1/K; was it meant in 1e-6/K? Give 12e-6",
+        "temperature: gauge is 11 1/K; if it is in 1e-6/K, multiply by 1e-6 (12e-6 for steel)",
     ]
     with pytest.raises(jo.InputError, match="alpha is 12 1/K; was it meant in 1e-6/K"):
         jo.Material(E=210e9, nu=0.3, rho=7850, alpha=12)
@@ -292,7 +294,7 @@ def test_bridges_say_what_is_wrong(bar, beam):
         Bridge("b", (g, h, g), gauge_factor=0.0, resistance=-1)
     assert [str(p) for p in error.value.problems] == [
         "bridge 'b': its gauges sit on several bodies (beam, box), must be on one",
-        "bridge 'b': one gauge stands in several arms; place one for each arm",
+        "bridge 'b': one gauge is in several arms; give each arm its own gauge",
         "bridge 'b': gauge_factor is 0, must be near 2 (metal) or 100 (silicon)",
         "bridge 'b': resistance is -1 ohm, must be positive",
     ]
@@ -300,7 +302,9 @@ def test_bridges_say_what_is_wrong(bar, beam):
         Bridge("b", ())
     with pytest.raises(jo.InputError, match="arm 1 is 'g', must be a Gauge or None"):
         Bridge("b", ("g", g))
-    with pytest.raises(jo.InputError, match=r"strains have shape \(3,\), the last must be 1"):
+    with pytest.raises(
+        jo.InputError, match=r"strains have shape \(3,\), the last dimension must be 1"
+    ):
         Bridge("b", g).output([1, 2, 3])
 
 
@@ -308,11 +312,11 @@ def test_a_grid_must_fit_on_its_beam(beam):
     """A grid of 3 mm given as 3, or stuck half beyond the end, is no gauge."""
     (long,) = sentences(beam, (0.1, 0, 0.02), length=3)
     assert "its grid of 3000 mm leaves the beam of part" in long
-    assert "lengths are in m: were 3 mm meant, length=0.003?" in long
+    assert "lengths are in m: if 3 mm are meant, give 0.003" in long
     (end,) = sentences(beam, (0.499, 0, 0.02), length=0.004)
-    assert "25 % of it lie beyond an end" in end
+    assert "25 % of its length lie beyond an end" in end
     assert "3 mm meant" not in end
-    assert "50 % of it lie" in sentences(beam, "e1.a.top", length=0.01)[0]
+    assert "50 % of its length lie" in sentences(beam, "e1.a.top", length=0.01)[0]
     (across,) = sentences(beam, (0.1, 0, 0.02), (0, 1, 0), length=0.3)
     assert "the section is 40 mm" in across
     # up to the end, within rounding, it fits

@@ -172,7 +172,7 @@ def test_unknown_bodies_are_named_with_a_suggestion():
 def test_another_body_of_the_same_name_is_not_the_same_body():
     one, two = ball("arm"), ball("arm")
     assert problems(one, pivot(two), G) == [
-        "joint 'pivot': b: body 'arm' is another body of that name than the one in the mechanism"
+        "joint 'pivot': b: body 'arm' is not the body of that name in the mechanism; use that one"
     ]
 
 
@@ -236,7 +236,7 @@ def test_initial_gap_is_reported_in_mm_with_both_points():
     b = ball(position=(0.0, 0.0025, 0.0))
     assert problems(b, pivot(b), G) == [
         "joint 'pivot': initial gap of 2.5 mm: ground.origin is at (0, 0, 0), ball.origin at "
-        "(0, 0.0025, 0) m; move a body until they meet"
+        "(0, 0.0025, 0) m; move a body until the points meet"
     ]
 
 
@@ -264,7 +264,7 @@ def test_items_that_are_no_items(rod):
     assert found == [
         "item 4: the ground is always there, leave it out",
         "item 5: is a list; write Mechanism(*items)",
-        "item 6: is the marker ball.tip; give its body instead",
+        "item 6: is the marker ball.tip; give the body 'ball' instead",
         "item 7: is a ReducedPart; make a body of it, FlexibleBody(name, reduced)",
         "item 8: is a int; must be a body, joint, force or sensor",
     ]
@@ -328,7 +328,8 @@ def test_nodes_without_rotations_can_only_be_translated(solid):
         (lambda b: Step(np.inf), "Step: time is inf, must be finite"),
         (lambda b: Table((0, 1, 1), (0, 1, 2)),
          "Table: times must increase: times[1] = 1 s, times[2] = 1 s"),
-        (lambda b: Table((0, 1), (0, 1, 2)), "Table: 2 times but 3 values, must be as many"),
+        (lambda b: Table((0, 1), (0, 1, 2)),
+         "Table: 2 times but 3 values, both must have the same number"),
         (lambda b: Table((), ()), "Table: times is empty, must have at least one point"),
     ],
 )  # fmt: skip
@@ -385,7 +386,7 @@ def test_an_unconnected_body_is_a_warning():
     with pytest.warns(JoustoWarning) as caught:
         Mechanism(b, pivot(b), lost, G)
     assert [str(w.message) for w in caught] == [
-        "body 'lost': is not connected to anything, it moves freely"
+        "body 'lost': has no joint to another body, so it moves freely"
     ]
 
 

@@ -132,7 +132,7 @@ def test_forces_along_a_coordinate_have_no_axes():
         "sensor 'f': resolved_in: 'spring' acts along its coordinate, leave resolved_in out"
     ]
     assert sentences(ReactionSensor, "r", drive, resolved_in="joint") == [
-        "sensor 'r': resolved_in: the reaction of 'drive' is along its coordinates, "
+        "sensor 'r': resolved_in: the reaction of 'drive' acts along its coordinates, "
         "leave resolved_in out"
     ]
     assert sentences(ReactionSensor, "r", hinge, resolved_in="body") == [
@@ -150,7 +150,7 @@ def test_gauges_of_strain_say_what_is_wrong(rod, solid):
     assert far.startswith(
         "gauge 'e': at: is 2 mm off the beams of part 'beam', more than reach 1 mm"
     )
-    assert "the nearest place is (0.3, 0, 0.025) m on element e1" in far
+    assert "the nearest point is (0.3, 0, 0.025) m on element e1" in far
     assert sentences(Gauge, "e", beam, "e1.a.top", (0, 0, 0), E=-1.0, nu=0.7, length=-1) == [
         "gauge 'e': direction is zero",
         "gauge 'e': length is -1 m, must not be negative",
@@ -160,7 +160,7 @@ def test_gauges_of_strain_say_what_is_wrong(rod, solid):
     (none,) = sentences(Gauge, "e", FlexibleBody("b", solid), "x")
     assert "has no stress modes and no surface; gauges need a part of beams" in none
     (sheared,) = sentences(Gauge, "e", beam, (0.3, 0.01, 0.025), (1, 1, 0))
-    assert "measures shear, which beams know at their section points only" in sheared
+    assert "measures shear, which is available at the section points of the beam only" in sheared
     # a position between two sites mixes them
     gauge = Gauge("e", beam, (0.125, 0.0, 0.025))
     ends = [Gauge("e", beam, f"e1.{end}.top").rows for end in "ab"]
@@ -177,8 +177,8 @@ def test_reduced_files_keep_the_elastic_constants(rod, tmp_path):
     old.save(tmp_path / "old.h5")
     beam = FlexibleBody("beam", type(rod).load(tmp_path / "old.h5"))
     assert sentences(Gauge, "e", beam, "e1.a.top") == [
-        "gauge 'e': E is missing: part 'beam' does not know it",
-        "gauge 'e': nu is missing: part 'beam' does not know it",
+        "gauge 'e': E is missing; give it, part 'beam' has no material data",
+        "gauge 'e': nu is missing; give it, part 'beam' has no material data",
     ]
 
 

@@ -100,7 +100,7 @@ def test_mistakes_are_named(tmp_path: Path) -> None:
         make("lid", tetrahedron()[:3], density=1.0)
     mixed = tetrahedron()
     mixed[0] = mixed[0, ::-1]
-    with pytest.raises(jo.InputError, match="turned differently"):
+    with pytest.raises(jo.InputError, match="inconsistent orientation"):
         make("mixed", mixed, density=1.0)
     with pytest.raises(FileNotFoundError, match=r"body 'gone': no such file"):
         make("gone", tmp_path / "gone.stl", density=1.0)
@@ -130,7 +130,7 @@ def test_pieces_that_are_inside_out_are_hollows_or_refused() -> None:
     turned = jo.RigidBody.from_mesh("box", hollow[:, ::-1], density=1000.0)
     assert turned.mass == pytest.approx(mass, rel=1e-12)
     aside = np.concatenate([outer.outline, (inner.outline + [2, 0, 0])[:, ::-1]])
-    with pytest.raises(jo.InputError, match="1 of 2 pieces of the surface are turned inside out"):
+    with pytest.raises(jo.InputError, match="1 of 2 pieces of the surface face inwards"):
         jo.RigidBody.from_mesh("pair", aside, density=1000.0)
     alike = np.concatenate([outer.outline, inner.outline + [2, 0, 0]])
     assert jo.RigidBody.from_mesh("pair", alike, density=1000.0).mass == pytest.approx(220.0)

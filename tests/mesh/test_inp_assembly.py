@@ -135,7 +135,7 @@ def test_parts_without_an_assembly(tmp_path: Path) -> None:
         ("INSTANCE=B-1", "INSTANCE=B-2", "there is no instance 'B-2'; did you mean"),
         ("10., 0., 1., 90.", "10., 0., 1.", "needs x, y, z of its translation, then two points"),
         ("10., 0., 1., 90.", "10., 0., x, 90.", "needs x, y, z of its translation"),
-        ("10., 0., 1., 90.", "10., 0., 0., 90.", "the two points of its axis are one"),
+        ("10., 0., 1., 90.", "10., 0., 0., 90.", "the two points of its axis coincide"),
         ("PART=arm", "LIBRARY=old, PART=arm", "taken from the results of another analysis"),
         ("A-1.solid, S4", "A-1.solidd, S4", "'A-1.solidd' is neither a number nor a set"),
     ],

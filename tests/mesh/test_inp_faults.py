@@ -49,7 +49,9 @@ def test_coordinates_left_out_at_the_end_are_zero(tmp_path: Path) -> None:
 def test_surplus_numbers_are_no_other_element(tmp_path: Path) -> None:
     # nine elements of ten numbers are ten of nine
     rows = "".join(f"{i + 1}, {BRICK}, 1\n" for i in range(9))
-    with pytest.raises(InputError, match="too many numbers for a C3D8: number and 8 nodes"):
+    with pytest.raises(
+        InputError, match="too many numbers for a C3D8, which has its number and 8 nodes"
+    ):
         jo.read_mesh(deck(tmp_path, f"{NODES}*ELEMENT, TYPE=C3D8\n{rows}"))
     # over two lines they may stand
     mesh = jo.read_mesh(
@@ -78,6 +80,6 @@ def test_a_deck_of_other_elements_names_them_and_what_is_read(tmp_path: Path) ->
     with pytest.raises(InputError) as error:
         jo.read_mesh(deck(tmp_path, text))
     told = str(error.value)
-    assert "holds elements of type MASS (2), EC3D8R (1) only, which are not read" in told
+    assert "contains only elements of type MASS (2), EC3D8R (1), which are not supported" in told
     for kind in ("tetra10", "hexahedron20", "wedge15"):
         assert kind in told

@@ -99,7 +99,7 @@ def test_included_files_are_searched_beside_both(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("*INCLUDE, INPUT=elements.txt\n", "INCLUDE goes round in circles"),
+        ("*INCLUDE, INPUT=elements.txt\n", "a file includes itself"),
         ("2, 2, 3, 4\n", "deck.inp:5: .ELEMENT: '3, 2, 5, 3, 6' has too many"),
         ("*INCLUDE, INPUT=there.txt\n", "elements.txt:1: .INCLUDE: the included file 'there.txt'"),
         ("*INCLUDE\n", "elements.txt:1: .INCLUDE: the included file ''"),
@@ -112,6 +112,6 @@ def test_wrong_includes_are_refused(tmp_path: Path, text: str, sentence: str) ->
 
 
 def test_data_before_any_keyword_are_named(tmp_path: Path) -> None:
-    with pytest.warns(JoustoWarning, match="deck.inp:1: '7, 0, 0, 0' stands below no .KEYWORD"):
+    with pytest.warns(JoustoWarning, match="deck.inp:1: '7, 0, 0, 0' is below no .KEYWORD"):
         mesh = jo.read_mesh(written(tmp_path, f"7, 0, 0, 0\n{DECK}"))
     assert len(mesh.nodes) == 6

@@ -34,7 +34,7 @@ def test_supports_and_loads_are_named(tmp_path: Path) -> None:
     path.write_text(DECK)
     said = (
         r"part\.inp: \*BOUNDARY \(lines 8, 16\), \*INITIAL CONDITIONS \(line 10\), "
-        r"\*CLOAD \(line 14\) not taken: supports and loads of a part are the joints and forces"
+        r"\*CLOAD \(line 14\) ignored: declare supports and loads as joints and forces"
     )
     with pytest.warns(jo.JoustoWarning, match=said):
         mesh = jo.read_mesh(path)

@@ -41,7 +41,7 @@ def test_negative_jacobians_are_named() -> None:
         " node order or mesh that region again"
     )
     mirrored = jo.Mesh("mirrored", mesh.nodes * (1, 1, -1), mesh.cells)
-    assert "all elements are inside out" in only(mirrored, "jacobian").message
+    assert "all elements have negative volume" in only(mirrored, "jacobian").message
 
 
 def test_a_folded_quadratic_element_is_named() -> None:
@@ -52,7 +52,7 @@ def test_a_folded_quadratic_element_is_named() -> None:
     nodes[edge[2]] = 0.85 * nodes[edge[0]] + 0.15 * nodes[edge[1]]
     finding = only(jo.Mesh("folded", nodes, mesh.cells), "jacobian")
     assert 1 in finding.ids
-    assert "straighten the midside nodes" in finding.message
+    assert "straighten the mid-side nodes" in finding.message
     # at 30 % of the edge it is ugly but not folded
     nodes[edge[2]] = 0.7 * nodes[edge[0]] + 0.3 * nodes[edge[1]]
     assert jo.Mesh("ugly", nodes, mesh.cells).check() == ()
@@ -113,10 +113,10 @@ def test_pieces_and_duplicate_nodes() -> None:
     mesh = jo.Mesh("two", nodes, jo.mesh.Cells("tetra", cells), node_sets={"all": range(2 * nn)})
     pieces = only(mesh, "pieces")
     assert pieces.severity == "error"
-    assert "falls into 2 pieces" in pieces.message
+    assert "has 2 pieces" in pieces.message
     assert "join them with mesh.merged()" in pieces.message
     duplicates = only(mesh, "duplicate nodes")
-    assert "4 pairs of nodes at one place" in duplicates.message
+    assert "4 pairs of coincident nodes" in duplicates.message
     assert len(duplicates.ids) == 8
     joined = mesh.merged()
     assert joined.check() == ()
@@ -131,7 +131,7 @@ def test_pieces_and_duplicate_nodes() -> None:
         jo.mesh.Cells("tetra", cells),
     )
     finding = only(far, "pieces")
-    assert "300 mm apart: join them in the geometry, or make one part of each" in finding.message
+    assert "300 mm apart: join them in the geometry, or make each piece a part" in finding.message
     assert apart.name == "apart"
     with pytest.raises(InputError, match="2 pieces"):
         require(far)
@@ -155,7 +155,7 @@ def test_shells_points_and_pyramids() -> None:
     assert "1 pyramid (element 66) cannot be used" in finding.message
     surface = jo.Mesh("shell", mesh.nodes, jo.mesh.Cells("quad", [(0, 1, 2, 3)]))
     (finding,) = surface.check()
-    assert "holds no solid elements, only quad" in finding.message
+    assert "contains no solid elements, only quad" in finding.message
     assert surface.volume == 0.0
     assert str(surface.quality()) == "no solid elements"
 
@@ -176,9 +176,15 @@ def test_empty_sets() -> None:
 @pytest.mark.parametrize(
     ("factor", "sentence"),
     [
-        (1e3, r"is 374\.2 m across: is the file in mm\? With unit='mm' it is 0\.374 m"),
-        (1 / 0.0254, r"is 14\.73 m across: is the file in inches\? With unit='in' it is 0\.374 m"),
-        (1e-3, r"is 0\.0003742 m across: was a file in m read with unit='mm'\? In m it is 0\.374"),
+        (1e3, r"is 374\.2 m across: if the file is in mm or inches: with unit='mm' it is 0\.374 m"),
+        (
+            1 / 0.0254,
+            r"is 14\.73 m across: if the file is in inches, read it with unit='in': it is then",
+        ),
+        (
+            1e-3,
+            r"is 0\.0003742 m across: if the file is in m, read it with unit='m': it is then",
+        ),
     ],
 )
 def test_units_that_cannot_be(factor: float, sentence: str) -> None:

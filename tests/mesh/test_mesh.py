@@ -157,7 +157,7 @@ def test_wrong_arrays_are_told_together() -> None:
     text = str(caught.value)
     assert "tetra element 0 has node index 4, must be in 0..3" in text
     assert "node_ids has shape (2,)" in text
-    assert "node set 'a' holds 9" in text
+    assert "node set 'a' contains 9" in text
     assert "surface 's' has shape (1, 2)" in text
     with pytest.raises(InputError, match="unknown kind; known: tetra, tetra10"):
         jo.mesh.Cells("tet", [(0, 1, 2, 3)])

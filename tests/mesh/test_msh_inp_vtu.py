@@ -114,7 +114,7 @@ def test_midside_order_of_gmsh_is_not_ours(written: Path) -> None:
 
 
 def test_gmsh_format_4_0_is_refused(written: Path) -> None:
-    with pytest.raises(InputError, match=r"Gmsh's format 4; formats 2\.2 and 4\.1 are read"):
+    with pytest.raises(InputError, match=r"Gmsh's format 4; formats 2\.2 and 4\.1 are supported"):
         jo.read_mesh(written / "plate_4.0_0.msh")
 
 
@@ -317,25 +317,25 @@ def test_abaqus_deck(tmp_path: Path) -> None:
     ("found", "instead", "sentence"),
     [
         (" 31, 2.,", " 31, two,", r"bar.inp:4: \*NODE: ' *31, two, 0., 0.' is no node"),
-        (" 5, 11, 31", " 5, 11, 77", "element 5 needs node 77, which the file does not hold"),
+        (" 5, 11, 31", " 5, 11, 77", "element 5 needs node 77, which the file does not contain"),
         (" 5, 11, 31,", " 5, 11,", "8 numbers do not make whole C3D8 elements of 9 numbers"),
         (" RANGE, 42,", " RAGNE, 42,", "'RAGNE' is neither a number nor a set"),
         (" first, SECOND", " first, 8, x", "'x' is neither a number nor a set"),
         (" EVERYTHING, S2", " NOTHING, S2", "'NOTHING' is neither a number nor a set"),
-        (" 5, S4", " 6, S4", "surface 'right' holds element 6, not in the file"),
-        (" 42, 2., 1., 1.", " 10, 2., 1., 1.", "node 10 stands there twice, at different places"),
-        ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' is not there"),
+        (" 5, S4", " 6, S4", "surface 'right' contains element 6, which is not in the file"),
+        (" 42, 2., 1., 1.", " 10, 2., 1., 1.", "node 10 is defined twice, at different positions"),
+        ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' does not exist"),
         ("*HEADING", "*INSTANCE, NAME=a, PART=b", "INSTANCE: there is no part 'b' above it"),
         (" 5, 11, 31", " 7, 11, 31", "number 7 belongs to more than one element"),
         (" 5, 11, 31", " 5, 11.9, 31", r"\*ELEMENT: '11.9' is no whole number"),
         (" 31, 2.,", " 31.7, 2.,", r"\*NODE: '31.7' is no whole number"),
         (" 31, 2.,", f" {10**19}, 2.,", f"'{10**19}' is too large for a number"),
         (" EVERYTHING, S2", " EVERYTHING, S9", "face 9 of element 7; a hexahedron has 6"),
-        ("*Nset, nset=range,", "*Nset,", r"\*NSET: has no name; write NSET="),
-        ("*SURFACE, NAME=right,", "*SURFACE,", r"\*SURFACE: has no name; write NAME="),
-        ("*STEP", "*NGEN\n10,13,1", r"\*NGEN: makes nodes or elements .* export the full mesh"),
-        ("*STEP", "*ELCOPY, ELEMENT SHIFT=9", r"\*ELCOPY: makes nodes or elements"),
-        ("*Node,", "*Node, system=S,", "SYSTEM=S is not read; export the nodes with SYSTEM=R"),
+        ("*Nset, nset=range,", "*Nset,", r"\*NSET: has no name; add NSET="),
+        ("*SURFACE, NAME=right,", "*SURFACE,", r"\*SURFACE: has no name; add NAME="),
+        ("*STEP", "*NGEN\n10,13,1", r"\*NGEN: generates nodes or elements .* export the full mesh"),
+        ("*STEP", "*ELCOPY, ELEMENT SHIFT=9", r"\*ELCOPY: generates nodes or elements"),
+        ("*Node,", "*Node, system=S,", "SYSTEM=S is not supported; export the nodes with SYSTEM=R"),
         ("*Node,", "*SYSTEM\n0,0,0,1,0,0\n2,0,0\n*Node,", "points lie on a line"),
     ],
 )
@@ -445,7 +445,7 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
 
     deck = DECK.encode()
     assert "is empty" in told("a.msh", b" \n")
-    assert "named like a Gmsh mesh but holds an Abaqus" in told("b.msh", deck)
+    assert "has the suffix of a Gmsh mesh but contains an Abaqus" in told("b.msh", deck)
     assert "a STEP file: name it c.step and mesh it, jousto mesh c.step" in told(
         "c.inp", b"ISO-10303-21;\nHEADER;"
     )
@@ -453,8 +453,8 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     assert "a ZIP archive" in told("d.inp", b"PK\x03\x04" + bytes(100))
     assert "a web page" in told("e.msh", b"<!DOCTYPE html><html></html>")
     assert "is a binary file, not an Abaqus" in told("f.inp", bytes(range(256)) * 4)
-    assert "holds neither *NODE nor *ELEMENT" in told("g.inp", b"hello world\n")
-    assert "is of no kind that is read; known: .msh" in told("h.xyz", b"hello world\n")
+    assert "contains neither *NODE nor *ELEMENT" in told("g.inp", b"hello world\n")
+    assert "has no supported format; known: .msh" in told("h.xyz", b"hello world\n")
     assert "does not begin with $MeshFormat" in told("i.msh", b"hello world\n")
     assert "cannot be read as a .vtu file" in told("j.vtu", b"<VTKFile type='PolyData'></VTKFile>")
     assert "cannot be read as a .med file" in told("k.med", b"\x89HDF\r\n\x1a\n" + bytes(50))
@@ -469,7 +469,7 @@ def test_wrong_files_are_told(tmp_path: Path) -> None:
     assert jo.read_mesh(tmp_path / "bar.txt").volume == pytest.approx(2.0)
 
 
-@pytest.mark.filterwarnings("ignore:.*BOUNDARY .* not taken:jousto.JoustoWarning")
+@pytest.mark.filterwarnings("ignore:.*BOUNDARY .* ignored:jousto.JoustoWarning")
 def test_a_deck_of_calculix(tmp_path: Path) -> None:
     # as CalculiX's own examples are written: an empty keyword, blanks, elements on two lines,
     # a comma at the end of a keyword line

@@ -126,7 +126,7 @@ def test_sets_units_and_beams(tmp_path: Path) -> None:
     assert mesh.node_ids[mesh.set("FOOT")].tolist() == [1, 2]
     assert mesh.element_ids[mesh.element_sets["pid3"]].tolist() == [9]
     with pytest.warns(
-        jo.JoustoWarning, match=r"unit of length is 0.001 m, read in m; give unit='mm'"
+        jo.JoustoWarning, match=r"unit of length 0.001 m, but is read in m; give unit='mm'"
     ):
         read(tmp_path, HEAD + BODY)
 
@@ -155,7 +155,7 @@ def test_elements_that_are_not_read_are_told(tmp_path: Path) -> None:
             "         3         4         7         3",
             "has 3 nodes, 4 are listed; must be 4",
         ),
-        ("    -1\n  2467", "", "is not closed: the file is cut off"),
+        ("    -1\n  2467", "", "is not closed: the file is truncated"),
         ("  2411", "  2414", "has no nodes"),
     ],
 )

@@ -150,6 +150,6 @@ def test_the_advice_that_is_left_makes_all_rows_independent():
 def test_held_bodies_are_told_by_rank():
     wheel = rigid("wheel", 1.0, (0, 0, 0))
     (text,) = said_of(wheel, jo.Fixed("weld", ORIGIN, wheel["origin"]))
-    assert "nothing can move: its 6 constraint rows hold every motion" in text
+    assert "nothing can move: its 6 constraint rows prevent every motion" in text
     hinge = jo.Revolute("hinge", ORIGIN, wheel["origin"], Z)
     assert said_of(wheel, hinge, jo.Drive("motor", hinge.angle, jo.Ramp(0, 1))) == []

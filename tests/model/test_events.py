@@ -209,7 +209,7 @@ def test_events_without_end_are_told():
     engine, _, happened, status = run(model, 1.0, step=1.0)
     assert status == "endless"
     assert len(happened) < 100
-    assert "again and again within one step" in str(engine.problem(status))
+    assert "many times within one step" in str(engine.problem(status))
     assert engine.problem(status).where == "event 'turn'"
 
 

@@ -170,7 +170,7 @@ def test_contradictions_are_named() -> None:
     crank = jo.Initial(j["main"].angle, rate=RATE)
     text = sentence(*items, crank, jo.Initial(j["foot"].angle, rate=-RATE))
     assert "initial 'main.angle': the rate 5.24 rad/s contradicts the rate of 'foot.angle'" in text
-    assert "give as many rates as motions are free" in text
+    assert "give only as many rates as there are free" in text
     # more than is free, but it fits
     _, w4 = rates(START, RATE)
     jo.compile(jo.Mechanism(*items, crank, jo.Initial(j["foot"].angle, rate=w4)))

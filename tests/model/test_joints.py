@@ -207,7 +207,7 @@ def test_a_planar_four_bar_of_revolutes_runs_and_says_what_repeats():
 def test_the_remedy_makes_the_rows_independent_and_keeps_the_motion():
     from jousto.model.rank.redundancy import repeated_rows
 
-    with pytest.warns(jo.JoustoWarning, match="repeat the others"):
+    with pytest.warns(jo.JoustoWarning, match="are redundant"):
         model = jo.compile(jo.Mechanism(*fourbar()))
     found = repeated_rows(model)
     assert found is not None

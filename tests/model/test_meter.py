@@ -388,15 +388,15 @@ def test_all_mistakes_at_once():
         "mean is 'goodman', must be a mean stress correction",
         "residue is 'halves', must be one of",
         "did you mean 'half'",
-        "depth is 3, must be a whole number from 6 on",
+        "depth is 3, must be a whole number of at least 6",
         "resolution is -1 Pa",
-        "n is 0, must be a whole number from 1 on",
+        "n is 0, must be a whole number of at least 1",
     ):
         assert part in text
     m = meter(n=3)
     with pytest.raises(jo.InputError, match=r"block is \(5, 2\), must be \(nt, 3\)"):
         m.push(np.zeros((5, 2)))
-    with pytest.raises(jo.InputError, match="follows a single one"):
+    with pytest.raises(jo.InputError, match="trace works with a single history"):
         m.trace([1.0, 2.0, 3.0])
     with pytest.raises(jo.InputError, match="residue is 'all'"):
         m.damage("all")

@@ -22,7 +22,7 @@ def cart(begins: float, scale: float = 1.0, at: float = 0.0) -> jo.Mechanism:
 def test_a_cart_that_is_moved_to_its_drive_is_told() -> None:
     told = (
         r"'trolley': drive 'motor' begins at 0\.5 m, but rail\.displacement stands at 0 m; "
-        r".* moved 'cart' by 0\.5 m; let signals begin where"
+        r".* moved 'cart' by 0\.5 m; let signals begin at"
     )
     with pytest.warns(jo.JoustoWarning, match=told):
         model = jo.compile(cart(0.5))

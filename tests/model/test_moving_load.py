@@ -118,7 +118,7 @@ def test_it_turns_with_the_body_if_it_follows():
     )
 
 
-@pytest.mark.filterwarnings("ignore:.*not connected")
+@pytest.mark.filterwarnings("ignore:.*has no joint to another")
 def test_on_a_rigid_body_it_is_a_force_at_the_point():
     block = jo.RigidBody("block", 3.0, (0.2, 0.3, 0.4), markers={"a": (1, 0, 0), "b": (1, 2, 0)})
     F = (5.0, 0, -7.0)

@@ -235,7 +235,7 @@ def test_joints_that_have_rows_stay_closed() -> None:
         assert rate < 1e-9 * model.size
 
 
-@pytest.mark.filterwarnings("ignore:.*repeat")
+@pytest.mark.filterwarnings("ignore:.*redundant")
 def test_reactions_that_are_not_unique_are_those_of_least_norm() -> None:
     """A base on two hinges of one axis carries a boom with a chain, and a chain itself."""
     rng = np.random.default_rng(3)

@@ -21,7 +21,9 @@ from natural.machines import rod
 
 Patch = pytest.MonkeyPatch
 Plant = Callable[[Patch], None]
-pytestmark = pytest.mark.filterwarnings("ignore:.*not connected", "ignore:.*regularised friction")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*has no joint to another", "ignore:.*regularised friction"
+)
 
 X, Y, Z = np.eye(3)
 WEIGHT = jo.Gravity((0, 0, -9.81))

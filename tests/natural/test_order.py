@@ -105,7 +105,7 @@ def errors(name: str) -> Errors:
     return out
 
 
-@pytest.mark.filterwarnings("ignore:.*repeat")
+@pytest.mark.filterwarnings("ignore:.*redundant")
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in MACHINES]
 )
@@ -119,7 +119,7 @@ def test_differences_fall_with_order_two(name: str) -> None:
         np.testing.assert_allclose(orders[-2:], 2.0, atol=0.15, err_msg=kind)
 
 
-@pytest.mark.filterwarnings("ignore:.*repeat")
+@pytest.mark.filterwarnings("ignore:.*redundant")
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in MACHINES]
 )

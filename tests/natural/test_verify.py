@@ -15,7 +15,9 @@ from jousto.natural.verify import verify
 from natural.machines import SECTION, rod
 from verification.iftomm import bricard
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*not connected", "ignore:.*regularised friction")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*has no joint to another", "ignore:.*regularised friction"
+)
 room = import_module("jousto.natural.verify")
 
 
@@ -72,7 +74,7 @@ def test_an_invariant_left_out_on_purpose_shows_too() -> None:
     assert not result.agrees
 
 
-@pytest.mark.filterwarnings("ignore:.*repeat")
+@pytest.mark.filterwarnings("ignore:.*redundant")
 def test_reactions_that_are_not_unique_are_not_compared() -> None:
     result = verify(bricard(), 0.02, step=2e-3)
     assert result.agrees, result

@@ -46,6 +46,6 @@ def spatial() -> jo.Solution:
         angular_velocity=(1.0, 5.0, 2.0),
     )
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", ".*not connected to anything", jo.JoustoWarning)
+        warnings.filterwarnings("ignore", ".*has no joint to another body", jo.JoustoWarning)
         model = jo.compile(jo.Mechanism(body, jo.Gravity((0, 0, -9.81)), name="stone"))
     return jo.simulate(model, 0.8, solver=jo.RK4(1e-3), output_step=0.01)

@@ -48,11 +48,11 @@ def test_damaged_full_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="job.full: is no Ansys .full file"):
         jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(Path(examples.rstfile).read_bytes())
-    with pytest.raises(InputError, match="is another of Ansys's binary files"):
+    with pytest.raises(InputError, match="is a binary file of Ansys of another kind"):
         jo.parts.read_matrices(path, nodes=nodes)
     for part, message in ((2, "it has .* of 801596 bytes"), (5000, "it ends after 170 bytes")):
         path.write_bytes(data[: len(data) // part])
-        with pytest.raises(InputError, match=f"job.full: is cut off: {message}"):
+        with pytest.raises(InputError, match=f"job.full: is truncated: {message}"):
             jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(b"")
     with pytest.raises(InputError, match="job.full: is no Ansys .full file"):

@@ -161,7 +161,7 @@ def test_elements_of_beams_are_bounded(wrong: object) -> None:
 def test_values_beyond_all_materials_and_damping() -> None:
     with pytest.warns(JoustoWarning, match="E = 1e.300 Pa is stiffer than diamond"):
         jo.Material(1e300, 0.3, 7850.0)
-    with pytest.warns(JoustoWarning, match="stiffness is 1000 s: .* ratio 3.14e.03.*it is in s"):
+    with pytest.warns(JoustoWarning, match="stiffness is 1000 s: .* ratio 3.14e.03.*is in s"):
         jo.mechanism.BeamDamping(stiffness=1e3)
     with pytest.raises(InputError, match="ratio 1000 must be at most 100: 1 is critical"):
         modal_damping(1000.0, [1.0, 2.0])

@@ -243,7 +243,7 @@ def test_wrong_formulations_are_refused() -> None:
     [
         ("full", "warn", "too stiff in bending"),
         ("bbar", "warn", "too stiff in bending"),
-        ("incompatible", "ok", "bend as they should"),
+        ("incompatible", "ok", "correct bending stiffness"),
         ("reduced", "warn", "too soft in bending"),
     ],
 )

@@ -136,7 +136,7 @@ def test_rigid_arm_is_a_stiff_beam() -> None:
 def test_matrices_have_none() -> None:
     beam = Part.beam(1.0, SECTION, 2, STEEL)
     part = Part.from_matrices(beam.M, beam.K, beam.nodes)
-    with pytest.raises(InputError, match="only parts made of beams"):
+    with pytest.raises(InputError, match="only parts of beams"):
         part.geometric_stiffness(np.zeros(18))
     with pytest.raises(InputError, match="displacements"):
         beam.geometric_stiffness(np.zeros(17))

@@ -43,7 +43,9 @@ def test_picks_take_the_same_end() -> None:
 
 
 def test_pick_in_millimetres_says_where_the_nodes_are() -> None:
-    with pytest.raises(InputError, match=r"no node lies there; the nodes fill \(0, -0.05, -0.03\)"):
+    with pytest.raises(
+        InputError, match=r"the pick contains no node; the nodes lie in \(0, -0.05, -0.03\)"
+    ):
         tie(box(), InBox((399, -100, -100), (401, 100, 100)))
 
 
@@ -152,10 +154,10 @@ def test_own_weights() -> None:
     ("args", "message"),
     [
         (("rihgt",), "no node set 'rihgt'; did you mean 'right'?"),
-        (([3],), "its 1 node lies on one point, so that a rotation"),
+        (([3],), "its 1 node lies on one point, so that the rotation"),
         (([0, 3, 6],), "its 3 nodes lie on one line"),
-        (([0, 999],), r"names node 999, must be an index in 0\.\.83"),
-        (([0, 3, 3],), "names a node twice"),
+        (([0, 999],), r"contains node 999, must be an index in 0\.\.83"),
+        (([0, 3, 3],), "contains a node twice"),
         ((3.5,), "nodes is 3.5, must be the name of a node set"),
         (([[0, 1, 2, 3, 4]],), "its faces have 5 nodes, must be 3"),
     ],
@@ -176,10 +178,10 @@ def test_all_that_is_wrong_at_once() -> None:
     text = str(error.value)
     assert "'b': node1 is tied to interface 'a' already" in text
     assert "two interfaces are named 'a'" in text
-    with pytest.raises(InputError, match="'left': has the name of a node set that it is not made"):
+    with pytest.raises(InputError, match="'left': has the name of a node set with other nodes"):
         box().with_interfaces(Interface("left", "right"))
     assert box().with_interfaces(Interface("left", "left")).ties[0].name == "left"
-    assert "no node set 'nowhere'" in text and "no node lies there" in text
+    assert "no node set 'nowhere'" in text and "the pick contains no node" in text
 
 
 @pytest.mark.parametrize(
@@ -189,7 +191,7 @@ def test_all_that_is_wrong_at_once() -> None:
         ({"at": (0, 0)}, r"at has shape \(2,\)"),
         ({"weights": [1, 1]}, "a rigid interface has no weights"),
         ({"kind": "average", "weights": [1, -1]}, "weights must not be negative"),
-        ({"name": "node7"}, "kept for the node of that number"),
+        ({"name": "node7"}, "reserved for the node of that number"),
         ({"name": ""}, "must be a word"),
     ],
 )

@@ -144,12 +144,12 @@ def test_refusals_all_at_once() -> None:
     message = str(caught.value)
     for sentence in (
         "load 1 (Pressure): no surface or node set 'top'",
-        "load 2 (NodalForce): has a moment, but nodes of solids do not turn",
+        "load 2 (NodalForce): has a moment, but nodes of solids have no rotations",
         "load 3 (Traction): traction has shape (2,)",
-        "load 4 (Pressure): the nodes picked (2 nodes) hold no whole face",
-        "load 5 (Pressure): no node lies where it picks",
+        "load 4 (Pressure): the nodes picked (2 nodes) contain no complete face",
+        "load 5 (Pressure): the pick contains no node",
         "load 6: is 3.0, must be one of Pressure",
     ):
         assert sentence in message
-    with pytest.raises(InputError, match="only Part.solid has them"):
+    with pytest.raises(InputError, match="only parts of solids have them"):
         Part.beam(2.0, Circle(0.01), 4, STEEL).load(Pressure("end", 1.0))

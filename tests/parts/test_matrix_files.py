@@ -129,7 +129,7 @@ def test_other_units_are_noticed(tmp_path: Path) -> None:
     other = Part.beam(1200.0, Rectangle(60.0, 40.0), 3, quiet_material(Units.read("mm-t-s")))
     np.save(tmp_path / "k.npy", full(other.K))
     np.save(tmp_path / "m.npy", full(other.M))
-    with pytest.warns(JoustoWarning, match="sound would travel at .* units='mm-t-s'"):
+    with pytest.warns(JoustoWarning, match="speed of sound in this part .* units='mm-t-s'"):
         Part.from_file(tmp_path / "k.npy", tmp_path / "m.npy", nodes=other.nodes)
 
 
@@ -147,10 +147,10 @@ def test_harwell_boeing_fields_that_touch(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda t: t[: len(t) // 2], "is cut off"),
+        (lambda t: t[: len(t) // 2], "is truncated"),
         (lambda t: t.replace("RSA", "CSA"), "type CSA, which is complex"),
         (lambda t: t.replace("RSA", "PSA"), "a pattern without values"),
-        (lambda t: t.replace("RSA", "RSE"), "made of element matrices"),
+        (lambda t: t.replace("RSA", "RSE"), "of unassembled element matrices"),
         (lambda t: "solid brick\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "header cannot"),
         (lambda t: "one line", "the header of four lines is missing"),
         (lambda t: "", "is empty"),
@@ -245,7 +245,7 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "cut": (lambda p: cut(p / "job.sti"), "job.sti: (has .* rows but|ends with)"),
     "cut in a number": (
         lambda p: (p / "job.mas").write_text((p / "job.mas").read_text()[:-25]),
-        "job.mas: ends with .* where i j value is expected: the file is cut off",
+        "job.mas: ends with .* where i j value is expected: the file is truncated",
     ),
     "empty": (lambda p: (p / "job.mas").write_text(""), "job.mas: is empty"),
     "binary": (lambda p: (p / "job.mas").write_bytes(b"\0\1\2" * 99), "job.mas: is a binary file"),
@@ -260,7 +260,7 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "mesh": (
         lambda p: (p / "job.sti").write_text("1 0.5 0.25\n2 0.5 0.75\n"),
-        "job.sti: has row numbers that are no whole numbers",
+        "job.sti: has row numbers that are not whole numbers",
     ),
     "supports": (
         lambda p: (p / "job.dof").write_text((p / "job.dof").read_text().replace("23.6", "99.1")),
@@ -329,8 +329,8 @@ def test_modal_rows(tmp_path: Path) -> None:
 
 MISTAKES: tuple[tuple[dict[str, object], str], ...] = (
     ({"nodes": TABLE[:3]}, "rows of node 23 without a position"),
-    ({"nodes": BEAM.nodes[:3]}, "name 4 nodes but there are 3 positions"),
-    ({"dofs": DOFS[:-1]}, "K has shape .* but the map names 23 rows"),
+    ({"nodes": BEAM.nodes[:3]}, "have 4 nodes but there are 3 positions"),
+    ({"dofs": DOFS[:-1]}, "K has shape .* but the map has 23 rows"),
     ({"dofs": np.vstack([DOFS[:-1], DOFS[:1]])}, "two rows are node 11 direction 1"),
     ({"dofs": np.vstack([DOFS[:-1], [[23, 7]]])}, "node 23 has the direction 7, must be 1..6"),
     ({"dofs": DOFS[:, :1]}, r"dofs has shape \(24, 1\)"),
@@ -355,7 +355,7 @@ def test_wrong_kinds(tmp_path: Path) -> None:
     text.write_text("%%MatrixMarket matrix coordinate real general\n3 3 2\n1 1 1.0\n")
     for path, message in (
         (text, "k.mtx: cannot be read as a Matrix Market file"),
-        (tmp_path / "k.stl", "k.stl: is of no known kind; known endings are .sti"),
+        (tmp_path / "k.stl", "k.stl: has an unknown ending; known endings are .sti"),
         (tmp_path / "none.sti", "no such file '.*none"),
         (tmp_path / "k.npz", "k.npz: holds one matrix: give the file of the mass matrix"),
     ):
@@ -379,9 +379,9 @@ def test_rows_in_the_order_of_the_directions(tmp_path: Path) -> None:
     np.save(tmp_path / "k.npy", full(BEAM.K)[np.ix_(order, order)])
     np.save(tmp_path / "m.npy", full(BEAM.M)[np.ix_(order, order)])
     files = tmp_path / "k.npy", tmp_path / "m.npy"
-    with pytest.warns(JoustoWarning, match="x of all nodes, then y .*: put them node after node"):
+    with pytest.warns(JoustoWarning, match="x of all nodes, then y .*: order them node by node"):
         part = Part.from_file(*files, nodes=BEAM.nodes)
-    with pytest.raises(InputError, match="stiffness matrix is not free.*belong together .order"):
+    with pytest.raises(InputError, match="stiffness matrix is not free.*are consistent .order"):
         jo.reduce(part, jo.FreeFree(modes=2))
     # the map says the same without moving a number
     again = Part.from_file(*files, nodes=TABLE, dofs=DOFS[order])
@@ -406,7 +406,7 @@ def test_abaqus_supports_and_internal_nodes(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="node 0 direction 6, which is internal to Abaqus"):
         Part.from_file(*files, nodes=TABLE)
     write_user_element(tmp_path / "k.mtx", DOFS, stiffness=BEAM.K)
-    with pytest.raises(InputError, match="holds no mass"):
+    with pytest.raises(InputError, match="contains no mass"):
         Part.from_file(tmp_path / "k.mtx", nodes=TABLE)
     cut(tmp_path / "k.mtx", 0.9)
     with pytest.raises(InputError, match="numbers of stiffness, 300 are needed|cut off"):
@@ -480,5 +480,5 @@ def test_user_element_that_calculix_wrote() -> None:
     rows = [3 * part.node(f"n{n}") + c - 1 for n, c in dofs]
     scale = np.abs(full(part.K)).max()
     assert_allclose(full(K), full(part.K)[np.ix_(rows, rows)], atol=1e-12 * scale)
-    with pytest.raises(InputError, match="substructure.mtx: holds no mass; ask for"):
+    with pytest.raises(InputError, match="substructure.mtx: contains no mass; write it with"):
         Part.from_file(FILES / "substructure.mtx")

@@ -100,22 +100,24 @@ def test_damaged_files(tmp_path: Path) -> None:
     write_op4(path, KAA=ROD.K, MAA=ROD.M)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
-    with pytest.raises(InputError, match="rod.op4: (is no OP4 file, or it is cut off|holds no)"):
+    with pytest.raises(
+        InputError, match="rod.op4: (is no OP4 file, or it is truncated|contains no)"
+    ):
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     path.write_text("solid brick\n")
     with pytest.raises(InputError, match="rod.op4: (is no OP4 file|holds no matrix)"):
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, PHI=ROD.M)
-    with pytest.raises(InputError, match="holds no matrix M .* it has KAA, PHI"):
+    with pytest.raises(InputError, match="contains no matrix M .* it has KAA, PHI"):
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, MAA=ROD.M)
     (tmp_path / "rod.bdf").write_text(GRIDS[: GRIDS.index("GRID,27")])
-    with pytest.raises(InputError, match="has 18 rows but rod.bdf names 12"):
+    with pytest.raises(InputError, match="has 18 rows but rod.bdf has 12"):
         jo.parts.read_matrices(path)
     with pytest.raises(InputError, match="leave out M"):
         jo.parts.read_matrices(path, path)
     (tmp_path / "mesh.pch").write_text(GRIDS)
-    with pytest.raises(InputError, match="mesh.pch: holds no DMIG entries"):
+    with pytest.raises(InputError, match="mesh.pch: contains no DMIG entries"):
         jo.parts.read_matrices(tmp_path / "mesh.pch")
 
 

@@ -145,11 +145,11 @@ BAD: tuple[tuple[Callable[[], object], tuple[str, ...]], ...] = (
     (lambda: frame(orientations=(0, 0, 0)), ("orientation [0.0, 0.0, 0.0] of element 1",)),
     (lambda: frame(orientations=[(0, 0, 1)]), ("orientations has shape (1, 3), must be (3, 3)",)),
     (lambda: frame(offsets=np.zeros((3, 3))), ("offsets has shape (3, 3), must be (3, 2, 3)",)),
-    (lambda: frame(node_sets={"foot": [9]}), ("node set 'foot' holds node 9",)),
+    (lambda: frame(node_sets={"foot": [9]}), ("node set 'foot' contains node 9",)),
     (lambda: frame(node_sets={"foot": []}), ("node set 'foot' is empty",)),
-    (lambda: frame(node_sets={"foot": [1, 1]}), ("node set 'foot' holds a node twice",)),
+    (lambda: frame(node_sets={"foot": [1, 1]}), ("node set 'foot' contains a node twice",)),
     (lambda: frame(node_sets={"foot": "left"}), ("node set 'foot' is 'left'",)),
-    (lambda: frame(node_sets={"node2": [2]}), ("node set 'node2': this name is kept",)),
+    (lambda: frame(node_sets={"node2": [2]}), ("node set 'node2': this name is reserved",)),
     (lambda: frame(node_sets={"": [2]}), ("has no usable name",)),
     (lambda: frame(point_masses=[PointMass("tip", 1.0)]), ("point_masses[0]: no node set 'tip'",)),
     (lambda: frame(point_masses=[PointMass(4, 1.0)]), ("point_masses[0]: node 4 is not in 0..3",)),
@@ -229,7 +229,7 @@ def test_everything_wrong_is_reported_at_once() -> None:
         "sections[1] is 'I'",
         "material is 3.0",
         "element 2 (nodes 2 and 2) has zero length",
-        "node set 'foot' holds node 9",
+        "node set 'foot' contains node 9",
         "no node set 'tip'",
         "node3, node4: not attached",
     ):
@@ -246,9 +246,9 @@ def test_section_in_millimetres_is_noticed() -> None:
 @pytest.mark.parametrize(
     ("length", "height", "sentence"),
     [
-        (1000.0, 0.2, "part 'beam': is 1000 m large; SI needs m, were its lengths given in mm"),
-        (300.0, 30.0, "part 'beam': is 300 m large; SI needs m"),
-        (90.0, 30.0, "part 'beam': a section of 30 m; SI needs m, was it given in mm"),
+        (1000.0, 0.2, "part 'beam': is 1000 m large; if its lengths are in mm, convert them"),
+        (300.0, 30.0, "part 'beam': is 300 m large; if its lengths are in mm"),
+        (90.0, 30.0, "part 'beam': a section of 30 m; if its sizes are in mm, convert them"),
     ],
 )
 def test_a_part_in_millimetres_is_noticed(length: float, height: float, sentence: str) -> None:

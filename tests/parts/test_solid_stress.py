@@ -228,7 +228,7 @@ def test_reduction_with_a_chosen_stress() -> None:
     assert r.stress is not None
     assert r.stress.labels == skin.stress.sites  # type: ignore[union-attr]
     assert reduce(part.with_stress(None), FreeFree(modes=2)).stress is None
-    with pytest.raises(InputError, match="no outer face has all its nodes there"):
+    with pytest.raises(InputError, match="no outer face has all its nodes in the pick"):
         part.surface_stress([0, 1])
     with pytest.raises(InputError, match="has no surface"):
         Part.beam(1.0, Circle(0.01), 2, STEEL).surface_stress()

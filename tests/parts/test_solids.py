@@ -150,7 +150,7 @@ def test_mass_of_a_box(kind: str, lumped: bool) -> None:
         np.testing.assert_allclose(part.inertia, exact, atol=1e-13 * mass)
 
 
-@pytest.mark.filterwarnings("ignore:.*pairs of nodes at one place")
+@pytest.mark.filterwarnings("ignore:.*pairs of coincident nodes")
 def test_mass_of_a_tube() -> None:
     """A curved mesh: the volume between the parabolas that stand for the arcs, in closed form.
 
@@ -218,7 +218,7 @@ def test_orthotropic_with_isotropic_values() -> None:
 def test_orthotropic_refusals() -> None:
     good = dict.fromkeys(("E1", "E2", "E3", "G12", "G13", "G23"), 1e9)
     good |= dict.fromkeys(("nu12", "nu13", "nu23"), 0.3) | {"E1": 11e9}
-    with pytest.raises(InputError, match="release energy"):
+    with pytest.raises(InputError, match="not positive definite"):
         Orthotropic(**{**good, "nu12": 3.4}, rho=400.0)
     with pytest.raises(InputError, match="E2 is -1") as caught:
         Orthotropic(**{**good, "E2": -1.0}, rho=400.0, axes=2.0 * np.eye(3))
@@ -246,7 +246,7 @@ def test_point_masses() -> None:
     assert part.mass == pytest.approx(m.sum(), rel=1e-12)
     np.testing.assert_allclose(part.centre, centre, rtol=1e-12)
     np.testing.assert_allclose(part.inertia, exact, atol=1e-10)
-    with pytest.raises(InputError, match="three nodes or more"):
+    with pytest.raises(InputError, match="three nodes"):
         Part.solid(mesh, STEEL, point_masses=[PointMass(0, 1.0, inertia=(1, 1, 1))])
 
 
@@ -295,7 +295,7 @@ def test_refusals() -> None:
         Part.solid(mesh, Material(E=1e9, nu=0.5, rho=1000.0))
     nodes = mesh.cells[0].nodes.copy()
     nodes[3] = nodes[3][[1, 0, 2, 3]]
-    with pytest.raises(InputError, match="1 element turned inside out, folded or flat: element 4"):
+    with pytest.raises(InputError, match="1 element of negative or zero volume: element 4"):
         Part.solid(replace(mesh, cells=(Cells("tetra", nodes),)), STEEL)
     shell = Mesh("shell", mesh.nodes, Cells("triangle", nodes[:, :3]))
     with pytest.raises(InputError, match="no solid elements .* it has triangle only"):

@@ -198,7 +198,7 @@ def test_a_full_disk_does_not_stop_it(tmp_path: Path, monkeypatch: pytest.Monkey
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez", full)
-    with pytest.warns(JoustoWarning, match="No space left.*it continues") as caught:
+    with pytest.warns(JoustoWarning, match="No space left.*reduction continues") as caught:
         reduced = reduce(block((4, 1, 1)), METHOD, cache=tmp_path)
     assert len(caught) == 1
     assert reduced.n == 4 + 24 - 6

@@ -95,7 +95,7 @@ def test_refusals(rod: jo.ReducedPart) -> None:
         rod.frequencies,
         rod.invariants,
     )
-    with pytest.raises(jo.InputError, match="has no rotation, so it cannot hold the part"):
+    with pytest.raises(jo.InputError, match="has no rotation, which the frame needs"):
         jo.reduction.clamp(bare, "start")
 
 

@@ -221,15 +221,15 @@ def test_refusals() -> None:
     with pytest.raises(jo.InputError, match=r"must be MeanFrame\(\), NodeFrame"):
         in_frame(part, "start")  # type: ignore[arg-type]
     other = jo.reduce(bent(), jo.FreeFree(modes=3))
-    with pytest.raises(jo.InputError, match="does not hold the modes of reduced part"):
+    with pytest.raises(jo.InputError, match="does not contain the modes of reduced part"):
         same_motion(part, other, np.zeros(7 + part.n), np.zeros(6 + part.n))
     kept = jo.reduce(bent(), jo.FreeFree(modes=3), residual_stress=True)
     with pytest.raises(jo.InputError, match="is that of mean axes"):
         in_frame(kept, NodeFrame("start"))
     solid = jo.reduce(_block(), jo.FreeFree(modes=3))
-    with pytest.raises(jo.InputError, match="neither 'node1' nor 'node2' turns"):
+    with pytest.raises(jo.InputError, match="neither 'node1' nor 'node2' has rotations"):
         in_frame(solid, ChordFrame("node1", "node2"))
-    with pytest.raises(jo.InputError, match="has no rotation, so it cannot hold the part"):
+    with pytest.raises(jo.InputError, match="has no rotation, which the frame needs"):
         in_frame(solid, NodeFrame("node1"))
 
 

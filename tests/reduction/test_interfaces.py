@@ -349,7 +349,7 @@ def test_rigid_ties_hold_without_being_named() -> None:
 def test_nodes_of_an_interface_in_another_one(kind: str) -> None:
     part = arm(kind, "average")
     message = {
-        "rigid": "node1 of node set 'left' is tied to interface 'a'; name that",
+        "rigid": "node1 of node set 'left' is tied to interface 'a'; use that interface",
         "average": "interfaces 'a' and 'left' share node1; keep one",
     }
     with pytest.raises(InputError, match=message[kind]):

@@ -87,16 +87,16 @@ def test_unknown_interface() -> None:
 
 def test_interface_that_does_not_hold_the_body() -> None:
     for name in ("node1", "line"):
-        with pytest.raises(InputError, match="does not hold the body.*three interface nodes"):
+        with pytest.raises(InputError, match="does not stop all rigid motions.*at least three"):
             reduce(lattice(), CraigBampton((name,), modes=1))
 
 
 def test_loose_part_of_the_stiffness() -> None:
     """A node on two bars swings freely: K has more than six zero modes."""
     part = lattice(bars_of_last_node=2)
-    with pytest.raises(InputError, match="move without force even where it is held; node16 u"):
+    with pytest.raises(InputError, match="has a free motion although the body is fixed; node16 u"):
         reduce(part, CraigBampton(("foot",), modes=1))
-    with pytest.raises(InputError, match="move without force even where it is held"):
+    with pytest.raises(InputError, match="has a free motion although the body is fixed"):
         reduce(part, FreeFree(modes=1))
 
 
@@ -119,14 +119,14 @@ def test_mass_of_a_supported_part() -> None:
 
 
 def test_nothing_left() -> None:
-    with pytest.raises(InputError, match="leaves no elastic mode.*RigidBody"):
+    with pytest.raises(InputError, match="has no elastic mode.*RigidBody"):
         reduce(bent(), CraigBampton(("start",), modes=0))
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: reduce(bent(), CraigBampton(modes=1)), "the reduction names none"),
+        (lambda: reduce(bent(), CraigBampton(modes=1)), "the method contains none"),
         (lambda: CraigBampton(("a",)), "give modes=number or frequency_limit=Hz"),
         (lambda: CraigBampton(("a", "a"), modes=1), "'a' is named more than once"),
         (lambda: CraigBampton((3,), modes=1), "3 is not the name"),  # type: ignore[arg-type]

@@ -155,7 +155,7 @@ def test_residuals_of_another_part(residuals: object, message: str) -> None:
 def test_a_part_without_stress_has_no_gauges() -> None:
     part = box().with_interfaces(Interface("a", "left"))
     with pytest.raises(
-        InputError, match="residuals name the stress site 'n1', but the part has no"
+        InputError, match="residuals contain the stress site 'n1', but the part has no"
     ):
         reduce(part, CraigBampton(modes=1, residuals=("n1",)))
 

@@ -28,7 +28,7 @@ def test_keep() -> None:
     mask = r.frequencies < r.frequencies[3]
     assert r.keep(mask).n == 3
     for bad, message in (
-        ([], "one mode or more"),
+        ([], "one mode"),
         ([9], r"modes 0\.\.8, not \[9\]"),
         ([-1], "not"),
         ([1, 1], "more than once"),
@@ -63,5 +63,5 @@ def test_reduced_part_checks_its_arrays() -> None:
             elements=[[0, 99]],
         )  # fmt: skip
     text = str(error.value)
-    for part in ("frequencies[1] is nan", "elements name nodes outside", "interface 'strt'"):
+    for part in ("frequencies[1] is nan", "elements refer to nodes outside", "interface 'strt'"):
         assert part in text

@@ -299,17 +299,23 @@ def broken(x: Array) -> Array:
     ("functions", "message"),
     [
         (nowhere, r"shape function 'nowhere' is not finite at node6"),
-        (shift, r"'shift': a rigid motion, which the frame carries; leave it out"),
+        (shift, r"'shift': a rigid motion, which the body frame already has; leave it out"),
         (spin, r"'spin': a rigid motion"),
         (still, r"'still': zero at all nodes"),
-        ([square, square], r"'square': at the nodes a sum of those before"),
-        ([square, moved_square], r"'moved_square': a sum of those before and a rigid motion"),
+        ([square, square], r"'square': at the nodes a linear combination of the previous ones"),
+        (
+            [square, moved_square],
+            r"'moved_square': a linear combination of the previous ones and a rigid motion",
+        ),
         (one, r"'one' returns an array \(9,\) for the 9 nodes, must be \(9, 3\) or \(9, 6\)"),
         (broken, r"'broken' failed at the nodes: ZeroDivisionError: no luck"),
         (np.ones(7), r"by columns have 7 rows, the part has 54 degrees of freedom"),
-        (Polynomials(9), r"x\^9 in x, x\^9 in y, x\^9 in z and 3 more: at the nodes a sum"),
+        (
+            Polynomials(9),
+            r"x\^9 in x, x\^9 in y, x\^9 in z and 3 more: at the nodes a linear combination",
+        ),
         (BeamFunctions("free-free", 2, axis="y"), "has no extent along y"),
-        (BeamFunctions("free-free", 0, 9), "stretch 9 along x: at the nodes a sum"),
+        (BeamFunctions("free-free", 0, 9), "stretch 9 along x: at the nodes a linear combination"),
     ],
 )
 def test_refused_by_the_part(functions: Any, message: str) -> None:
@@ -322,18 +328,18 @@ def test_refused_by_the_part(functions: Any, message: str) -> None:
     ("make", "message"),
     [
         (lambda: ShapeFunctions([]), "functions is empty"),
-        (lambda: ShapeFunctions(3.0), "function 3.0 is none: give BeamFunctions"),
+        (lambda: ShapeFunctions(3.0), "function 3.0 is no shape function: give BeamFunctions"),
         (lambda: ShapeFunctions(np.array([1.0, np.inf])), "columns of shape functions"),
         (lambda: ShapeFunctions(square, modes=0), "modes"),
         (lambda: BeamFunctions("clamped", 2), "ends is 'clamped'"),
         (lambda: BeamFunctions("free-free", 0), "has no function"),
         (lambda: BeamFunctions("free-free", 61), "at most 60"),
-        (lambda: BeamFunctions("free-free", 2, across="x"), "across is 'x', which is the axis"),
+        (lambda: BeamFunctions("free-free", 2, across="x"), "across is 'x', the same as axis"),
         (lambda: Splines(3), "3 functions of degree 3, at least 4"),
         (lambda: Splines(30, degree=12), "degree 12, at most"),
         (lambda: Polynomials(1), "order"),
-        (lambda: Polynomials(4, along="x"), "along and across go together"),
-        (lambda: jo.FreeFree(modes=3, frame=AsGiven()), "which only ShapeFunctions"),
+        (lambda: Polynomials(4, along="x"), "along and across must both"),
+        (lambda: jo.FreeFree(modes=3, frame=AsGiven()), "which is allowed for ShapeFunctions(...)"),
     ],
 )
 def test_refused_at_once(make: Any, message: str) -> None:

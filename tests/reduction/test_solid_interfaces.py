@@ -209,7 +209,7 @@ def test_a_file_of_version_1_is_read(tmp_path: Any) -> None:
 def test_joints_need_a_node_that_turns() -> None:
     reduced = reduce(bar("hexahedron"), CraigBampton(modes=2))
     body = jo.FlexibleBody("bar", reduced)
-    with pytest.raises(InputError, match=r"bar\.node1 has no.*nodes that turn are 'a', 'b'"):
+    with pytest.raises(InputError, match=r"bar\.node1 has no.*nodes with rotations are 'a', 'b'"):
         jo.Mechanism(body, jo.Fixed("clamp", jo.ground["origin"], body["node1"]))
 
 

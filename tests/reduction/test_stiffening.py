@@ -144,5 +144,5 @@ def test_saved_kept_and_off_by_default(tmp_path: Path) -> None:
 
 
 def test_refused_without_beams() -> None:
-    with pytest.raises(InputError, match="only parts made of beams"):
+    with pytest.raises(InputError, match="only parts of beams"):
         reduce(lattice(), FreeFree(modes=3), stiffening=True)

@@ -138,8 +138,8 @@ def attribute(name: str, value: object) -> Callable[[Path], None]:
 DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda p: p.write_text("not a part"), "not an HDF5 file"),
     "empty": (lambda p: p.write_bytes(b""), "not an HDF5 file"),
-    "cut": (lambda p: p.write_bytes(p.read_bytes()[:-3000]), "damaged or cut short"),
-    "head only": (lambda p: p.write_bytes(p.read_bytes()[:100]), "damaged or cut short"),
+    "cut": (lambda p: p.write_bytes(p.read_bytes()[:-3000]), "damaged or truncated"),
+    "head only": (lambda p: p.write_bytes(p.read_bytes()[:100]), "damaged or truncated"),
     "missing file": (lambda p: p.unlink(), "there is no such file"),
     "other file": (
         edit(lambda f: f.attrs.__delitem__("format")),
@@ -161,9 +161,9 @@ DAMAGE: dict[str, tuple[Callable[[Path], object], str]] = {
     "NaN": (poke("modes", np.nan), r"modes\[0, 0, 0\] is nan"),
     "NaN in E": (poke("invariants/E", np.nan), r"E\[0, 0, 0, 0\] is nan"),
     "frequency": (poke("frequencies", -1.0), "a frequency is -1 Hz"),
-    "element": (poke("elements", 999), "elements name nodes outside"),
+    "element": (poke("elements", 999), "elements refer to nodes outside"),
     "fewer modes": (replace_dataset("frequencies", np.ones(3)), "must be"),
-    "one digit": (poke("modes", 0.125), r"changed after writing \(checksum\)"),
+    "one digit": (poke("modes", 0.125), r"changed after writing \(wrong checksum\)"),
     "no checksum": (edit(lambda f: f.attrs.__delitem__("checksum")), "incomplete or damaged"),
 }
 

@@ -116,7 +116,7 @@ def test_limits() -> None:
         matrices, frequency_limit=float(every.frequencies[2]) * 1.01
     )
     assert below.n == 3 and below.interfaces == () and every.interfaces == ("n101", "n205")
-    with pytest.raises(InputError, match="20 modes are asked for, the superelement has 11 modes"):
+    with pytest.raises(InputError, match="20 modes are requested, the superelement has 11 modes"):
         jo.reduction.reduce_superelement(matrices, modes=20)
 
 
@@ -168,7 +168,7 @@ def test_refusals() -> None:
         heavy = M.copy()
         heavy[0, 0] += 1.0
         jo.reduction.reduce_superelement(with_rows(good, M=heavy))
-    with pytest.raises(InputError, match="M holds no mass"):
+    with pytest.raises(InputError, match="M contains no mass"):
         jo.reduction.reduce_superelement(with_rows(good, M=0.0 * M))
     with pytest.raises(InputError, match="more free motions than the six"):
         loose = K.copy()

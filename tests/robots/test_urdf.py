@@ -122,7 +122,7 @@ def test_masses_that_no_body_has(write: Write) -> None:
     ball = '<visual><geometry><sphere radius="1"/></geometry></visual>'
     said = sentences(write(f'{links}<link name="empty">{ball}</link>{joints}'))
     for part in (
-        "link 'flat': inertia breaks the triangle inequality: principal moments 1, 1, 3",
+        "link 'flat': inertia violates the triangle inequality: principal moments 1, 1, 3",
         "link 'minus': inertia is not positive",
         "link 'empty': moves with joint '2', but neither it nor what it carries has a mass",
     ):
@@ -241,7 +241,7 @@ def test_inertia_that_counts_is_the_one_that_moves(write: Write) -> None:
     with pytest.warns(jo.JoustoWarning, match="it does not matter, since it is fixed to others"):
         robot = read_urdf(path)
     np.testing.assert_allclose(np.diag(robot.links[1].inertia), [2.0, 2.0, 3.5])
-    assert "link 'c': inertia breaks the triangle inequality" in sentences(path, merge=False)
+    assert "link 'c': inertia violates the triangle inequality" in sentences(path, merge=False)
 
 
 def test_inertia_is_repaired_where_that_is_asked_for(write: Write) -> None:

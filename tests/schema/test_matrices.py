@@ -124,7 +124,7 @@ def test_superelement(tmp_path: Path) -> None:
     assert reduced.node("tip") == 2
     file = read_part_file(path)
     assert file.part is None and file.reduced.n == 4
-    with pytest.raises(InputError, match="rod.yaml:5: reduce.modes: .*99 modes are asked for"):
+    with pytest.raises(InputError, match="rod.yaml:5: reduce.modes: .*99 modes are requested"):
         read_part(write(tmp_path, text.replace("modes: 4", "modes: 99")))
 
 

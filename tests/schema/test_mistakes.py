@@ -80,7 +80,7 @@ SINGLE = [
      "bodies.0.position.2: expects a length (m), got 1 kg (a mass)"),
     ("position: [0, 0, 0]", "position: [0, 2 mm, 0]", 15,
      "joints.0: initial gap of 2 mm: ground.origin is at (0, 0, 0), arm.start at (0, 0.002, 0) m; "
-     "move a body until they meet"),
+     "move a body until the points meet"),
     ("position: [0, 0, 0]", "orientation: [1, 1, 0, 0]", 13,
      "bodies.0.orientation: orientation [1.0, 1.0, 0.0, 0.0] has length 1.41421; "
      "Euler parameters (scalar first) must have length 1"),
@@ -90,7 +90,7 @@ SINGLE = [
      "convention: ZXZ}, got a list of 2"),
     ("position: [0, 0, 0]", "orientation: {euler_deg: [1, 2, 3], convention: '313'}", 13,
      "bodies.0.orientation.convention: convention is '313', must be three axes, neighbours "
-     "different: capitals such as 'ZXZ' for the axes as they have been turned (intrinsic), small "
+     "different: capitals such as 'ZXZ' for the axes of the rotated body (intrinsic), small "
      "letters such as 'zxz' for those of the world (extrinsic); did you mean 'ZXZ'?"),
     ("position: [0, 0, 0]", "orientation: {euler_deg: [1, 2, 3]}", 13,
      "bodies.0.orientation: 'convention' is missing"),
@@ -211,7 +211,7 @@ def test_problems_of_the_whole_mechanism_are_placed_too():
     assert found == [
         "m.yaml:16: joints.1.name: 2 joints have this name, names must differ",
         "m.yaml:16: joints.1: initial gap of 2000 mm: ground.origin is at (0, 0, 0), arm.end at "
-        "(2, 0, 0) m; move a body until they meet",
+        "(2, 0, 0) m; move a body until the points meet",
     ]
 
 
@@ -226,7 +226,7 @@ def test_problems_of_the_whole_mechanism_are_placed_too():
             "bodies: [{name: a, mass: -1, inertia: [1, 1, 5]}]\n",
             [
                 "m.yaml:1: bodies.0.mass: mass is -1 kg, must be a positive number",
-                "m.yaml:1: bodies.0.inertia: inertia breaks the triangle inequality: principal "
+                "m.yaml:1: bodies.0.inertia: inertia violates the triangle inequality: principal "
                 "moments 1, 1, 5 kg m2, the largest must not exceed the sum of the others, 2",
             ],
         ),

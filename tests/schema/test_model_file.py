@@ -173,7 +173,9 @@ def test_everything_equals_the_python_constructors():
     with pytest.warns(JoustoWarning, match="wing"):
         expected = everything()
     line = EVERYTHING.splitlines().index("  - name: wing") + 1
-    with pytest.warns(JoustoWarning, match=f"m.yaml:{line}: bodies.3: is not connected"):
+    with pytest.warns(
+        JoustoWarning, match=f"m.yaml:{line}: bodies.3: has no joint to another body"
+    ):
         model = parse_model(EVERYTHING, name="m.yaml")
     same(model.mechanism, expected)
     assert model.simulation.solver == ROS2(2e-3, projection=False, baumgarte=Baumgarte(50.0, 50.0))

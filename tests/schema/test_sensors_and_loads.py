@@ -177,7 +177,7 @@ MISTAKES = [
     ("{type: reaction, name: s, joint: hinge, resolved_in: wrld}",
      "sensors.0.resolved_in: no resolved_in 'wrld'; did you mean 'world'?"),
     ("{type: reaction, name: s, joint: rack, resolved_in: joint}",
-     "sensors.0.resolved_in: the reaction of 'rack' is along its coordinates, leave resolved_in"),
+     "sensors.0.resolved_in: the reaction of 'rack' acts along its coordinates, leave resolved_in"),
     ("{type: force, name: s, force: kk}", "sensors.0.force: no force 'kk'; did you mean 'k'"),
     ("{type: gauge, name: s, body: arm, at: e1.a.tip}",
      "sensors.0.at: part 'rod' has no stress site 'e1.a.tip'; did you mean 'e1.a.top'?"),
@@ -190,7 +190,8 @@ MISTAKES = [
     ("{type: rosette, name: s, body: arm, at: e1.a.top, kind: '30'}",
      "sensors.0.kind: kind is '30', must be '45', '60' (delta) or '90' (tee)"),
     ("{type: gauge, name: s, body: arm, at: e1.a.top, temperature: {signal: 20, part: 12}}",
-     "sensors.0.temperature.part: part is 12 1/K; was it meant in 1e-6/K? Give 12e-6"),
+     "sensors.0.temperature.part: part is 12 1/K; if it is in 1e-6/K, multiply by 1e-6 "
+     "(12e-6 for steel)"),
     ("{type: energy, name: s, energy: kintic}",
      "sensors.0.energy: energy is 'kintic'; did you mean 'kinetic'?"),
     ("{type: von-mises, name: s, body: slider}",

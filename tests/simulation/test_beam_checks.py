@@ -50,7 +50,9 @@ def test_the_limit_of_rk4_is_where_the_run_breaks(scale):
 def test_weight_beyond_the_tension_that_shear_bears():
     """EA 1e3 N, GA 5 N: unstable beyond GA/(1 - GA/EA) = 5.025 N."""
     beam, root = hanging((1e3, 5.0, 5.0, 1, 1, 1))
-    with pytest.warns(jo.JoustoWarning, match=r"weight pulls with up to 9.81 N, but beyond 5.03 N"):
+    with pytest.warns(
+        jo.JoustoWarning, match=r"weight causes a tension of up to 9.81 N, but beyond 5.03 N"
+    ):
         jo.compile(jo.Mechanism(beam, root, DOWN))
 
 
@@ -76,7 +78,7 @@ def test_bending_by_more_than_a_radian_in_an_element():
 def test_an_element_that_is_curved_by_more_than_a_radian():
     t = np.linspace(0, np.pi, 4)
     points = np.stack([np.sin(t), 1 - np.cos(t), 0 * t], axis=1)
-    with pytest.warns(jo.JoustoWarning, match="turn by up to 1.05 rad each"):
+    with pytest.warns(jo.JoustoWarning, match="bend by up to 1.05 rad each"):
         jo.BeamBody("hook", points, jo.Circle(0.01), STEEL)
 
 

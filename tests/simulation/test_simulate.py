@@ -124,7 +124,7 @@ def test_a_temporary_results_file_goes_with_its_solution(pendulum):
 @pytest.mark.parametrize(
     ("write", "sentence"),
     [
-        (lambda p: p.write_bytes(b"not HDF5"), "damaged or another kind of file"),
+        (lambda p: p.write_bytes(b"not HDF5"), "damaged or of another kind"),
         (lambda p: h5py.File(p, "w").close(), "not a results file; it is some other HDF5 file"),
         (lambda p: None, "no such results file"),
     ],

@@ -79,7 +79,7 @@ def test_drives_that_repeat_one_another_run_and_are_named():
     with pytest.warns(
         jo.JoustoWarning,
         match=r"a motion is driven twice \('motor a', 'motor b'\): "
-        "the run stops where they disagree.*leave out the drive 'motor b'",
+        "the run stops if they disagree.*leave out the drive 'motor b'",
     ):
         model = jo.compile(geared(curve, 2.0 * curve))
     run = jo.simulate(model, 1.0, solver=RUN)
@@ -96,7 +96,10 @@ def test_a_drive_of_what_cannot_move():
     with pytest.warns(jo.JoustoWarning) as caught:
         model = jo.compile(jo.Mechanism(arm, hinge, post, motor))
     text = str(caught[-1].message)
-    assert "the drive 'motor' moves what joints hold or move already: the run stops" in text
+    assert (
+        "the drive 'motor' prescribes a motion that joints already prevent or prescribe: the run"
+        in text
+    )
     assert "leave out the drive 'motor'" in text
     with pytest.raises(
         jo.simulation.RunFailed, match="joint 'post' is open .* contradicts 'hinge', 'motor'"
@@ -180,7 +183,7 @@ def test_an_open_loop_is_an_error_with_its_gap():
         loop(2.5, jo.Revolute, axis=Z)
     assert said(problem) == [
         "joint 'C': initial gap of 500 mm: b.end is at (2, 0, 0), ground.at(2.5, 0, 0) at "
-        "(2.5, 0, 0) m; move a body until they meet"
+        "(2.5, 0, 0) m; move a body until the points meet"
     ]
 
 
@@ -209,7 +212,7 @@ def test_a_rough_loop_that_can_close_is_closed():
 def test_mobility_zero():
     with pytest.warns(
         jo.JoustoWarning,
-        match="nothing can move: its 6 constraint rows hold every motion; free one of a joint",
+        match="nothing can move: its 6 constraint rows prevent every motion; free a motion",
     ):
         welded = jo.Mechanism(arm := bar("arm"), jo.Fixed("weld", O, arm["origin"]), GRAVITY)
         jo.compile(welded)
@@ -228,7 +231,7 @@ def test_a_triangle_of_bars_stands_still_and_says_so():
     )
     with pytest.warns(
         jo.JoustoWarning,
-        match="'A', 'B', 'C' repeat the others; nothing can move.*"
+        match="'A', 'B', 'C' are redundant; nothing can move.*"
         "replace the revolute joint 'A' by a spherical one",
     ):
         model = jo.compile(jo.Mechanism(a, b, *joints, GRAVITY))
@@ -247,11 +250,11 @@ def test_redundant_reactions_asked_for():
     asked = jo.ReactionSensor("hinge force", low)
     with pytest.warns(jo.JoustoWarning) as caught:
         model = jo.compile(jo.Mechanism(door, low, high, asked, GRAVITY))
-    (text,) = [str(w.message) for w in caught if "repeat the others" in str(w.message)]
-    assert "5 of the constraint rows of 'low', 'high' repeat the others" in text
-    assert "the reactions of these joints are not unique (given: those of least norm)" in text
+    (text,) = [str(w.message) for w in caught if "are redundant" in str(w.message)]
+    assert "5 of the constraint rows of 'low', 'high' are redundant" in text
+    assert "the reactions of these joints are not unique (computed: those of least norm)" in text
     assert "leave out the joint 'high'" in text
-    assert "'hinge force' asked for such reactions" in text
+    assert "'hinge force' depend on these reactions" in text
     (sensor,) = model.sensors
     assert "not unique" in sensor.description
 

@@ -18,7 +18,7 @@ import pytest
 import jousto as jo
 from verification.particles import rotation
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*is not connected to anything")
+pytestmark = pytest.mark.filterwarnings("ignore:.*has no joint to another body")
 LINE_INERTIA = np.diag([20.0, 10.0, 10.0])
 LENGTH = 10.0
 TORQUE = jo.Table((0, 2.5, 5.0, 6.0), (0, 200.0, 0, 0))

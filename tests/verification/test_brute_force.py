@@ -14,7 +14,7 @@ import pytest
 import jousto as jo
 from verification.particles import beam_particles, rigid_particles, rotation, skew
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*(is not connected|nothing will move)")
+pytestmark = pytest.mark.filterwarnings("ignore:.*(has no joint to another|nothing will move)")
 
 NODES = np.array(
     [[0, 0, 0], [0.6, 0, 0], [1.1, 0.1, 0], [1.1, 0.5, 0.3], [1.1, 0.5, 0.9], [0.9, 0.2, 1.4]]

@@ -80,7 +80,7 @@ def test_displacements(kind: str, how: str, etype: str, distort: float) -> None:
     np.testing.assert_allclose(ours, ccx, atol=1e-6 * np.abs(ccx).max())
 
 
-@pytest.mark.filterwarnings("ignore:.*BOUNDARY .* not taken:jousto.JoustoWarning")
+@pytest.mark.filterwarnings("ignore:.*BOUNDARY .* ignored:jousto.JoustoWarning")
 @needed
 @pytest.mark.parametrize(
     ("etype", "least"),

@@ -17,7 +17,7 @@ from verification.mechanisms import march, orders
 from verification.particles import rotation
 from verification.solids import solid
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*is not connected to anything")
+pytestmark = pytest.mark.filterwarnings("ignore:.*has no joint to another body")
 
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 N = 8

@@ -1,1 +1,1 @@
-"""What every room uses and what knows nothing of mechanics: errors, checks, files, units."""
+"""Base of all rooms, without mechanics: errors, checks, files, units."""

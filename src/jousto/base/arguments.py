@@ -1,7 +1,7 @@
-"""Arguments of a wrong kind: one sentence instead of an error from the depths.
+"""Arguments of wrong types: one message instead of an error deep inside.
 
-The annotations of a function say what it takes. They are consulted only when a call has failed, so
-that nothing that works is refused and a call that works costs nothing.
+The annotations of a function contain the accepted types. They are checked only after a call has
+failed, so that no valid call is refused or slowed down.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Scope = Mapping[str, Any]
 
 DEEP = (TypeError, ValueError, AttributeError, LookupError, ArithmeticError)
-"""What code raises that gets something else than it was written for."""
+"""Exceptions caused by arguments of wrong types."""
 
 HOW = {
     "Cycles": "jo.fatigue.rainflow(series, residue=...)",
@@ -52,7 +52,7 @@ HOW = {
     "StrainLife": "jo.fatigue.strain_life(name)",
     "StressField": "jo.stress_field(run, body)",
 }
-"""Where objects come from that are made by functions."""
+"""Functions that create objects, by class, for messages."""
 
 WORDS = {
     "float": "a number",
@@ -70,7 +70,7 @@ SEVERAL = ("Sequence", "Iterable", "list", "tuple", "set")
 
 
 def explained(what: F) -> F:
-    """Let a function or the constructor of a class say which argument is of the wrong kind.
+    """Decorate a function or a class so that errors report arguments of wrong types.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def explained(what: F) -> F:
 
 
 def explained_as(where: str) -> Callable[[F], F]:
-    """Do the same for a function that users call by another name."""
+    """Decorate like `explained` a function that users call by another name."""
 
     def mark(what: F) -> F:
         return typing.cast(F, _watched(what, where))
@@ -117,17 +117,17 @@ def _watched(function: Callable[..., Any], where: str) -> Callable[..., Any]:
 def misfits(
     function: Callable[..., Any], where: str, given: tuple[Any, ...], named: dict[str, Any]
 ) -> list[Problem]:
-    """Return what is wrong with the arguments of a call, as far as annotations can tell."""
+    """Return the problems with the arguments of a call that annotations can identify."""
     signature = inspect.signature(function)
     try:
         bound = signature.bind(*given, **named).arguments
-    except TypeError:  # too many, too few or unknown ones: Python says which
+    except TypeError:  # too many, too few or unknown arguments: reported by Python
         changed = ARGUMENTS.get(where, {})
         return [
             Problem(where, f"{name}= is now {changed[name]}=") for name in named if name in changed
         ]
     scope = getattr(inspect.unwrap(function), "__globals__", {})
-    if function.__name__ == "__init__" and given:  # fields may come from files of other classes
+    if function.__name__ == "__init__" and given:  # fields of classes from other files
         files = (vars(sys.modules[base.__module__]) for base in type(given[0]).__mro__)
         scope = ChainMap(scope, *files)
     found = []
@@ -150,7 +150,10 @@ def misfits(
 
 
 def _documented(function: Callable[..., Any], name: str) -> str:
-    """Return what the page says an argument is: ``SN``, ``(3,) array_like``; empty if nothing."""
+    """Return the type of an argument in the docstring: ``SN``, ``(3,) array_like``.
+
+    Empty if none.
+    """
     owner = getattr(sys.modules.get(function.__module__), function.__qualname__.split(".")[0], None)
     for text in (function.__doc__, owner.__doc__):
         for line in (text or "").splitlines():
@@ -161,7 +164,7 @@ def _documented(function: Callable[..., Any], name: str) -> str:
 
 
 def _fits_words(words: str, value: Any, scope: Scope) -> bool:
-    """Return whether a value is what a page says; what it does not say, is."""
+    """Return whether a value has a type of the docstring; True for unknown types."""
     words, _, inside = words.partition(" of ")
     checks = []
     for word in re.findall(r"\w+", words):
@@ -196,21 +199,21 @@ def _name(kind: ast.expr) -> str:
 
 
 def _union(kind: ast.expr) -> list[ast.expr]:
-    """Return the kinds of a union, or the one kind that is none."""
+    """Return the members of a union type, or the one type."""
     if isinstance(kind, ast.BinOp):
         return [*_union(kind.left), *_union(kind.right)]
     return [kind]
 
 
 def _inside(kind: ast.expr) -> list[ast.expr]:
-    """Return the arguments of ``Sequence[...]``, none of what has none."""
+    """Return the arguments of ``Sequence[...]``, empty for other types."""
     if not isinstance(kind, ast.Subscript):
         return []
     return list(kind.slice.elts) if isinstance(kind.slice, ast.Tuple) else [kind.slice]
 
 
 def _fits(kind: ast.expr, value: Any, scope: Scope) -> bool:
-    """Return whether a value is what an annotation says; what cannot be told is."""
+    """Return whether a value has an annotated type; True if this cannot be checked."""
     if isinstance(kind, ast.BinOp):
         return any(_fits(part, value, scope) for part in _union(kind))
     name = _name(kind)
@@ -222,7 +225,7 @@ def _fits(kind: ast.expr, value: Any, scope: Scope) -> bool:
             isinstance(value, str) and name not in ("Sequence", "Iterable")
         ):
             return False
-        # others may give their items only once
+        # other iterables may yield their items only once
         some = value if isinstance(value, list | tuple | str) else ()
         return all(_fits(item, one, scope) for item in _inside(kind)[:1] for one in some)
     if name == "Literal":
@@ -231,7 +234,7 @@ def _fits(kind: ast.expr, value: Any, scope: Scope) -> bool:
 
 
 def _plain(name: str, value: Any) -> bool | None:
-    """Return whether a value is a plain one of this name, None if the name is none of these."""
+    """Return whether a value has a plain type by name, None for names of other types."""
     checks: dict[str, Callable[[Any], bool]] = {
         "float": _is_number,
         "int": lambda x: _is_number(x) and isinstance(x, int | np.integer),
@@ -265,7 +268,7 @@ def _is_numeric(value: Any) -> bool:
 
 
 def _belongs(name: str, value: Any, scope: Scope) -> bool:
-    """Return whether a value is of a class or an alias that the function's module knows."""
+    """Return whether a value has a class or alias known in the module of the function."""
     if name in scope or hasattr(builtins, name):
         return _is_of(scope[name] if name in scope else getattr(builtins, name), value)
     if "jousto" in sys.modules and _is_public(name):  # imported for annotations only
@@ -296,7 +299,7 @@ def _is_of(kind: Any, value: Any) -> bool:
 
 
 def _wanted(kind: ast.expr) -> str:
-    """Return in words what an annotation wants."""
+    """Return an annotated type in words."""
     texts: list[str] = []
     for part in _union(kind):
         name = _name(part)

@@ -1,4 +1,4 @@
-"""Kinds of arrays, and small helpers for them."""
+"""Array types, and small helper functions."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ NEXT, LAST = [1, 2, 0], [2, 0, 1]
 
 
 def read_only(array: ArrayLike) -> Array:
-    """Return a contiguous float copy of the array that cannot be written to."""
+    """Return a contiguous, read-only float copy of an array."""
     return frozen(np.array(floats(array), order="C"))
 
 
 def frozen(array: A) -> A:
-    """Return the array itself, which cannot be written to any more."""
+    """Return the same array, made read-only."""
     array.setflags(write=False)
     return array
 
@@ -51,7 +51,7 @@ def skew(x: ArrayLike) -> Array:
 
 
 def crossed(a: Array, b: Array) -> Array:
-    """Return a cross b, (..., 3): for a few vectors a fraction of the cost of ``numpy.cross``.
+    """Return a cross b, (..., 3): for few vectors much faster than ``numpy.cross``.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def transposed(x: Array) -> Array:
 def as_csr(matrix: object) -> Sparse:
     """Return a float csr array without explicit zeros and with sorted indices.
 
-    A csr array that is in that form already is used as it is; anything else is copied.
+    A csr array in this form is returned unchanged; other matrices are copied.
     """
     if (
         isinstance(matrix, scipy.sparse.csr_array)
@@ -95,7 +95,7 @@ def times(matrix: Sparse, x: Array) -> Array:
 
 
 def scatter(blocks: Array, rows: Ints, columns: Ints, shape: tuple[int, int]) -> Sparse:
-    """Add dense blocks (m, r, c) into a sparse matrix at rows (m, r) and columns (m, c)."""
+    """Return the sparse sum of dense blocks (m, r, c) at rows (m, r) and columns (m, c)."""
     i = np.broadcast_to(rows[:, :, None], blocks.shape)
     j = np.broadcast_to(columns[:, None, :], blocks.shape)
     keep = blocks != 0.0
@@ -109,6 +109,6 @@ def node_dofs(nodes: Ints, dofs_per_node: int) -> Ints:
 
 
 def some(items: list[str], limit: int = 6) -> str:
-    """Join the first items into one readable list."""
+    """Return the first items joined to one readable list."""
     more = f" and {len(items) - limit} more" if len(items) > limit else ""
     return ", ".join(items[:limit]) + more

@@ -1,9 +1,9 @@
-"""Checksums behind the end of an HDF5 file: what does not have its checksum is not read.
+"""Checksums behind the end of an HDF5 file: data with wrong checksums are not read.
 
-HDF5 ends before them and does not mind; it may crash over damage, so it does not get to see it.
-They stand for the layout and all that does not change, piece by piece, and for every BLOCK rows of
-each column, written as these are complete: so they hold of a file whose run is going on or was
-killed as well. Other programs that write into the file remove them; then only the structure is
+HDF5 ignores data behind its end. Since HDF5 may crash on damaged files, checksums are checked
+before it opens a file. They cover the layout and all constant data, piece by piece, and every BLOCK
+rows of each column, written when the block is complete; so they are valid also for a file of a
+running or killed run. Other programs that write to the file remove them; then only the structure is
 checked.
 """
 
@@ -19,24 +19,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-BLOCK = 1024  # rows
-FOOT = struct.Struct("<8sIIQ")  # mark, checksum and length of the text, where the blocks begin
+BLOCK = 1024  # rows per block
+FOOT = struct.Struct("<8sIIQ")  # mark, checksum and length of the text, start of the blocks
 MARK = b"JOUSTOCK"
 PIECE = 1 << 24
 Write = Callable[[int, bytes], None]
 
 
 class Seal:
-    """Forms the checksums while a file is written.
+    """Checksums of a file that is being written.
 
     Parameters
     ----------
     start : int
-        Where HDF5 ends.
+        Offset of the end of HDF5.
     columns : list of (offset, bytes of a row)
-        Where the columns are.
-    rows : int
-        Rows at most.
+        Positions of the columns. rows : int Largest number of rows.
     """
 
     def __init__(self, start: int, columns: list[tuple[int, int]], rows: int) -> None:
@@ -45,10 +43,10 @@ class Seal:
         self._blocks = np.zeros((-(-rows // BLOCK), len(columns)), "<u4")
         self._running = [0] * len(columns)
         self._written = 0
-        self._done = 0  # blocks that are in the file
+        self._done = 0  # number of blocks in the file
 
     def add(self, data: list[bytes], rows: int, write: Write) -> None:
-        """Take rows of all columns; write the checksums of the blocks that they complete."""
+        """Add rows of all columns; write the checksums of blocks that become complete."""
         for k, ((_, width), block) in enumerate(zip(self._columns, data, strict=True)):
             view, at = memoryview(block), self._written
             while view:
@@ -66,7 +64,7 @@ class Seal:
             self._done = full
 
     def moved(self, start: int, columns: list[tuple[int, int]], rows: int) -> Seal:
-        """Return the same for the same rows in another file."""
+        """Return the checksums of the same rows for another file."""
         other = Seal(start, columns, rows)
         other._blocks[:] = self._blocks[: len(other._blocks)]
         other._written = self._written
@@ -74,7 +72,7 @@ class Seal:
 
     @property
     def open_end(self) -> int:
-        """Length of the file without what says that its checksums are valid."""
+        """Length of the file without the footer that makes its checksums valid."""
         return self._start + self._blocks.nbytes
 
     def _write_blocks(self, first: int, last: int, write: Write) -> None:
@@ -82,7 +80,7 @@ class Seal:
         write(place, self._blocks[first:last].tobytes())
 
     def finish(self, pieces: Iterable[tuple[int, int, int]], write: Write, *, closed: bool) -> None:
-        """Write all checksums: (offset, length, checksum) of what does not change any more."""
+        """Write the checksums of constant data: (offset, length, checksum)."""
         self._write_blocks(0, len(self._blocks), write)
         about = {
             "pieces": list(pieces),
@@ -96,19 +94,19 @@ class Seal:
 
 
 class Sealed:
-    """The checksums of a file that is read.
+    """Checksums of a file that is read.
 
     Parameters
     ----------
     path : Path
         The file.
     foot : tuple
-        What stands at its end.
+        Content of the footer.
 
     Raises
     ------
     ValueError
-        If what does not change does not have its checksum.
+        If constant data have a wrong checksum.
     """
 
     def __init__(self, path: Path, foot: tuple[bytes, int, int, int]) -> None:
@@ -137,9 +135,9 @@ class Sealed:
         return np.frombuffer(raw, "<u4").reshape(self._good.shape)
 
     def check(self, offset: int | None, name: str, first: int, last: int, length: int) -> None:
-        """Raise ValueError unless rows of a column at an offset have their checksums.
+        """Raise ValueError if rows of a column at an offset have a wrong checksum.
 
-        Each block is read once. Of a file whose run goes on, the last rows have none yet.
+        Each block is read once. In a file of a running run, the last rows have no checksum yet.
         """
         if offset not in self._columns:
             return
@@ -151,7 +149,7 @@ class Sealed:
                 if count <= 0 or self._good[b, k]:
                     continue
                 found = _crc(file, offset + b * BLOCK * width, count * width)
-                if found != self._sums[b, k]:  # of a run that goes on they may be newer
+                if found != self._sums[b, k]:  # during a run, checksums in the file may be newer
                     self._sums = self._read_sums()
                 if found != self._sums[b, k]:
                     until = b * BLOCK + count - 1

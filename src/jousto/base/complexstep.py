@@ -1,8 +1,8 @@
-"""Complex steps: numbers whose imaginary part is the derivative with respect to one parameter.
+"""Complex steps: numbers whose imaginary part is the derivative by one parameter.
 
 ``df/dx = Im f(x + i h) / h`` has neither truncation nor cancellation (Squire and Trapp, SIAM Rev.
-40, 1998). Outside of `stepping` no field of any object takes a complex number. Inside, what does
-not depend on the parameter stays real; where numbers are compared their real parts decide.
+40, 1998). Outside of `stepping` no field accepts a complex number. Inside, numbers independent of
+the parameter are real; comparisons use real parts.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 STEP = 1e-30
-"""The imaginary step; its square vanishes beside every real part."""
+"""Imaginary step; its square is negligible against every real part."""
 
 _ACTIVE: ContextVar[bool] = ContextVar("complex step", default=False)
 is_stepping = _ACTIVE.get
-"""Whether numbers may be complex here."""
+"""Whether complex numbers are accepted in this context."""
 
 
 @contextmanager
 def stepping() -> Iterator[None]:
-    """Let numbers be complex; that an imaginary part is dropped is an error."""
+    """Accept complex numbers within the block; dropping an imaginary part is an error."""
     token = _ACTIVE.set(True)
     try:
         with warnings.catch_warnings():
@@ -40,7 +40,7 @@ def stepping() -> Iterator[None]:
 
 @contextmanager
 def plainly() -> Iterator[None]:
-    """Take no complex numbers for a while."""
+    """Reject complex numbers within the block."""
     token = _ACTIVE.set(False)
     try:
         yield
@@ -49,7 +49,7 @@ def plainly() -> Iterator[None]:
 
 
 def scalar(x: Any) -> float:
-    """Return a float; with a derivative while `stepping`, if the number has one."""
+    """Return a float, or a complex number with its derivative while `stepping`."""
     if _ACTIVE.get() and isinstance(x, (complex, np.ndarray)) and np.iscomplexobj(x):
         made: Any = np.complex128(x)
         return made if made.imag else float(made.real)
@@ -57,7 +57,7 @@ def scalar(x: Any) -> float:
 
 
 def floats(x: Any) -> NDArray[np.float64]:
-    """Return an array of floats; with derivatives while `stepping`, if any number has one."""
+    """Return an array of floats, or of complex numbers with derivatives while `stepping`."""
     if not _ACTIVE.get():
         return np.asarray(x, dtype=np.float64)
     array: Any = np.asarray(x)
@@ -73,14 +73,14 @@ def stepped(*arrays: Any) -> bool:
 
 
 def parts(x: Any) -> tuple[Any, Any]:
-    """Return values and derivatives, times `STEP`, of numbers, arrays or sparse matrices."""
+    """Return values, and derivatives times `STEP`, of numbers, arrays or sparse matrices."""
     return x.real, (x.imag if np.iscomplexobj(x) else 0.0 * x)
 
 
 def real_parts(thing: Any, along: float = 0.0) -> Any:
-    """Return an object, or a piece of it, without derivatives; itself where it has none.
+    """Return an object without derivatives; the same object if it has none.
 
-    Its numbers are those of the point, or moved by the derivatives times `along`.
+    Its numbers are the real parts, plus the derivatives times `along`.
     """
     if isinstance(thing, np.ndarray) or hasattr(thing, "tocsr"):
         if thing.dtype.kind != "c":
@@ -107,13 +107,12 @@ def real_parts(thing: Any, along: float = 0.0) -> Any:
 
 
 class SteppedText(str):
-    """A quantity in a text, such as ``0.004 m``, with the derivative of its number.
+    """Quantity as text, such as ``0.004 m``, with the derivative of its number.
 
     Parameters
     ----------
     text : str
-        The quantity.
-    slope : float
+        Quantity. slope : float
         Derivative of the number in the text, times `STEP`.
     """
 
@@ -130,7 +129,7 @@ class SteppedText(str):
 
 
 def power(x: Any, y: Any) -> Any:
-    """Return ``x ** y``, differentiable, by real powers: of negative numbers, too."""
+    """Return ``x ** y``, differentiable, for real exponents; also of negative numbers."""
     if not stepped(x, y):
         return x**y
     (x0, dx), (y0, dy) = parts(np.asarray(x)), parts(np.asarray(y))
@@ -145,7 +144,9 @@ def norm(x: NDArray[Any], axis: int | None = None) -> Any:
         return np.linalg.norm(x, axis=axis)
     size = np.linalg.norm(x.real, axis=axis)
     change = np.sum(x.real * x.imag, axis=axis)
-    straight = np.linalg.norm(x.imag, axis=axis)  # from zero on, in the direction of the step
+    straight = np.linalg.norm(
+        x.imag, axis=axis
+    )  # at zero: one-sided derivative in the direction of the step
     slope = np.where(size > 0.0, change / np.where(size > 0.0, size, 1.0), straight)
     return size + 1j * slope
 

@@ -1,4 +1,4 @@
-"""Errors and warnings: every problem with its place, its value and the remedy."""
+"""Errors and warnings: every problem with place, value and remedy."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ ASK_TRUST = (
     "which may do anything on this computer; if you trust the model file, run it with --trust "
     "(in Python: read_model(path, trust=True))"
 )
-"""End of the sentence about code that a model file names."""
+"""End of the message about code referenced by a model file."""
 
 
 def _again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:
-    """Return an error made anew in another process, with all that it knows."""
-    solid: Any = kind  # the exception of Python that decides how instances are laid out
+    """Return an error recreated in another process, with all its attributes."""
+    solid: Any = kind  # built-in exception that determines the memory layout
     while solid.__module__ != "builtins":
         solid = solid.__base__
     error = solid.__new__(kind, *args)
@@ -39,14 +39,14 @@ def _again(kind: type[BaseException], args: tuple[Any, ...], facts: dict[str, An
 
 
 class JoustoError(Exception):
-    """Base class of everything jousto raises on purpose; travels between processes."""
+    """Base class of the errors of jousto; can be pickled."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (type(self), self.args, self.__dict__)
 
 
 class JoustoWarning(UserWarning):
-    """A result is possible but probably not what was meant.
+    """Warning: a result is possible, but the input is probably wrong.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class JoustoWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong with the input.
+    """One problem of the input.
 
     Parameters
     ----------
@@ -104,12 +104,12 @@ class Problem:
 
 
 class InputError(JoustoError, ValueError):
-    """The input cannot be used; all problems found are reported together. A `ValueError`, too.
+    """Error: the input cannot be used; contains all problems. Also a `ValueError`.
 
     Attributes
     ----------
     problems : tuple of Problem
-        In the order in which they were found.
+        Problems in the order of detection.
     """
 
     def __init__(self, problems: Sequence[Problem] | Problem) -> None:
@@ -118,33 +118,33 @@ class InputError(JoustoError, ValueError):
 
 
 class CallError(InputError, TypeError):
-    """A call with arguments that are missing, unknown or too many. A `TypeError`, too."""
+    """Error: missing, unknown or superfluous arguments of a call. Also a `TypeError`."""
 
 
 class MissingFileError(InputError, FileNotFoundError):
-    """A file that is asked for is not there. A `FileNotFoundError`, too."""
+    """Error: a file does not exist. Also a `FileNotFoundError`."""
 
 
 class UnknownNameError(InputError, KeyError):
-    """A name that nothing has; close ones are suggested. A `KeyError`, too."""
+    """Error: an unknown name, with similar ones. Also a `KeyError`."""
 
     def __str__(self) -> str:
         return Exception.__str__(self)  # not the quoted text of a KeyError
 
 
 class NotAnalytic(JoustoError):
-    """Something that complex steps cannot differentiate; the message says what."""
+    """Error: a quantity that complex steps cannot differentiate; the message contains it."""
 
 
 class SimulationError(JoustoError):
-    """A run failed; the results up to the failure are kept.
+    """Error: a run failed; the results up to the failure are available.
 
     Attributes
     ----------
     time : float
         Time of the failure in s.
     body : str
-        Name of the body or joint that failed first, empty if none stands out.
+        Name of the body or joint that failed first, empty if unknown.
     """
 
     def __init__(self, message: str, *, time: float, body: str = "") -> None:
@@ -154,7 +154,7 @@ class SimulationError(JoustoError):
 
 
 class Problems:
-    """Collects problems so that all of them are reported at once.
+    """Collection of problems, to report all of them together.
 
     Examples
     --------
@@ -174,12 +174,12 @@ class Problems:
         self.found.append(Problem(where, message, path=path, named=named))
 
     def raise_if_any(self) -> None:
-        """Raise InputError with everything noted so far, if there is anything."""
+        """Raise InputError with all problems, if there are any."""
         if self.found:
             raise InputError(self.found)
 
     def positive(self, where: str, name: str, value: float, unit: str) -> None:
-        """Note a problem unless the value is a finite number above zero."""
+        """Add a problem unless the value is a finite number above zero."""
         self.number(where, name, value, unit, "a positive number", lambda x: x > 0.0)
 
     def number(
@@ -191,7 +191,7 @@ class Problems:
         wanted: str = "a finite number",
         good: Callable[[float], bool] = math.isfinite,
     ) -> bool:
-        """Return whether the value is a finite number that is good, or note a problem."""
+        """Return whether the value is a finite, valid number, or add a problem."""
         try:
             wrong = str if is_stepping() else (str, complex)
             if isinstance(value, wrong) or np.ndim(value) != 0:
@@ -207,7 +207,7 @@ class Problems:
         return True
 
     def several(self, where: str, name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
-        """Return one object of a kind or a sequence of them as a tuple; note what is neither."""
+        """Return one object of a kind, or a sequence of them, as a tuple; add problems."""
         if isinstance(value, kind):
             return (value,)
         if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
@@ -224,12 +224,12 @@ class Problems:
     def array(
         self, where: str, name: str, value: Any, shape: tuple[int | None, ...]
     ) -> NDArray[np.float64] | None:
-        """Return a read-only float copy, or note why it is not a finite array of that shape.
+        """Return a read-only float copy, or add a problem unless it is finite and of the shape.
 
         None in the shape allows any length.
         """
         try:
-            # the same but for numbers with derivatives
+            # the same for numbers with derivatives
             array = np.array(floats(value)) if is_stepping() else np.array(value, np.float64)
         except (TypeError, ValueError, OverflowError):
             if shape:
@@ -263,17 +263,17 @@ def _shape(shape: tuple[int | None, ...]) -> str:
 
 
 def suggest(name: object, candidates: Iterable[str]) -> str:
-    """Return the tail of an error sentence: the nearest known name, or all known names.
+    """Return the end of an error message: the most similar known name, or all known names.
 
     Examples
     --------
     >>> suggest("bom", ["boom", "ground"])
     "; did you mean 'boom'?"
     """
-    # the names that the user gave come before those that number the nodes
+    # names given by the user come before names of numbered nodes
     known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"n(ode)?\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
-    if not near:  # of other letters, such as PID for pid
+    if not near:  # other capitals, such as PID for pid
         small = {one.lower(): one for one in known}
         near = [small[x] for x in difflib.get_close_matches(str(name).lower(), small, n=1)]
     if near:
@@ -297,11 +297,11 @@ def warn(where: str, message: str, *path: str | int) -> None:
 
 
 LARGE_STRAIN = 0.01
-"""m/m: what is beyond was likely given in another unit; foil and steel are long past use."""
+"""Largest plausible strain, m/m; larger values are probably in another unit."""
 
 
 def likely_strain_unit(size: float) -> str:
-    """Return in which unit a strain was likely given that is too large for m/m.
+    """Return the unit in which a strain too large for m/m was probably given.
 
     >>> likely_strain_unit(0.05), likely_strain_unit(10.57)
     ('%', 'um/m')
@@ -310,7 +310,7 @@ def likely_strain_unit(size: float) -> str:
 
 
 def strain_remedy(size: float) -> str:
-    """Return likely unit and remedy of a strain that is too large for m/m."""
+    """Return probable unit and remedy for a strain too large for m/m."""
     return "percent: divide by 100" if size <= 1.0 else "um/m: divide by 1e6"
 
 

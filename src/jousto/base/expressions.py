@@ -1,4 +1,4 @@
-"""Arithmetic with units in text, such as ``2 * wall + 1 mm``: read by `ast`, never run as code."""
+"""Arithmetic with units in text, such as ``2 * wall + 1 mm``, parsed by `ast`, never executed."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ UNIT = "unit of"
 
 
 class ExpressionError(ValueError):
-    """Text that is no arithmetic, or whose quantities do not go together."""
+    """Error: text that is no arithmetic, or quantities of inconsistent units."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number in SI units with the exponents of m, kg, s and rad.
+    """Number in SI units with the exponents of m, kg, s and rad.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class Quantity:
 
     @property
     def text(self) -> str:
-        """The quantity as a model file has it."""
+        """Quantity in the form of a model file."""
         if stepped(self.value):
             plain = Quantity(float(np.real(self.value)), self.exponents)
             return SteppedText(plain.text, float(np.imag(self.value)))
@@ -60,7 +60,7 @@ class Quantity:
 
     @property
     def said(self) -> str:
-        """The quantity for people."""
+        """Quantity in the form of messages."""
         kind = KINDS.get(self.unit)
         shown = f"{self.value:g}" + ("" if self.exponents == NONE else f" {self.unit}")
         return f"{shown} ({kind})" if kind else shown
@@ -68,7 +68,7 @@ class Quantity:
 
 @functools.cache
 def _known() -> dict[tuple[float, ...], str]:
-    """Return the units of `KINDS` by their exponents, the first of those that are the same."""
+    """Return the units of `KINDS` by their exponents, of equal ones the first."""
     found: dict[tuple[float, ...], str] = {}
     for unit in KINDS:
         found.setdefault(measure(unit)[1], unit)
@@ -76,7 +76,7 @@ def _known() -> dict[tuple[float, ...], str]:
 
 
 def unit_of(exponents: tuple[float, ...]) -> str:
-    """Return the SI unit of exponents."""
+    """Return the SI unit with given exponents."""
     if exponents in _known():
         return _known()[exponents]
     pairs = zip(BASE, exponents, strict=True)
@@ -110,7 +110,7 @@ def read_quantity(value: Any) -> Quantity:
     Raises
     ------
     ExpressionError
-        If it is neither.
+        If the value is neither.
     """
     if isinstance(value, str) and (match := NUMBER.fullmatch(value.strip())):
         try:
@@ -130,8 +130,8 @@ def evaluate(text: str, known: Mapping[str, Quantity], used: set[str] | None = N
     """Return the value of an expression.
 
     Numbers, names, ``+ - * / ** ( )``, the constant ``pi`` and the functions of `FUNCTIONS`;
-    numbers may have a unit behind them, and a name that is not known may be a unit itself. Sums
-    are of one kind of quantity.
+    a number may be followed by a unit, and an unknown name may be a unit. The terms of a sum must
+    have the same unit.
 
     Parameters
     ----------
@@ -140,12 +140,12 @@ def evaluate(text: str, known: Mapping[str, Quantity], used: set[str] | None = N
     known : mapping
         Quantities by name.
     used : set, optional
-        Gets the names that occur.
+        Set to which the names in the text are added.
 
     Raises
     ------
     ExpressionError
-        What is wrong with it.
+        If the text cannot be evaluated.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Files: which may be read and written, and writing so that a file is whole or not there."""
+"""Files: checks before reading and writing, and atomic writes."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ KINDS = {
     stat.S_IFBLK: "a device",
 }
 ENDLESS = 1 << 26
-"""Bytes of a line; more is no text that anybody wrote."""
+"""Largest length of a line of text, bytes."""
 
-ENDLESS_LINE = f"a line of more than {ENDLESS >> 20} MB: this is no text"
+ENDLESS_LINE = f"a line of more than {ENDLESS >> 20} MB, which is no text"
 
 POINTER = b"version https://git-lfs.github.com/spec/"
-"""How the text begins that Git keeps in the place of a large file."""
+"""Beginning of the pointer that Git LFS stores in place of a large file."""
 
-# what NumPy and the zip archive raise over a damaged .npz file
+# exceptions of NumPy and zipfile for a damaged .npz file
 DAMAGED_NPZ = (
     OSError,
     ValueError,
@@ -56,7 +56,7 @@ DAMAGED_NPZ = (
 
 
 def special(path: Path) -> str:
-    """Return what stands at a path, or behind a link there, that is no file; empty if none does.
+    """Return the kind of a path that is no file, also behind a link; empty for files or nothing.
 
     >>> special(Path("."))
     'a folder'
@@ -64,12 +64,12 @@ def special(path: Path) -> str:
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):
-        return ""  # whoever opens it says why that does not work
+        return ""  # open() reports the error
     return "" if stat.S_ISREG(mode) else KINDS.get(stat.S_IFMT(mode), "something special")
 
 
 def executed(path: Path) -> ModuleType:
-    """Return a file of Python as a module, after its code has run."""
+    """Execute a Python file and return its module."""
     name = f"jousto_user_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
@@ -85,12 +85,12 @@ def executed(path: Path) -> ModuleType:
 
 
 def check_file(path: Path, remedy: str = "") -> None:
-    """Refuse what is there but no file: folders, devices, pipes.
+    """Raise InputError for an existing path that is no file: folder, device, pipe.
 
     Raises
     ------
     InputError
-        Naming what it is.
+        With the kind of the path.
     """
     found = special(path)
     if found:
@@ -99,14 +99,14 @@ def check_file(path: Path, remedy: str = "") -> None:
 
 
 def check_input(path: Path, remedy: str = "") -> None:
-    """Refuse what cannot be read as a file: folders, devices, pipes, pointers of Git LFS.
+    """Raise InputError for unreadable paths: folders, devices, pipes, pointers of Git LFS.
 
-    Nothing is said of files that are not there.
+    Missing files are not reported.
 
     Raises
     ------
     InputError
-        Naming what it is and, of a pointer, how to get the file.
+        With the kind of the path and, for a pointer, the command that loads the file.
     """
     check_file(path, remedy)
     with contextlib.suppress(OSError), path.open("rb") as file:
@@ -120,12 +120,12 @@ def check_input(path: Path, remedy: str = "") -> None:
 
 
 def check_text(path: Path, remedy: str = "") -> None:
-    """Refuse what `check_input` does, and files that begin with a line without end.
+    """Raise InputError like `check_input`, also for files that begin with an endless line.
 
     Raises
     ------
     InputError
-        Naming what it is.
+        With the kind of the path.
     """
     check_input(path, remedy)
     read = 0
@@ -138,15 +138,15 @@ def check_text(path: Path, remedy: str = "") -> None:
 
 @contextmanager
 def written(path: Path) -> Iterator[Path]:
-    """Yield the path of a new file beside the one wanted, which takes its place at the end.
+    """Yield the path of a temporary file, which replaces the target at the end of the block.
 
-    Where the block fails the new file is removed and what was there before stays. A link keeps
-    pointing to where it does: the file behind it is replaced.
+    If the block fails, the temporary file is removed and the old file remains. For a link, the file
+    behind it is replaced.
 
     Raises
     ------
     InputError
-        If something other than a file stands there, or writing fails.
+        If the path exists and is no file, or writing fails.
     """
     check_file(path)
     final = Path(os.path.realpath(path))
@@ -167,12 +167,12 @@ def written(path: Path) -> Iterator[Path]:
 
 
 def beside_of(final: Path) -> Path:
-    """Return the name of a file that may take the place of another one.
+    """Return the name of a temporary file that may replace another one.
 
     Raises
     ------
     OSError
-        If there is one that may not be written.
+        If the existing file is write-protected.
     """
     if final.exists() and not os.access(final, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
@@ -180,7 +180,7 @@ def beside_of(final: Path) -> Path:
 
 
 def take_place(beside: Path, final: Path) -> None:
-    """Put a file in the place of another one, with its permissions."""
+    """Replace a file by another one, with the permissions of the old one."""
     if final.exists():
         shutil.copymode(final, beside)
     os.replace(beside, final)
@@ -203,18 +203,18 @@ def write_table(path: str | Path, head: Iterable[Any], rows: Iterable[Iterable[A
 
 
 Rows = tuple[Iterable[Any], Iterable[Iterable[Any]]]
-"""The head and the rows of a table."""
+"""Header and rows of a table."""
 
 
 class Tabular:
-    """What can be written as a table."""
+    """Mixin of classes that can be written as a table."""
 
     def _csv(self) -> Rows:
-        """Return the head and the rows."""
+        """Return the header and the rows."""
         raise NotImplementedError
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write it as a table, whose head names the units.
+        """Write the table as CSV, with units in the header.
 
         Raises
         ------
@@ -225,16 +225,14 @@ class Tabular:
 
 
 def create(path: Path) -> BinaryIO:
-    """Open a new file for plain writes; whoever has the old one open keeps it.
+    """Open a new file for plain writes, without changing an already opened old one.
 
-    Never opens what was there before, so that what is removed after a failure is our own.
+    An existing file is never opened, so that only the new file is removed after a failure.
 
     Raises
     ------
     InputError
-        If something other than a file stands there.
-    OSError
-        If the file cannot be made.
+        If the path exists and is no file. OSError If the file cannot be created.
     """
     check_file(path)
     path.unlink(missing_ok=True)
@@ -242,7 +240,7 @@ def create(path: Path) -> BinaryIO:
 
 
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error of a file that cannot be written: why, and what to do.
+    """Return the error for a file that cannot be written, with reason and remedy.
 
     >>> print(unwritable(Path("a.csv"), OSError(errno.ENOSPC, "No space left on device")))
     a.csv: cannot be written: No space left on device; free some space
@@ -251,7 +249,7 @@ def unwritable(path: Path, error: OSError) -> InputError:
 
 
 def reason(path: Path, error: OSError) -> str:
-    """Return why a file could not be written, without its name, and what to do."""
+    """Return the reason why a file could not be written, and the remedy."""
     if error.errno in (errno.ENOSPC, errno.EDQUOT):
         return f"{error.strerror}; free some space"
     with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""A mapping that nobody changes, and that travels to other processes."""
+"""Frozen: an immutable mapping that can be pickled."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ V = TypeVar("V")
 
 
 class Frozen(Mapping[K, V]):
-    """A mapping that cannot be changed; unlike `types.MappingProxyType` it can be pickled.
+    """Immutable mapping; unlike `types.MappingProxyType` it can be pickled.
 
     Examples
     --------
@@ -38,15 +38,15 @@ class Frozen(Mapping[K, V]):
         return key in self._items
 
     def keys(self) -> KeysView[K]:
-        """Return the keys, as a dictionary does."""
+        """Return the keys, as in a dictionary."""
         return self._items.keys()
 
     def values(self) -> ValuesView[V]:
-        """Return the values, as a dictionary does."""
+        """Return the values, as in a dictionary."""
         return self._items.values()
 
     def items(self) -> ItemsView[K, V]:
-        """Return keys and values, as a dictionary does."""
+        """Return keys and values, as in a dictionary."""
         return self._items.items()
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""HDF5 files of unknown origin: nothing outside of them is read, and damage is a ValueError."""
+"""HDF5 files of unknown origin: no access to other files, and damage is a ValueError."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_input
 
-# what h5py raises where a file is damaged or holds something other than it should
+# exceptions of h5py for damaged files and unexpected content
 DAMAGE = (
     OSError,
     KeyError,
@@ -26,21 +26,21 @@ DAMAGE = (
     OverflowError,
     EOFError,
 )
-DEFLATED = 1032  # times that data may shrink: the limit of zlib
+DEFLATED = 1032  # largest compression ratio: the limit of zlib
 
 
 def opened(path: Path) -> h5py.File:
-    """Open a file for reading, also one that is written now."""
+    """Open a file for reading, also one that is being written."""
     try:
         return h5py.File(path, "r", locking=False)
     except OSError as error:
         if "locking flag" not in str(error):
             raise
-        return h5py.File(path, "r")  # the process has it open with locking
+        return h5py.File(path, "r")  # this process has it open with locking
 
 
 def said(error: BaseException) -> str:
-    """Return what an error says, in one short line."""
+    """Return the message of an error, in one short line."""
     text = str(error.args[0]) if error.args else type(error).__name__
     text = text.splitlines()[0] if text else type(error).__name__
     return text if len(text) <= 150 else f"{text[:147]}..."
@@ -48,7 +48,7 @@ def said(error: BaseException) -> str:
 
 @contextmanager
 def damage(path: Path, remedy: str) -> Iterator[None]:
-    """Turn what h5py and NumPy raise over a damaged file into one sentence with a remedy."""
+    """Convert errors of h5py and NumPy for damaged files into one message with a remedy."""
     try:
         yield
     except InputError as error:
@@ -62,29 +62,26 @@ def damage(path: Path, remedy: str) -> Iterator[None]:
 
 @contextmanager
 def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group]:
-    """Open a file of one of our formats; damage met in the block is told with a remedy.
+    """Open a file of a format of jousto; damage found in the block is reported with a remedy.
 
     Parameters
     ----------
     path : Path
     mark : str
-        What its attribute ``format`` says.
-    what : str
-        What it should be, for messages: ``"a results file"``.
-    remedy : str
-        What to do about damage.
+        Required value of its attribute ``format``. what : str Kind of the file, for messages: ``"a
+        results file"``. remedy : str Remedy for damage.
 
     Raises
     ------
     InputError
-        If it cannot be opened, is damaged, or something else.
+        If the file cannot be opened, is damaged, or has another format.
     """
     check_input(path)
     try:
         file = opened(path)
     except DAMAGE as error:
         if path.is_file() and not h5py.is_hdf5(path):
-            told = f"not {what}: it is damaged or another kind of file, for it is not HDF5"
+            told = f"not {what}: it is no HDF5 file, because it is damaged or of another kind"
         else:
             told = f"not readable as HDF5, damaged ({said(error)})"
         raise InputError(Problem(str(path), told)) from error
@@ -97,10 +94,10 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
 
 
 class Group:
-    """A group of which only what lies in the same file can be reached.
+    """HDF5 group with access to content of the same file only.
 
     Links to other files and other places, data kept in other files and virtual data sets are
-    refused: they would bring the content of a foreign file into what is read from this one.
+    refused: they could read the content of other files of the user.
 
     Parameters
     ----------
@@ -113,11 +110,11 @@ class Group:
 
     @property
     def attrs(self) -> Any:
-        """The attributes."""
+        """Attributes of the group."""
         return self._group.attrs
 
     def keys(self) -> KeysView[str]:
-        """Return the names of what it holds."""
+        """Return the names of the members."""
         names: KeysView[str] = self._group.keys()
         return names
 
@@ -145,22 +142,22 @@ class Group:
         return Group(here) if isinstance(here, h5py.Group) else _checked(here)
 
     def items(self) -> Iterator[tuple[str, Any]]:
-        """Yield names and what they stand for."""
+        """Yield names and members."""
         return ((name, self[name]) for name in self._group)
 
     def values(self) -> Iterator[Any]:
-        """Yield what it holds."""
+        """Yield the members."""
         return (self[name] for name in self._group)
 
     def groups(self, name: str) -> Iterator[tuple[str, Group]]:
-        """Yield names and groups within a group."""
+        """Yield names and groups within a subgroup."""
         for key, found in self.group(name).items():
             if not isinstance(found, Group):
                 raise ValueError(f"{name}/{key} is no group")
             yield key, found
 
     def group(self, name: str) -> Group:
-        """Return a group within."""
+        """Return a subgroup."""
         found = self[name]
         if not isinstance(found, Group):
             raise ValueError(f"{name} is no group")
@@ -169,18 +166,18 @@ class Group:
     def array(
         self, name: str, shape: tuple[int | None, ...], kinds: str = "f", *, finite: bool = False
     ) -> NDArray[Any]:
-        """Return an array of a shape (None: any length) and kind of numbers.
+        """Return an array of a given shape (None: any length) and kind of numbers.
 
         Raises
         ------
         ValueError
-            If it has another shape or kind, or numbers that are not finite.
+            If the array has another shape or kind, or numbers that are not finite.
         """
         dataset = self[name]
         check_dataset(dataset, shape, kinds)
         found = np.asarray(dataset[()])
         if finite and found.dtype.kind == "f" and not np.isfinite(found).all():
-            raise ValueError(f"{_name(dataset)} holds numbers that are not finite")
+            raise ValueError(f"{_name(dataset)} contains numbers that are not finite")
         return found
 
 

@@ -1,4 +1,4 @@
-"""Rooms whose public names stand in a stub beside them and are loaded when they are first used."""
+"""Rooms: packages whose public names are listed in a stub and loaded at first use."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.base.renames import RENAMED
 
 
 class Room(ModuleType):
-    """A package that loads a name of its stub when it is first used."""
+    """Package that loads a name of its stub at first use."""
 
     _places: dict[str, tuple[str, str]]
     _gone: Callable[[str], str]
@@ -37,7 +37,7 @@ class Room(ModuleType):
         return found
 
     def __setattr__(self, name: str, value: object) -> None:
-        # a file that is imported does not hide the public function of the same name
+        # an imported file does not hide the public function with the same name
         if not (isinstance(value, ModuleType) and name in self._places):
             super().__setattr__(name, value)
 
@@ -45,7 +45,7 @@ class Room(ModuleType):
         return list(self.__all__)
 
     def __reduce__(self) -> tuple[Callable[[str], ModuleType], tuple[str]]:
-        # functions that travel to other processes take the module that they name with them
+        # pickled functions contain the module that defines them
         return import_module, (self.__name__,)
 
 
@@ -56,14 +56,14 @@ def _nearest(name: str, known: list[str]) -> str:
 
 
 def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
-    """Let a package load the names of its ``__init__.pyi`` when they are first used.
+    """Make a package load the names of its ``__init__.pyi`` at first use.
 
     Parameters
     ----------
     name : str
         Name of the package.
     gone : callable, optional
-        How a name that is not there is written now; nothing if it is empty.
+        Function from a missing name to its new name; empty for unknown names.
     """
     room = sys.modules[name]
     stub = Path(str(room.__file__)).with_suffix(".pyi").read_text(encoding="utf-8")
@@ -79,7 +79,7 @@ def open_room(name: str, gone: Callable[[str], str] = lambda _: "") -> None:
 
 
 def public_names() -> tuple[str, ...]:
-    """Return all public names with their places, as one writes them.
+    """Return all public names with their packages, as users write them.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Names: what they may be, and how text of unknown origin is shown."""
+"""Names: allowed characters, and display of text of unknown origin."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from typing import Any
 from jousto.base.errors import Problems
 
 FORBIDDEN = {"body": "./", "part": "/\\:"}
-"""Characters that a name of a kind must not contain; those of a body stand before a dot, those of a
-part become file names."""
+"""Forbidden characters of names by kind: names of bodies precede a dot, names of parts become file
+names."""
 
-# control characters, and the signs that order text from right to left and can hide what it says
+# control characters, and direction marks (right to left), which can hide text
 HIDDEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
 
 
 def check_name(problems: Problems, kind: str, name: Any) -> str:
-    """Return where-text such as ``body 'arm'`` and note what is wrong with the name.
+    """Return the prefix of messages, such as ``body 'arm'``, and report a wrong name.
 
-    Names end up in messages, in labels such as ``arm.tip`` and in HDF5 paths.
+    Names are used in messages, in labels such as ``arm.tip`` and in HDF5 paths.
     """
     where = f"{kind} {name!r}"
     if not isinstance(name, str):
@@ -42,7 +42,7 @@ def check_name(problems: Problems, kind: str, name: Any) -> str:
 
 
 def file_name(name: str) -> str:
-    """Return a name as part of the name of a file in a known folder, for names that files bring.
+    """Return a name of unknown origin as part of the name of a file in a known folder.
 
     >>> file_name("../../boom")
     '.._.._boom'
@@ -51,7 +51,7 @@ def file_name(name: str) -> str:
 
 
 def harmless(text: str) -> str:
-    r"""Return text without anything that a terminal obeys: control characters are spelled out.
+    r"""Return text with control characters escaped, safe for a terminal.
 
     >>> harmless("a\x1b[2Jb")
     'a\\x1b[2Jb'

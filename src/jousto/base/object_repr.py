@@ -1,9 +1,9 @@
-"""How objects show themselves: ``<Kind 'name': facts>``, never longer than a few lines.
+"""Representation of objects: ``<Kind 'name': facts>``, at most a few lines.
 
-A class whose fields do not say what matters has a method ``_facts()`` that does, as one string.
+A class whose fields are not informative has a method ``_facts()``, which returns the facts as text.
 
-Small values, whose fields are numbers and words alone (solvers, materials, settings), keep the form
-of their constructor, which can be evaluated.
+Small values with fields of numbers and words only (solvers, materials, settings) have the form of
+their constructor, which can be evaluated.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ import numpy as np
 C = TypeVar("C", bound=type)
 
 LIMIT = 300  # characters
-WORDS = 40  # characters of a string
-FEW = 4  # items that are shown
+WORDS = 40  # largest length of a string
+FEW = 4  # largest number of displayed items
 
 
 def described(kind: C) -> C:
-    """Let the objects of a class show as ``<Kind 'name': facts>``."""
+    """Give the objects of a class the representation ``<Kind 'name': facts>``."""
     kind.__repr__ = describe  # type: ignore[assignment, method-assign]
     return kind
 
@@ -31,8 +31,9 @@ def described(kind: C) -> C:
 def describe(thing: Any) -> str:
     """Return ``<Kind 'name': facts>``, shorter than `LIMIT` characters.
 
-    The facts are what ``thing._facts()`` says, else the fields in their order: numbers and words as
-    they are, arrays by their shape, collections by their length, other objects by their name.
+    The facts are the result of ``thing._facts()``, else the fields in their order: numbers and
+    words as they are, arrays by their shape, collections by their length, other objects by their
+    name.
 
     Examples
     --------
@@ -63,7 +64,7 @@ def _fields(thing: Any) -> dict[str, Any]:
 
 
 def _fact(key: str, value: Any) -> str:
-    """Return what is said of a field, empty where there is nothing to say."""
+    """Return the text of a field, empty if there is none."""
     if value is None or (isinstance(value, str) and not value):
         return ""
     shown = _value(value)
@@ -81,7 +82,7 @@ def _value(value: Any) -> str:
         if value.ndim == 0:
             return _value(value[()])
         if value.size <= FEW and value.dtype.kind in "fiu" and value.ndim == 1:
-            # a coordinate of 1e-18 beside one of 1 is zero
+            # a coordinate of 1e-18 beside one of 1 is shown as zero
             none = 1e-12 * np.abs(value).max(initial=0.0)
             few = (f"{0.0 if abs(x) <= none else x:.6g}" for x in value)
             return "(" + ", ".join(few) + ")"

@@ -1,4 +1,4 @@
-"""Broken pipes: an error of Python, whatever other libraries in the process have set."""
+"""Broken pipes: a Python error, independent of other libraries in the process."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from contextlib import contextmanager
 
 @contextmanager
 def broken_pipes_raise() -> Iterator[None]:
-    """Make writing to a process that has ended a BrokenPipeError meanwhile, as Python starts.
+    """Make writing to an ended process raise BrokenPipeError in the block, the default of Python.
 
-    A library such as Gmsh sets SIGPIPE back to its default, which ends the whole program without
-    a word. Only the main thread may change this; in others nothing is changed.
+    A library such as Gmsh resets SIGPIPE to its default, which ends the whole program without a
+    message. Only the main thread can change this; in other threads the function has no effect.
     """
     pipe = getattr(signal, "SIGPIPE", None)
     if pipe is None or threading.current_thread() is not threading.main_thread():

@@ -1,4 +1,4 @@
-"""Bars of progress: on a terminal, or in the cell of a notebook that runs."""
+"""Progress bars on a terminal, or in the running cell of a notebook."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-AT_MOST = 0.1  # s between two pictures in a notebook
+AT_MOST = 0.1  # s, interval of updates in a notebook
 
 
 def bars(*columns: Any) -> Progress:
-    """Return bars on standard error, or in a notebook in the cell that runs.
+    """Return progress bars on standard error, or in the running cell of a notebook.
 
     Parameters
     ----------
     *columns : rich.progress.ProgressColumn or str
-        What stands beside one another; those of rich if there are none.
+        Columns of a bar; the default of rich if there are none.
     """
     from rich.console import Console
     from rich.progress import Progress
@@ -32,22 +32,22 @@ def bars(*columns: Any) -> Progress:
 
 
 def has_viewer() -> bool:
-    """Return whether bars would be seen: on a terminal, or in the kernel of a notebook.
+    """Return whether bars are visible: on a terminal, or in the kernel of a notebook.
 
-    Not in one of several processes, whose bars would be drawn over one another.
+    False in one of several processes, whose bars would overwrite one another.
     """
     alone = multiprocessing.parent_process() is None
     return alone and (in_notebook() or sys.stderr.isatty())
 
 
 def in_notebook() -> bool:
-    """Return whether this runs in the kernel of a notebook."""
+    """Return whether this process is the kernel of a notebook."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
 
 
 def _cell(*columns: Any) -> Progress:
-    """Return bars in the cell of a notebook: HTML that is replaced, which needs no widgets."""
+    """Return bars in the cell of a notebook as HTML without widgets."""
     import io
 
     from rich.console import Console

@@ -1,4 +1,4 @@
-"""The order of places in a table: the largest value first, equal ones by their label."""
+"""Order of sites in a table: largest value first, equal ones by label."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 TIE = 1e-9
-"""Values that differ by less than this share are equal: round-off of long sums stays below it."""
+"""Largest relative difference of equal values: above the round-off of long sums."""
 
 
 def ranking(
     values: ArrayLike, labels: Sequence[str] | None = None, *, then: ArrayLike | None = None
 ) -> NDArray[np.intp]:
-    """Return the order of places by falling value; where values are equal, by label.
+    """Return the order of sites by decreasing value; equal values by label.
 
-    Symmetric places have the same value but for round-off, which differs from processor to
-    processor. Values less than `TIE` of the largest of them apart count as equal, and stand in the
-    order of their labels, in which numbers count as numbers.
+    Symmetric sites have equal values except for round-off, which depends on the processor. Values
+    whose difference is less than `TIE` times the largest value count as equal and are sorted by
+    label, with numbers in labels compared as numbers.
 
     Parameters
     ----------
     values : (ns,) array_like
-        In any unit; what is not a number comes last.
+        Values in any unit; nan comes last.
     labels : sequence of str, optional
-        Of the places; without them equal places stand in the order in which they are given.
+        Labels of the sites; without labels equal sites keep the given order.
     then : (ns,) array_like, optional
-        Ranks places whose values are equal, before their labels do; also falling.
+        Second value, decreasing, for sites of equal values, before their labels.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def ranking(
     first = 0
     while first < len(order):
         top = falling[first]
-        # infinite values are equal to none but themselves
+        # infinite values are equal to themselves only
         most = top + TIE * abs(top) if np.isfinite(top) else top
         after = int(np.searchsorted(falling, most, side="right"))
         tied = order[first:after].tolist()
@@ -64,12 +64,12 @@ def ranking(
 
 
 def first(places: Sequence[int] | NDArray[np.intp], labels: Sequence[str] | None) -> int:
-    """Return which of some equal places comes first: by its label, or by its index if None."""
+    """Return the first of several equal sites by label, or by index without labels."""
     return int(min(places, key=_order(labels))) if len(places) > 1 else int(places[0])
 
 
 def largest(values: ArrayLike, labels: Sequence[str] | None = None) -> int:
-    """Return the place of the largest value; of equal ones the first as in `ranking`.
+    """Return the index of the largest value; of equal ones the first as in `ranking`.
 
     Examples
     --------
@@ -84,13 +84,13 @@ def largest(values: ArrayLike, labels: Sequence[str] | None = None) -> int:
 
 
 def _order(labels: Sequence[str] | None) -> Callable[[int], Any]:
-    """Return the key by which equal places are sorted."""
+    """Return the sorting key of equal sites."""
     if labels is None:
         return int
     return lambda i: (_natural(labels[i]), i)
 
 
 def _natural(label: str) -> list[tuple[int, int, str]]:
-    """Return a key by which numbers within labels are compared as numbers."""
+    """Return a sorting key in which numbers within labels are compared as numbers."""
     pieces = re.findall(r"\d+|\D+", label)
     return [(0, int(p), "") if p.isdecimal() else (1, 0, p) for p in pieces]

@@ -1,4 +1,4 @@
-"""Public names that have changed, for the error that a use of the old one raises."""
+"""Renamed public names, for the error raised by the use of an old one."""
 
 RENAMED = {
     "jousto.model.Diagnosis": "jo.certificate.Diagnosis",
@@ -26,7 +26,7 @@ RENAMED = {
     "jousto.robots.posed": "jo.robots.state_at",
     "jousto.simulation.settled": "jo.simulation.vibration_free_state",
 }
-"""The old name with its package, and how the new one is written."""
+"""Old name with its package, and new name as users write it."""
 
 ARGUMENTS = {"plane_damage": {"curve": "sn"}, "rolling_life": {"curve": "sn"}}
-"""Names of arguments that have changed, by the function that takes them."""
+"""Renamed arguments by function: old and new name."""

@@ -1,7 +1,7 @@
-"""Orientations: what a user may write, Euler parameters and rotation matrices.
+"""Orientations: forms accepted from users, Euler parameters and rotation matrices.
 
 Euler parameters e are scalar first with unit norm: ``e0 = cos(phi/2)``,
-``e1..3 = n sin(phi/2)`` for a turn by phi about the unit axis n.
+``e1..3 = n sin(phi/2)`` for a rotation by phi about the unit axis n.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from jousto.base.numbers import number, set_fields
 
 UNIT_TOLERANCE = 1e-6
 
-PARALLEL = 1e-12  # sine of the angle between vectors that are parallel
+PARALLEL = 1e-12  # largest sine of the angle between parallel vectors
 
-# largest component of the shortest vector that has a direction
+# smallest largest component of a vector with a direction
 SHORTEST = 1e-150
 
 
@@ -37,7 +37,7 @@ def rotation_matrix(e: ArrayLike) -> Array:
     array([0., 1., 0.])
     """
     e = floats(e)
-    # the numbers of Python are a tenth of the time of those of NumPy
+    # Python numbers need a tenth of the time of NumPy
     e0, e1, e2, e3 = e.tolist() if e.ndim == 1 else np.moveaxis(e, -1, 0)
     A = np.array(
         [
@@ -50,10 +50,10 @@ def rotation_matrix(e: ArrayLike) -> Array:
 
 
 def euler_parameters(A: ArrayLike) -> Array:
-    """Return the unit Euler parameters (4,) of a rotation matrix, largest component first found.
+    """Return the unit Euler parameters (4,) of a rotation matrix, with e0 >= 0.
 
-    Shepperd's method: divide by the largest of the four components, so that no turn is
-    badly conditioned. The sign is chosen so that e0 is not negative.
+    Shepperd's method divides by the largest of the four components, so that every rotation is well
+    conditioned. The sign is chosen such that e0 is not negative.
     """
     A = floats(A)
     trace = np.trace(A)
@@ -104,7 +104,7 @@ def unit_vector(direction: ArrayLike) -> Array:
 
 
 def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return a vector (3,) that has a direction, or note why it has none."""
+    """Return a nonzero vector (3,), or report a zero one."""
     direction = problems.array(where, name, value, (3,))
     if direction is not None and max(map(abs, direction.tolist())) < SHORTEST:
         found = ", ".join(f"{x:g}" for x in direction)
@@ -114,18 +114,18 @@ def parse_direction(problems: Problems, where: str, name: str, value: Any) -> Ar
 
 
 class Direction(Field["ArrayLike | None", "Array | None"]):
-    """A vector (3,) that has a direction, or None."""
+    """Field of a nonzero vector (3,), or None."""
 
     form = "direction"
     noun = "(3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a read-only vector that is not zero."""
+        """Return a read-only nonzero vector, or report what is wrong."""
         return parse_direction(problems, where, self.name, value)
 
 
 def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
-    """Return the frame A (3, 3) turned by the smallest rotation that puts its z axis on `axis`."""
+    """Return the frame A (3, 3) after the smallest rotation that moves its z axis onto `axis`."""
     A = floats(A)
     h = unit_vector(axis)
     z = A[:, 2]
@@ -144,7 +144,7 @@ def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
 
 
 def turn_each_onto(A: Array, axes: Array) -> Array:
-    """Return what `turn_onto` does of frames A (n, 3, 3) and axes (n, 3)."""
+    """Return `turn_onto` for frames A (n, 3, 3) and axes (n, 3)."""
     h = axes / np.abs(axes).max(axis=1, keepdims=True)
     h /= np.linalg.norm(h, axis=1, keepdims=True)
     cross, cosine = crossed(A[:, :, 2], h), (A[:, :, 2] * h).sum(axis=1)
@@ -158,7 +158,7 @@ def turn_each_onto(A: Array, axes: Array) -> Array:
 
 
 def least_turn(cross: Array, cosine: Array) -> Array:
-    """Return the smallest rotations (..., 3, 3) that turn unit vectors z onto unit vectors h.
+    """Return the smallest rotations (..., 3, 3) from unit vectors z to unit vectors h.
 
     ``cosine E + c~ + c c^T / (1 + cosine)`` with ``c = z x h`` (..., 3) and ``cosine = z . h``
     """
@@ -168,7 +168,7 @@ def least_turn(cross: Array, cosine: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Rotate:
-    """A turn about an axis; the unit of the angle is its name. `Rotate.euler` makes one of angles.
+    """Rotation about an axis; the unit of the angle is its keyword. See also `Rotate.euler`.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class Rotate:
     Raises
     ------
     InputError
-        If the axis is zero, anything is not a finite number, or the angle has no name.
+        If the axis is zero, a value is not a finite number, or the angle has no keyword.
 
     Examples
     --------
@@ -220,21 +220,21 @@ class Rotate:
         degrees: ArrayLike | None = None,
         radians: ArrayLike | None = None,
     ) -> Rotate:
-        """Return the turn of three angles about axes, in the order of the convention.
+        """Return the rotation by three angles about axes, in the order of the convention.
 
         Parameters
         ----------
         convention : str
-            The axes. Capitals are those of the body as it has been turned so far (intrinsic):
-            ``"ZXZ"`` is ``A = Az(a) Ax(b) Az(c)``. Small letters are those of the world
-            (extrinsic): ``"zxz"`` is ``A = Az(c) Ax(b) Az(a)``. So does scipy's ``Rotation``.
+            Axes of the rotations. Capitals are axes of the rotated body (intrinsic):
+            ``"ZXZ"`` is ``A = Az(a) Ax(b) Az(c)``. Small letters are axes of the world (extrinsic):
+            ``"zxz"`` is ``A = Az(c) Ax(b) Az(a)``, as in scipy's ``Rotation``.
         degrees, radians : (3,) array_like
             The angles a, b, c; one of the two.
 
         Raises
         ------
         InputError
-            If the convention is none, or the angles are not three finite numbers with a unit.
+            If the convention is unknown, or the angles are not three finite numbers with a unit.
 
         Examples
         --------
@@ -281,7 +281,7 @@ class Rotate:
 def one_unit(
     problems: Problems, where: str, what: str, unnamed: tuple[Any, ...], *given: Any
 ) -> None:
-    """Note a problem unless what is an angle is given once, as degrees or as radians."""
+    """Report a problem unless an angle is given once, as degrees or as radians."""
     if unnamed:
         it = repr(unnamed[0])
         needs = "needs the name of its" if what == "the angle" else "need the name of their"
@@ -291,7 +291,7 @@ def one_unit(
 
 
 def parse_convention(problems: Problems, where: str, value: Any) -> tuple[int, ...] | None:
-    """Return the axes 0, 1, 2 of a convention of Euler angles, or note why it is none."""
+    """Return the axes 0, 1, 2 of a convention of Euler angles, or report a wrong one."""
     if isinstance(value, str) and is_convention(value):
         return tuple("XYZ".index(x) for x in value.upper())
     likely = value.upper().translate(str.maketrans("123", "XYZ")) if isinstance(value, str) else ""
@@ -299,7 +299,7 @@ def parse_convention(problems: Problems, where: str, value: Any) -> tuple[int, .
     problems.add(
         where,
         f"convention is {value!r}, must be three axes, neighbours different: capitals such as "
-        "'ZXZ' for the axes as they have been turned (intrinsic), small letters such as 'zxz' for "
+        "'ZXZ' for the axes of the rotated body (intrinsic), small letters such as 'zxz' for "
         f"those of the world (extrinsic){hint}",
         "convention",
     )
@@ -307,23 +307,22 @@ def parse_convention(problems: Problems, where: str, value: Any) -> tuple[int, .
 
 
 def is_convention(text: str) -> bool:
-    """Return whether a text is three axes X, Y, Z, all of one case, neighbours different."""
+    """Return whether a text is three axes X, Y, Z of one case, neighbours different."""
     one_case = len(text) == 3 and (set(text) <= set("XYZ") or set(text) <= set("xyz"))
     return one_case and text[0] != text[1] != text[2]
 
 
 def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return the Euler parameters (4,) of any accepted way to write an orientation.
+    """Return the Euler parameters (4,) from any accepted form of an orientation.
 
     Parameters
     ----------
     problems : Problems
-        Collects what is wrong.
-    where, name : str
+        Collected problems. where, name : str
         Object and argument for the message.
     value : None, Rotate, (4,) or (3, 3) array_like, scipy Rotation
-        None is no rotation; four numbers are Euler parameters, scalar first; columns of a
-        (3, 3) matrix are the turned axes.
+        None is no rotation; four numbers are Euler parameters, scalar first; columns of a (3, 3)
+        matrix are the rotated axes.
 
     Returns
     -------

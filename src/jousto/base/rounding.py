@@ -1,8 +1,9 @@
-"""One rule for rounding: what is below the rounding of the numbers that it comes from is zero.
+"""Common rule of rounding: values below the rounding error of their terms are zero.
 
-Two numbers agree where they differ by less than `SHARE` of the larger one. A reading is zero where
-it is below `SHARE` of the largest reading beside it, or below `DIGITS` of what its quantity comes
-to in the machine (`Scales`). It is a rule for what is shown: arrays and files keep all digits.
+Two numbers are equal if they differ by less than `SHARE` times the larger one. A reading is zero if
+it is below `SHARE` times the largest reading beside it, or below `DIGITS` times the scale of its
+quantity in the machine (`Scales`). The rule applies to displayed values: arrays and files contain
+all digits.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from jousto.base.arrays import Array
 from jousto.base.units import parse_unit
 
 SHARE = 1e-12
-"""Of the largest of the numbers: some thousand roundings of double precision."""
+"""Rounding error / largest of the numbers: some thousand roundings of double precision."""
 DIGITS = 64.0 * float(np.finfo(np.float64).eps)
-"""Of the scale of a quantity: some roundings of sums in which it cancels."""
+"""Rounding error / scale of a quantity: some roundings of sums with cancellation."""
 STANDARD_GRAVITY = 9.80665  # m/s2
 
 
 def difference(a: float, b: float) -> float:
-    """Return a - b, zero where that is the rounding of a and b.
+    """Return a - b, zero if that is the rounding error of a and b.
 
     Examples
     --------
@@ -35,12 +36,12 @@ def difference(a: float, b: float) -> float:
 
 
 def without_rounding(values: ArrayLike, floor: ArrayLike = 0.0) -> Array:
-    """Return the values, zero where they are the rounding of the largest or below the floor.
+    """Return the values, zero for rounding errors of the largest or below the floor.
 
     Parameters
     ----------
     values : array
-        Of one quantity in one unit.
+        Values of one quantity in one unit.
     floor : array or float, optional
         From `Scales.floor`.
 
@@ -58,16 +59,16 @@ def without_rounding(values: ArrayLike, floor: ArrayLike = 0.0) -> Array:
 
 @dataclass(frozen=True)
 class Scales:
-    """What the quantities of a machine come to.
+    """Scales of the quantities of a machine.
 
     Attributes
     ----------
     mass : float
-        Of all bodies, kg.
+        Mass of all bodies, kg.
     length : float
         Size of the machine, m.
     stress : float
-        What its material bears at strains of order one, Pa; 0 where nothing is elastic.
+        Stress of the material at strains of order one, Pa; 0 without elastic bodies.
     """
 
     mass: float
@@ -75,11 +76,11 @@ class Scales:
     stress: float
 
     def floor(self, unit: str) -> float:
-        """Return what readings in a unit must exceed to be more than rounding, in that unit.
+        """Return the smallest reading in a unit that is more than rounding, in that unit.
 
-        A quantity of dimension kg^a m^b s^c has the scale ``mass^a length^b time^c`` with the time
-        in which a body falls the size of the machine, ``(length / g)^(1/2)``; a stress that of the
-        material. Pure numbers have none, since they may be of any size: 0.
+        A quantity of dimension kg^a m^b s^c has the scale ``mass^a length^b time^c`` with the fall
+        time over the size of the machine, ``(length / g)^(1/2)``; a stress has that of the
+        material. Pure numbers have no scale: 0.
 
         Examples
         --------
@@ -97,13 +98,13 @@ class Scales:
         return DIGITS * float(np.prod([scale**power for scale, power in of_all]))
 
     def array(self) -> Array:
-        """Return the three numbers, as results files keep them."""
+        """Return the three numbers, as stored in results files."""
         return np.array(astuple(self))
 
 
 @cache
 def dimension(unit: str) -> tuple[float, float, float] | None:
-    """Return the powers of kg, m and s of a unit; None of other units and of pure numbers.
+    """Return the powers of kg, m and s of a unit; None for other units and pure numbers.
 
     Angles and strains have the powers 0, 0, 0.
     """

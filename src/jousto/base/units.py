@@ -1,9 +1,9 @@
 """Units in strings such as ``210 GPa``, ``7.85 g/cm3`` or ``30 deg``, converted to SI.
 
-The vocabulary is small and closed: SI prefixes and the units engineers write for mechanisms.
-Angle is a dimension of its own, so that ``60 rpm`` is 1 Hz where a frequency is expected and
-6.28 rad/s where an angular velocity is. Conversion is in decimal arithmetic: ``7.85 g/cm3`` is
-exactly the float 7850.0. The units library is imported when the first unit occurs.
+The vocabulary is small and closed: SI prefixes and the units used for mechanisms. Angle is a
+separate dimension, so that ``60 rpm`` is 1 Hz as a frequency and 6.28 rad/s as an angular velocity.
+Conversion uses decimal arithmetic: ``7.85 g/cm3`` is exactly the float 7850.0. The units library is
+imported when the first unit occurs.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ ohm = [resistance]
 cycle = 1 = cycles
 """
 
-# what a field expects, by its SI unit; also used to say what was found instead
+# quantity of a field, by its SI unit; also used in messages for the quantity of a value
 KINDS = {
     "m": "a length",
     "kg": "a mass",
@@ -98,7 +98,7 @@ KINDS = {
 NAMED = KINDS.keys() - {"1"}
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
-"""Units of length of files, in m."""
+"""Length units of files, m."""
 
 SHOWN = {"Pa": ("MPa", 1e-6), "m/m": ("um/m", 1e6), "V/V": ("mV/V", 1e3)}
 
@@ -108,7 +108,7 @@ COMMON = ("mm", "cm", "m", "g", "kg", "t", "ms", "s", "min", "h", "day", "year",
           "m/s", "m/s2", "rad/s", "deg/s", "kg m2", "mm4")  # fmt: skip
 
 NUMBER = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][-+]?\d+)?)\s*(.*)", re.S)
-# units of most files need no parser, whose import and vocabulary take their time
+# units of most files, converted without the parser, which is slow to import
 USUAL = {
     (text, unit): Decimal(factor)
     for text, unit, factor in (
@@ -118,13 +118,13 @@ USUAL = {
         *(("N", "N", "1"), ("kN", "N", "1e3"), ("N m", "N m", "1"), ("kg/m3", "kg/m3", "1")),
     )
 }
-WHOLE = 2**53  # whole numbers below are numbers of any kind
+WHOLE = 2**53  # whole numbers below are exact floats
 TOO_LARGE = "is too large, must be below 1e308"
 SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
 
 def kind_of(unit: str) -> str:
-    """Return what a field in an SI unit expects.
+    """Return the quantity of a field with an SI unit.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def kind_of(unit: str) -> str:
 
 @functools.cache
 def vocabulary() -> frozenset[str]:
-    """Return all words for units, with their prefixes."""
+    """Return all unit words with their prefixes."""
     lines = [line.split(" = ") for line in DEFINITIONS.splitlines() if line]
     prefixes = {word.strip("-") for words in lines for word in words if word.endswith("-")}
     names = {word for words in lines for word in (words[0], *words[2:]) if word[-1] != "-"}
@@ -144,14 +144,14 @@ def vocabulary() -> frozenset[str]:
 
 
 def check_unit(problems: Problems, where: str, unit: str) -> None:
-    """Note words in the unit of a field that no model file could convert to."""
+    """Report unknown words in the unit of a field."""
     for word in re.findall(r"[^\W\d_]+", unit):
         if word not in vocabulary():
             problems.add(where, f"its unit is {unit!r}: no unit {word!r}{suggest(word, COMMON)}")
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
-    """Return the unit for people and the factor to it.
+    """Return the unit for display and the factor to it.
 
     Examples
     --------
@@ -162,12 +162,12 @@ def shown_unit(unit: str) -> tuple[str, float]:
 
 
 class UnitError(ValueError):
-    """A string that is not a number with a unit of the right dimension."""
+    """Error: a string that is not a number with a unit of the right dimension."""
 
 
 @functools.cache
 def registry() -> pint.UnitRegistry[Decimal]:
-    """Return the registry of the closed vocabulary, made at the first use."""
+    """Return the registry of the closed vocabulary, created at first use."""
     import pint
 
     made: pint.UnitRegistry[Decimal] = pint.UnitRegistry(None, non_int_type=Decimal)
@@ -182,7 +182,7 @@ def parse_unit(text: str) -> Any:
     Raises
     ------
     UnitError
-        If it is not made of known units.
+        If the text contains unknown units.
     """
     import pint
 
@@ -199,7 +199,7 @@ def parse_unit(text: str) -> Any:
         bad = names if isinstance(names, str) else next(iter(names))
         raise UnitError(f"no unit {bad!r}{suggest(bad, COMMON)}") from None
     except Exception:
-        # the parser of the library fails in many ways on what is no unit at all
+        # the parser of the library raises many types of errors for text that is no unit
         raise UnitError(f"{text!r} is not a unit; a unit looks like mm, N m or kg/m3") from None
 
 
@@ -220,7 +220,7 @@ def quantity(value: Any, unit: str) -> float:
     Raises
     ------
     UnitError
-        If it is no number, not finite, or of another dimension.
+        If the value is no number, not finite, or of another dimension.
 
     Examples
     --------
@@ -238,7 +238,7 @@ def quantity(value: Any, unit: str) -> float:
 
 @functools.lru_cache(1024)
 def _of_text(text: str, unit: str) -> float:
-    """Return `quantity` of a text; those of a model repeat."""
+    """Return `quantity` of a text; cached, since texts repeat within a model."""
     return _quantity(text, unit)
 
 
@@ -273,7 +273,7 @@ def _quantity(value: Any, unit: str) -> float:
 
 
 def converted(text: str, unit: str) -> float:
-    """Return a number with a unit in another unit of the same dimension, which may be any.
+    """Return a number with a unit, converted to another unit of the same dimension.
 
     >>> converted("2 mm2", "m**2")
     2e-06
@@ -314,7 +314,7 @@ def _checked(number: str, convert: Callable[[Decimal], Any]) -> float:
 
 
 def describe(value: Any) -> str:
-    """Return what a value from a file is, in the words of a user."""
+    """Return the type of a value from a file, in the words of a user."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""CERTIFY: what judges a reduced part (`certify`, `advise`) and a mechanism (`doctor`)."""
+"""CERTIFY: assessment of a reduced part (`certify`, `advise`) and of a mechanism (`doctor`)."""
 
 from jousto.base.lazy_exports import open_room
 

@@ -1,4 +1,4 @@
-"""Which modes a part needs: proposed from what they cost and what they gain, with the numbers."""
+"""advise: choice of the modes of a part by their number and accuracy."""
 
 from __future__ import annotations
 
@@ -33,27 +33,22 @@ if TYPE_CHECKING:
 
 
 REACH = (2.0, 4.0, 8.0)
-"""Fixed-interface modes are looked for up to these multiples of the frequency limit."""
+"""Multiples of the frequency limit up to which fixed-interface modes are computed."""
 
 LEAST = 3
-"""Fixed-interface modes proposed at least where no frequency is given."""
+"""Smallest number of proposed fixed-interface modes without a frequency limit."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Advice:
-    """Which modes to take, and why; ``print`` shows all of it.
+    """Proposed modes with the reasons; ``print`` displays them.
 
     Parameters
     ----------
     method : CraigBampton or FreeFree
-        For `reduce`.
-    table : Table
-        What each number of modes gains.
-    explanation : tuple of str
-        Sentences.
-    reached : bool
-        Whether the accuracy asked for is met.
+        Method for `reduce`. table : Table Accuracy for each number of modes. explanation : tuple of
+        str Reasons, as sentences. reached : bool Whether the requested accuracy is reached.
     """
 
     method: Method
@@ -79,12 +74,12 @@ def advise(
     solver: str | None = None,
     progress: bool | Report | None = None,
 ) -> Advice:
-    """Propose the modes that a part needs, and show what fewer and more would give.
+    """Return the modes that a part needs, and the accuracy with fewer and with more modes.
 
-    Frequencies: every free-free mode of the full part up to the limit must be met to the accuracy.
-    They are computed of the full part and of the reduced one with 0, 1, 2 ... fixed-interface
-    modes. Loads: the static displacement, and the stress where the part has it, under each load
-    while the interfaces are held, must be met to the accuracy; where that takes more modes than
+    Frequencies: all free-free modes of the full part up to the limit must be reproduced with the
+    accuracy. They are computed for the full part and for the reduced part with 0, 1, 2 ...
+    fixed-interface modes. Loads: the static displacement, and the stress if available, under each
+    load with fixed interfaces must be reproduced with the accuracy; if this needs more modes than
     there are loads, residual vectors are proposed, which make it exact.
 
     Parameters
@@ -92,31 +87,31 @@ def advise(
     part : Part
         The free part.
     interfaces : sequence of str
-        Node sets or interfaces where joints and forces act; if none is named, the interfaces of
-        the part, and free-free modes if it has none.
+        Node sets or interfaces where joints and forces act; empty for the interfaces of the part,
+        or free-free modes if the part has none.
     frequency_limit : float, optional
-        Highest frequency that matters, Hz.
+        Highest frequency of interest, Hz.
     loads : mapping of str to (ndof,) array, or (ndof,) or (ndof, m) array, optional
         Nodal load patterns in the part's degrees of freedom, any unit.
     accuracy : float
-        Largest relative error, of frequencies and of the largest displacement and stress.
+        Largest allowed relative error of frequencies, largest displacement and largest stress.
     solver : str, optional
-        Library that factorises the stiffness matrix, see `solvers`.
+        Library of the factorisation, see `solvers`.
     progress : bool or function, optional
-        True shows a bar for each stage; a function is called with (stage, part of it that is
-        done, from 0 to 1).
+        True shows a bar for each stage; a function is called with (stage, finished fraction of it,
+        0 to 1).
 
     Returns
     -------
     Advice
-        With ``method`` for `reduce`. Loads on the interfaces themselves need nothing: constraint
-        modes hold their static response exactly.
+        Result with ``method`` for `reduce`. Loads on the interfaces need no further modes:
+        constraint modes contain their static response exactly.
 
     Raises
     ------
     InputError
-        Neither a limit nor loads, wrong values, an unknown solver, or a part that cannot be
-        reduced.
+        If there is neither a limit nor loads, a value is wrong, the solver is unknown, or the part
+        cannot be reduced.
 
     Examples
     --------
@@ -185,7 +180,9 @@ def _arguments(
     if not 0.0 < accuracy < 1.0:
         problems.add("advise", f"accuracy is {accuracy:g}, must be between 0 and 1 such as 0.01")
     if loads is not None and not names:
-        problems.add("advise", "loads need interfaces that hold the part; name node sets of it")
+        problems.add(
+            "advise", "loads need interfaces that fix the part; give node sets of the part"
+        )
     ndof = part.K.shape[0]
     patterns: dict[str, Array] = {}
     if isinstance(loads, Mapping):
@@ -218,8 +215,8 @@ def _free(full: FullModel, truth: tuple[Array, Array] | None, limit: float | Non
         raise InputError(Problem(f"part '{full.part.name}'", message))
     sentences = (
         f"The free part has {count(len(f), 'elastic mode')} up to {number(limit)} Hz.",
-        "Nothing is named that holds it: where joints or forces act, name their nodes as interfaces"
-        " and take CraigBampton, since free modes converge slowly there.",
+        "No interfaces are given: if joints or forces act on the part, give their nodes as "
+        "interfaces and use CraigBampton, since free modes converge slowly there.",
     )
     table = Table("free-free modes", ("mode", "Hz"), rows)
     return Advice(FreeFree(modes=len(f)), table, sentences)
@@ -240,7 +237,7 @@ def _choose(
     loaded = _first(np.max(static, axis=0) <= accuracy) if static else 0
     least = 0 if limit is not None else min(LEAST, most)
     if dynamic is not None and limit is not None:
-        # a held body vibrates with its fixed-interface modes: none below the limit may miss
+        # all fixed-interface modes below the limit are needed: the supported body vibrates so
         dynamic = max(dynamic, int(np.sum(family.frequencies <= limit)))
     k = max(dynamic if dynamic is not None else most, least)
     use_residuals = bool(static) and (loaded is None or loaded > k + len(patterns))
@@ -259,7 +256,7 @@ def _choose(
 
 
 def _first(good: NDArray[np.bool_]) -> int | None:
-    """Return the least number of modes from which on all is good."""
+    """Return the smallest number of modes from which on all values are good."""
     bad = np.flatnonzero(~good)
     k = int(bad[-1]) + 1 if len(bad) else 0
     return k if k < len(good) else None
@@ -296,10 +293,10 @@ def _table(
                 row.append(_error(stresses[name][k]))
         rows.append(tuple(row))
     return Table(
-        "what fixed-interface modes gain",
+        "accuracy by number of fixed-interface modes",
         tuple(columns),
         tuple(rows),
-        "All modes: with the constraint modes of the interfaces, without rigid motion.",
+        "All modes: including the constraint modes of the interfaces, without rigid motions.",
     )
 
 
@@ -331,28 +328,30 @@ def _explain(
             rigid = "" if len(f) and f[0] <= limit else "; a RigidBody may be enough"
             sentences.append(
                 f"The free part has no elastic mode up to {number(limit)} Hz: its lowest, "
-                f"{number(truth[0][0])} Hz, is met instead{rigid}."
+                f"{number(truth[0][0])} Hz, is used instead{rigid}."
             )
         below = int(np.sum(f <= limit))
         if below:
             held = ", ".join(name for name, _ in family.modes.interfaces)
             sentences.append(
-                f"Held at {held} it has {count(below, 'mode')} up to the limit, from "
+                f"Fixed at {held} it has {count(below, 'mode')} up to the limit, from "
                 f"{number(f[0])} Hz."
             )
         if dynamic is None:
             sentences.append(
-                f"With {count(len(f), 'fixed-interface mode')} they are not yet met to {goal}; "
-                "refine the mesh, name fewer interface nodes, or accept a larger error."
+                f"With {count(len(f), 'fixed-interface mode')} the error {goal} is not yet "
+                f"reached; refine the mesh, use fewer interface nodes, or accept a larger error."
             )
         elif dynamic:
             sentences.append(
                 f"{count(dynamic, 'fixed-interface mode')}, up to {number(f[dynamic - 1])} Hz "
                 f"({number(f[dynamic - 1] / limit, 2)} times the limit), and the constraint modes "
-                f"of the interfaces meet all of them to {goal}."
+                f"of the interfaces reproduce all of them within {goal}."
             )
         else:
-            sentences.append(f"The constraint modes of the interfaces alone meet it to {goal}.")
+            sentences.append(
+                f"The constraint modes of the interfaces alone reproduce it within {goal}."
+            )
     else:
         sentences.append(
             f"No frequency limit is given: {count(k, 'mode')} up to {number(f[k - 1])} Hz are kept "
@@ -361,26 +360,27 @@ def _explain(
     if patterns and use_residuals:
         needs = "more modes than were tried" if loaded is None else count(loaded, "mode")
         sentences.append(
-            f"Static accuracy of {goal} under {', '.join(patterns)} alone would take {needs}: "
+            f"Static accuracy of {goal} under {', '.join(patterns)} alone would need {needs}: "
             f"{count(len(patterns), 'residual vector')} instead "
             f"{'makes' if len(patterns) == 1 else 'make'} the static response exact."
         )
     elif patterns:
         sentences.append(
-            f"Displacement and stress under {', '.join(patterns)} are met to {goal} with "
+            f"Displacement and stress under {', '.join(patterns)} are reproduced within {goal} "
+            f"with "
             f"{count(loaded or 0, 'mode')}."
             if family.full.part.stress is not None
-            else f"Displacement under {', '.join(patterns)} is met to {goal} with "
-            f"{count(loaded or 0, 'mode')}; the part has no stress to compare."
+            else f"Displacement under {', '.join(patterns)} is reproduced within {goal} with "
+            f"{count(loaded or 0, 'mode')}; the part has no stress data to compare."
         )
     highest = float(spectrum(family, k)[0].max(initial=0.0))
     if highest:
-        without = ", residual vectors aside," if use_residuals else ""
+        without = ", without residual vectors," if use_residuals else ""
         # stability of RK4 on the imaginary axis, h omega < 2.83
         step = 2.8 / (2.0 * np.pi * highest)
         sentences.append(
             f"The stiffest of the {family.static.shape[1] - 6 + k} modes{without} has "
-            f"{number(highest)} Hz: RK4 would need steps below {number(step, 2)} s; ROS2 and the "
-            "implicit methods step as the motion needs."
+            f"{number(highest)} Hz: RK4 would need steps below {number(step, 2)} s; the steps of "
+            f"ROS2 and of the implicit methods depend on the motion only."
         )
     return tuple(sentences)

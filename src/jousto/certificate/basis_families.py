@@ -1,4 +1,4 @@
-"""Craig-Bampton bases of growing size and their errors against the full model, for the adviser."""
+"""Craig-Bampton bases of increasing size and their errors against the full model."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ if TYPE_CHECKING:
 
 
 SHARE = 0.95
-"""Least share of a mode of the full part that the modes must hold."""
+"""Smallest part of a mode of the full part that the modes must contain."""
 
 TRIED = (40, 20, 10, 5, 2, 1)
-"""Numbers of fixed-interface modes tried where no frequency is given; small parts have few."""
+"""Numbers of fixed-interface modes tried without a frequency limit; small parts have few."""
 
 ON_INTERFACE = 1e-7
-"""Displacement over that of the free part below which a load acts on the held interfaces."""
+"""Displacement / that of the free part below which a load acts on the fixed interfaces."""
 
 MOST_DOFS = 600
-"""Degrees of freedom of all interfaces above which nothing is proposed."""
+"""Largest number of degrees of freedom of all interfaces for a proposal."""
 
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Craig-Bampton bases of 0, 1, 2 ... fixed-interface modes, all inside the largest one.
+    """Craig-Bampton bases of 0, 1, 2 ... fixed-interface modes, subspaces of the largest one.
 
-    Coordinates z of the mass-orthonormal motions ``[R X]``; `fixed` are the fixed-interface modes
-    (columns, mass-normalised), `static` spans what is left: the constraint modes.
+    z are coordinates of the mass-orthonormal motions ``[R X]``; `fixed` are the fixed-interface
+    modes (columns, mass-normalised), `static` spans the rest: the constraint modes.
     """
 
     full: FullModel
@@ -72,7 +72,7 @@ def modes_below(full: FullModel, limit: float, run: Run) -> tuple[Array, Array]:
             report=lambda done: tell("full model's modes", done),
         )
     f = 1.0 / (2.0 * np.pi * np.sqrt(mu))
-    # one more than asked for, so that there is something to compare with
+    # one more than requested, for comparison
     keep = max(int(np.searchsorted(f, limit, side="right")), 1)
     return f[:keep], (X / np.sqrt(mu))[:, :keep]
 
@@ -80,16 +80,17 @@ def modes_below(full: FullModel, limit: float, run: Run) -> tuple[Array, Array]:
 def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run: Run) -> Family:
     """Return the bases of interfaces, with fixed-interface modes up to a frequency limit in Hz.
 
-    Without a limit, or with none below it, with as many modes as the part has, of those tried.
+    Without a limit, or without modes below it, the numbers tried are limited by the modes of the
+    part.
 
     Raises
     ------
     InputError
-        The part cannot be reduced, or its interfaces have very many degrees of freedom.
+        If the part cannot be reduced, or its interfaces have too many degrees of freedom.
     """
     from jousto.reduction.reducer import reduce
 
-    # trials: none is worth keeping
+    # trial reductions are not cached
     options: dict[str, Any] = {
         "solver": run.solver,
         "cache": False,
@@ -113,8 +114,8 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
     modes_ = modes_of(full, reduced)
     if len(modes_.names) > MOST_DOFS:
         message = (
-            f"its interfaces have {len(modes_.names)} degrees of freedom, each of which is a mode: "
-            "tie the nodes of each surface to one node (Interface) and ask again"
+            f"its interfaces have {len(modes_.names)} degrees of freedom, each of which becomes a "
+            f"mode: tie the nodes of each surface to one node (Interface) and repeat"
         )
         raise InputError(Problem(f"part '{full.part.name}'", message))
     assert full.rigid is not None
@@ -127,7 +128,7 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
         return Family(full, modes_, omega2, np.zeros((n, 0)), np.eye(n), np.zeros(0))
     values, Y = scipy.linalg.eigh(Z.T @ (omega2[:, None] * Z), Z.T @ Z)
     fixed = Z @ Y
-    # what stores no energy together with the fixed modes
+    # motions without energy together with the fixed modes
     static = scipy.linalg.null_space((omega2[:, None] * fixed).T / values[:, None], rcond=1e-10)
     f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
     return Family(full, modes_, omega2, fixed, static, f)
@@ -142,7 +143,7 @@ def spectrum(family: Family, k: int) -> tuple[Array, Array]:
 
 
 def frequency_errors(family: Family, truth: tuple[Array, Array]) -> Array:
-    """Return the worst relative error of the frequencies, for 0, 1, 2 ... fixed modes."""
+    """Return the largest relative error of the frequencies, for 0, 1, 2 ... fixed modes."""
     f, shapes = truth
     assert family.full.rigid is not None
     M_shapes = family.full.M @ shapes
@@ -164,8 +165,8 @@ def load_errors(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return errors of displacement and stress of each load, for 0, 1, 2 ... fixed modes.
 
-    The interfaces are held: ``u = K_II^-1 f``, of which k modes give
-    ``sum phi_j phi_j^T f / omega_j^2``.
+    With fixed interfaces ``u = K_II^-1 f``, and k modes contain ``sum phi_j phi_j^T f / omega_j^2``
+    of it.
     """
     bends: dict[str, Array] = {}
     stresses: dict[str, Array] = {}
@@ -195,7 +196,7 @@ def load_errors(
 
 
 def _stress_errors(part: Part, u: Array, left: Array) -> Array:
-    """Return the largest error of the von Mises stress over its largest value."""
+    """Return the largest error of the von Mises stress / its largest value."""
     if part.stress is None:
         return np.zeros(left.shape[1])
     exact = np.asarray(part.stress.evaluate(u))
@@ -212,9 +213,9 @@ def _von_mises(s: Array) -> Array:
 
 
 def held_response(full: FullModel, modes: Modes, F: Array) -> Array:
-    """Return displacements (ndof, m) of loads while the interfaces are held.
+    """Return displacements (ndof, m) under loads with fixed interfaces.
 
-    ``u = S (F + L lam) + R a`` with the response S of the part held at six degrees of freedom, the
+    ``u = S (F + L lam) + R a`` with the response S of the part fixed at six degrees of freedom, the
     interface loads L and their reactions lam: ``L^T u = 0``, ``R^T (F + L lam) = 0``.
     """
     assert full.held is not None and full.held.solve is not None and full.rigid is not None

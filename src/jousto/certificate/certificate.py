@@ -1,4 +1,4 @@
-"""The certificate of an imported part: what it weighs, whether it is sound, what its modes hold."""
+"""Certificate of a part: its mass properties, checks of its data, and accuracy of its modes."""
 
 from __future__ import annotations
 
@@ -15,32 +15,27 @@ from jousto.base.object_repr import described
 Status = Literal["ok", "note", "warn", "fail"]
 
 STATUSES = ("ok", "note", "warn", "fail")
-"""From good to bad; a note is worth knowing and no fault."""
+"""Statuses from good to bad; a note is information and no fault."""
 
 MOST_ROWS = 14
-"""Rows of a table that are printed."""
+"""Largest number of printed rows of a table."""
 
 
 @described
 @dataclass(frozen=True)
 class Check:
-    """One thing that was checked.
+    """Result of one check.
 
     Parameters
     ----------
     topic : str
-        What was looked at, such as ``"units"``.
+        Subject of the check, such as ``"units"``.
     status : str
-        ``"ok"``, ``"note"`` (worth knowing), ``"warn"`` (probably not what was meant) or
-        ``"fail"`` (results cannot be trusted).
+        ``"ok"``, ``"note"`` (information), ``"warn"`` (probable mistake) or ``"fail"`` (results are
+        unreliable).
     value : str
-        What was found, with its unit.
-    limit : str
-        What it is held against; empty where there is no limit.
-    sentence : str
-        What it means, in plain language.
-    remedy : str
-        What to do; empty where nothing is to be done.
+        Result with unit. limit : str Limit of the value; empty if there is none. sentence : str
+        Meaning of the result. remedy : str What to do; empty if nothing.
     """
 
     topic: str
@@ -52,7 +47,7 @@ class Check:
 
     @property
     def advice(self) -> str:
-        """The sentence and the remedy, as sentences."""
+        """Sentence and remedy, as complete sentences."""
         texts = [text for text in (self.sentence, self.remedy) if text]
         return " ".join(f"{text[0].upper()}{text[1:]}." for text in texts)
 
@@ -65,7 +60,7 @@ class Check:
 @described
 @dataclass(frozen=True)
 class Table:
-    """Numbers behind the checks, as text.
+    """Table of numbers behind the checks, as text.
 
     Parameters
     ----------
@@ -74,7 +69,7 @@ class Table:
         Headings, with units.
     rows : tuple of tuple of str
     remark : str
-        How to read it.
+        Explanation of the table.
     """
 
     title: str
@@ -83,14 +78,14 @@ class Table:
     remark: str = ""
 
     def shown(self, most: int) -> tuple[tuple[str, ...], ...]:
-        """Return the rows, of many the first and the last one."""
+        """Return table rows; of long tables the first rows and the last one."""
         if len(self.rows) <= most:
             return self.rows
         gap = (f"... {len(self.rows) - most} more", *[""] * (len(self.columns) - 1))
         return (*self.rows[: most - 1], gap, self.rows[-1])
 
     def lines(self, most: int | None = None) -> list[str]:
-        """Return the table as lines of text, of many rows the first and the last one."""
+        """Return the table as lines of text; of long tables the first rows and the last one."""
         rows = self.rows if most is None else self.shown(most)
         width = [
             max(len(row[i]) for row in (self.columns, *rows)) for i in range(len(self.columns))
@@ -106,7 +101,7 @@ class Table:
 @described
 @dataclass(frozen=True, eq=False)
 class Silhouette:
-    """The shape of the part, for a picture.
+    """Shape of the part, for a picture.
 
     Parameters
     ----------
@@ -128,7 +123,7 @@ class Silhouette:
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """What `certify` found about a part and its modes; ``print`` shows it on one page.
+    """Findings of `certify` about a part and its modes; ``print`` displays them on one page.
 
     Parameters
     ----------
@@ -137,7 +132,7 @@ class Certificate:
     facts : tuple of (str, str)
         Names and values: mass, centre, inertia, size and the like.
     checks : tuple of Check
-        In the order in which they were made.
+        Checks in the order of execution.
     tables : tuple of Table
         Numbers behind the checks.
     silhouette : Silhouette
@@ -152,32 +147,32 @@ class Certificate:
 
     @property
     def status(self) -> Status:
-        """The worst status of all checks; notes count as ok."""
+        """Worst status of all checks; notes count as ok."""
         found = {check.status for check in self.checks}
         return "fail" if "fail" in found else "warn" if "warn" in found else "ok"
 
     @property
     def passed(self) -> bool:
-        """Whether nothing failed; there may be warnings."""
+        """Whether no check failed; there may be warnings."""
         return self.status != "fail"
 
     def __getitem__(self, topic: str) -> Check:
-        """Return the check of a topic.
+        """Return the check with a topic.
 
         Raises
         ------
         KeyError
-            No such topic.
+            If there is no such topic.
         """
         for check in self.checks:
             if check.topic == topic:
                 return check
         known = ", ".join(check.topic for check in self.checks)
-        raise KeyError(f"no check of '{topic}'; there are: {known}")
+        raise KeyError(f"no check of '{topic}'; the checks are: {known}")
 
     @property
     def verdict(self) -> str:
-        """One line: how many checks are fine and how many are not."""
+        """Number of checks by status, in one line."""
         number = {
             status: sum(check.status == status for check in self.checks)
             for status in ("fail", "warn", "note", "ok")
@@ -216,7 +211,7 @@ def _wrapped(text: str, indent: str, width: int = 100) -> list[str]:
 
 
 def number(value: float, digits: int = 4) -> str:
-    """Return a number for people.
+    """Return a number as short text.
 
     Examples
     --------
@@ -227,9 +222,9 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def vector(values: Any, digits: int = 6, size: float = 0.0) -> str:
-    """Return numbers for people, rounding of zero as zero.
+    """Return numbers as short text, with rounding errors as zero.
 
-    `size` is how large they might be: what is far below it is rounding.
+    `size` is the scale of the numbers; values far below it are rounding errors.
 
     Examples
     --------
@@ -242,7 +237,7 @@ def vector(values: Any, digits: int = 6, size: float = 0.0) -> str:
 
 
 def percent(value: float) -> str:
-    """Return a share for people, rounding as zero.
+    """Return a fraction in per cent as text, with rounding errors as zero.
 
     Examples
     --------

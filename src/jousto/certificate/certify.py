@@ -1,4 +1,4 @@
-"""How a certificate is made: the full model, the checks one after the other, the page of facts."""
+"""certify: the full model, the checks and the table of facts of a certificate."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 FREE_MODES = 10
-"""Free-free frequencies that are compared."""
+"""Number of compared free-free frequencies."""
 
 
 def certify(
@@ -55,25 +55,25 @@ def certify(
     solver: str | None = None,
     progress: bool | Report | None = None,
 ) -> Certificate:
-    """Examine a part and its modes: list what is right, what is doubtful and what to do.
+    """Return the certificate of a part and its modes: correct and doubtful points, and remedies.
 
-    Mass, centre, inertia and size; the six rigid motions and the strain energy that they must not
-    cost; whether the numbers can be SI units; what is missing (rotary inertia, loose nodes,
-    mechanisms, stress); the mesh, if the part has one. With the reduced part also: whether it is
-    of this part, how well its interfaces hold it, its free-free frequencies against the full
-    model, its modal effective mass, and its answer to every interface load against the full model.
+    The certificate contains mass, centre, inertia and size; the strain energy of the six rigid
+    motions; plausibility of SI units; missing data (rotary inertia, loose nodes, mechanisms,
+    stress); and checks of the mesh. For the reduced part it also contains: whether it belongs to
+    this part, how well its interfaces fix it, its free-free frequencies and its response to all
+    interface loads in comparison with the full model, and its modal effective mass.
 
     Parameters
     ----------
     part : Part
         The free part.
     reduced : ReducedPart, optional
-        Its modes, from `reduce`; without them the part alone is examined.
+        Its modes, from `reduce`; None to check the part only.
     solver : str, optional
-        Library that factorises the stiffness matrix, see `solvers`.
+        Library of the factorisation, see `solvers`.
     progress : bool or function, optional
-        True shows a bar for each stage; a function is called with (stage, part of it that is
-        done, from 0 to 1).
+        True shows a bar for each stage; a function is called with (stage, finished fraction of it,
+        0 to 1).
 
     Returns
     -------
@@ -82,7 +82,7 @@ def certify(
     Raises
     ------
     InputError
-        The arguments are no part and its reduced part, or have different nodes.
+        If the arguments are no part and reduced part, or have different nodes.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def _check_arguments(part: object, reduced: object) -> None:
 def full_model(
     part: Part, modes: int = FREE_MODES, run: Run | None = None
 ) -> tuple[FullModel | None, dict[str, str]]:
-    """Return the full model, None if it has no mass, and sentences of what could not be done."""
+    """Return the full model (None without mass), and messages about impossible steps."""
     where, run = f"part '{part.name}'", run or Run()
     faults: dict[str, str] = {}
     M, K = sp.csr_array(part.M), sp.csr_array(part.K)
@@ -237,13 +237,15 @@ def _same_part(part: Part, reduced: ReducedPart) -> Check:
     own = content_hash(part)
     value = own.removeprefix("sha256:")[:12]
     if recorded == own:
-        return Check("input", "ok", value, "", "the modes were made from exactly these matrices")
+        return Check(
+            "input", "ok", value, "", "the modes were computed from exactly these matrices"
+        )
     return Check(
         "input",
         "fail" if recorded else "note",
         value,
         f"recorded {recorded.removeprefix('sha256:')[:12] or 'nothing'}",
-        "the modes were made from other nodes or matrices than these",
+        "the modes were computed from other nodes or matrices",
         "reduce this part again",
     )
 
@@ -296,7 +298,7 @@ def _interface(name: str, tie: Tie | None, length: float) -> str:
 
 
 def _elements(part: Part) -> int:
-    """Return the number of elements; of solids, `elements` holds the surface alone."""
+    """Return the number of elements; for solids, `elements` contains the surface only."""
     if part.solids is not None:
         return sum(len(group.nodes) for group in part.solids.groups)
     return len(part.elements)
@@ -308,7 +310,7 @@ def _products(J: Array, largest: float) -> Array:
 
 
 def _shape(part: Part, reduced: ReducedPart | None = None) -> Silhouette:
-    """Return the shape of a part: its surface, or the edges of its elements."""
+    """Return the drawing of a part: its surface, or the edges of its elements."""
     elements = np.asarray(part.elements, dtype=np.int64)
     empty = np.zeros((0, 3), dtype=np.int64)
     columns = elements.shape[1] if elements.size else 0

@@ -1,4 +1,4 @@
-"""Checks of the modes and interfaces of a reduced part: parts of the certificate."""
+"""Checks of the modes and interfaces of a reduced part, for the certificate."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ ORTHONORMAL = 1e-5
 """Largest deviation of the modal matrices from their diagonal."""
 
 MANY_DOFS = 120
-"""Degrees of freedom of all interfaces above which a tie to one node is better."""
+"""Number of degrees of freedom of all interfaces above which a tie to one node is better."""
 
 HOLD = 1e-3
-"""Motion over the size of the body below which an interface hardly holds it."""
+"""Smallest independent motion / size of the body by which an interface fixes it."""
 
 CONDITION = (1e8, 1e12)
-"""Condition number of the flexibility of the interfaces: to warn, and not to count at all."""
+"""Condition numbers of the flexibility of the interfaces: for a warning, and singular."""
 
 
 def orthonormality(full: FullModel, modes: Modes) -> Check:
-    """Return whether the modes are those of M and K: orthonormal, diagonal, without rigid part."""
+    """Return the check that the modes are orthonormal, diagonal and free of rigid motion."""
     X = modes.X
     mass = np.abs(X.T @ (full.M @ X) - np.eye(X.shape[1])).max()
     omega = 2.0 * np.pi * modes.reduced.frequencies
@@ -45,12 +45,12 @@ def orthonormality(full: FullModel, modes: Modes) -> Check:
         value,
         limit,
         "the modes are not the orthonormal modes of this mass and stiffness matrix",
-        "reduce this part again; give printed mode shapes all the digits there are",
+        "reduce this part again; give printed mode shapes with all available digits",
     )
 
 
 def hold(full: FullModel, modes: Modes) -> Check:
-    """Return how well each interface holds the body, and how large it is."""
+    """Return the checks how well each interface fixes the body, and of their modes."""
     topic = "interfaces"
     if not modes.interfaces:
         return Check(
@@ -58,7 +58,7 @@ def hold(full: FullModel, modes: Modes) -> Check:
             "note",
             "none",
             "",
-            "the modes are those of a body that nothing holds: near joints they converge slowly",
+            "the modes are those of a free body: near joints they converge slowly",
             "use CraigBampton with the nodes where joints and forces act",
         )
     P = modes.moved(scaled_rigid(full))
@@ -67,20 +67,20 @@ def hold(full: FullModel, modes: Modes) -> Check:
     ties = {tie.name: tie for tie in full.part.ties}
     for name, rows in modes.interfaces:
         s = np.linalg.svd(P[rows], compute_uv=False)
-        # over the norm of one node, so that many nodes do not look stiffer
+        # / norm of one node, so that many nodes do not look stiffer
         norm = max(np.sqrt(len(rows) / full.dofs), 1.0)
         own = ties[name].conditioning if name in ties else 1.0
         least.append((min(float(s[5] / norm), own) if len(s) > 5 else 0.0, name))
     value = ", ".join(f"{name} {number(s, 2)}" for s, name in least)
-    limit = f"hold every rigid motion by more than {HOLD:g}"
+    limit = f"fix every rigid motion by more than {HOLD:g}"
     if nb > MANY_DOFS:
         return Check(
             topic,
             "warn",
             f"{count(nb, 'degree')} of freedom",
             f"at most {MANY_DOFS}",
-            "each interface degree of freedom costs one mode, and most of them are of very high "
-            "frequency, which makes steps small",
+            "each interface degree of freedom adds one mode, most of very high frequency, which"
+            " needs small steps",
             "tie the nodes of the surface to one node, rigidly or on average",
         )
     if determinate(P) is None:
@@ -89,7 +89,7 @@ def hold(full: FullModel, modes: Modes) -> Check:
             "fail",
             value,
             limit,
-            "the interfaces together do not hold the body",
+            "the interfaces together do not fix the body",
             "add interface nodes that are not on one line",
         )
     weak = [name for s, name in least if s < HOLD]
@@ -100,13 +100,15 @@ def hold(full: FullModel, modes: Modes) -> Check:
             value,
             limit,
             f"the nodes tied to '{weak[0]}' lie almost on a line or far from its reference point: "
-            "moments there strain the part without bounds",
+            f"moments there cause very large strains",
             "tie a wider surface or move the reference point",
         )
     if weak:
         if full.dofs == 3:
-            reason = "its nodes do not turn and are few, on one line or very close to one another"
-            remedy = "tie the surface of the joint to one node that turns"
+            reason = (
+                "its nodes have no rotations and are few, on one line or very close to one another"
+            )
+            remedy = "tie the surface of the joint to one node with rotations"
         else:
             reason = "it has too few nodes"
             remedy = "add nodes to it"
@@ -124,7 +126,7 @@ def hold(full: FullModel, modes: Modes) -> Check:
 
 def conditioning(full: FullModel, modes: Modes) -> Check | None:
     """Return the condition number of the elastic flexibility of the interfaces."""
-    # one interface node, or supports that are just determinate, have no flexibility of their own
+    # one interface node, or statically determinate supports, have no flexibility
     rank = len(modes.names) - 6
     if rank < 1 or len(modes.names) > 6 * MANY_DOFS:
         return None
@@ -140,9 +142,9 @@ def conditioning(full: FullModel, modes: Modes) -> Check | None:
             "warn",
             f"{moved} of {rank} motions",
             "all",
-            "the modes do not move the interfaces in all ways they can move",
-            "keep all modes of the reduction, unless a plane motion is meant; tie interface nodes "
-            "that lie close together to one node",
+            "the modes do not contain all motions of the interfaces",
+            "keep all modes of the reduction, except for plane motion; tie neighbouring "
+            "interface nodes to one node",
         )
     if value > CONDITION[0]:
         return Check(
@@ -150,7 +152,9 @@ def conditioning(full: FullModel, modes: Modes) -> Check | None:
             "warn",
             text,
             limit,
-            "some motion of the interfaces is far stiffer than others, digits are lost in it",
-            "tie interface nodes that lie close together to one node",
+            "a motion of the interfaces is much stiffer than others, with rounding errors",
+            "tie neighbouring interface nodes to one node",
         )
-    return Check(topic, "ok", text, limit, "the interfaces move in all ways without loss of digits")
+    return Check(
+        topic, "ok", text, limit, "the interfaces have all motions without large rounding errors"
+    )

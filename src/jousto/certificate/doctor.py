@@ -1,4 +1,4 @@
-"""doctor: how a mechanism can move, and what its joints repeat or contradict."""
+"""doctor: mobility of a mechanism, and redundant or contradictory joints."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from jousto.model.rank.redundancy import (
 )
 from jousto.model.tree import BODIES, core_of
 
-LARGE = 2000  # velocities above which the mobility of flexible bodies made rigid is not told
+LARGE = 2000  # number of velocities above which the mobility with rigid bodies is not computed
 
 
 @described
 @dataclass(frozen=True)
 class Diagnosis:
-    """What `doctor` finds; print it.
+    """Findings of `doctor`, for printing.
 
     Attributes
     ----------
@@ -46,24 +46,23 @@ class Diagnosis:
     rows : int
         Constraint rows of joints, couplings and drives.
     mobility : int or None
-        Independent motions that they leave, modal coordinates included; None if the mechanism
-        cannot be assembled.
+        Number of free motions, modal coordinates included; None if the mechanism cannot be
+        assembled.
     rigid_mobility : int or None
-        The same if all bodies were rigid; None where unknown.
+        Number of free motions with rigid bodies; None if unknown.
     moving, driven, still : tuple of str
-        Bodies that can move freely, that move only by drives, and that cannot move, at the
-        initial pose and beside it.
+        Bodies that can move freely, that move by drives only, and that cannot move, at the initial
+        and at neighbouring poses.
     dead : tuple of str
-        Bodies that stand still at the initial pose only: it is a dead centre of theirs, and they
-        move from the positions beside it.
+        Bodies that cannot move at the initial pose only, a dead centre, but at neighbouring poses.
     redundancy : Redundancy or None
-        Rows that repeat one another.
+        Redundant rows.
     problems : tuple of Problem
-        Why the mechanism cannot be assembled, none if it can.
+        Reasons why the mechanism cannot be assembled; empty if it can.
     warnings : tuple of str
-        Further things to look at.
+        Further warnings.
     core : str
-        What is integrated, and why it is not the joint coordinates if it is not (`compile`).
+        Solver core, and the reason if it is not joint coordinates (see `compile`).
     """
 
     name: str
@@ -85,17 +84,17 @@ class Diagnosis:
         facts = [f"{count(self.rows, 'row')}"]
         for what, motions in (("", self.mobility), (" of rigid bodies", self.rigid_mobility)):
             facts += [] if motions is None else [f"{count(motions, 'motion')}{what}"]
-        repeated = "" if self.redundancy is None else "rows repeat one another"
+        repeated = "" if self.redundancy is None else "rows are redundant"
         noted = count(len(self.warnings), "warning") if self.warnings else ""
         return ", ".join(filter(None, [*facts, repeated, noted]))
 
     @property
     def healthy(self) -> bool:
-        """Whether it can be assembled and no row repeats another."""
+        """Whether the mechanism can be assembled without redundant rows."""
         return not self.problems and self.redundancy is None
 
     def lines(self) -> list[tuple[str, str]]:
-        """Return names and findings for people, one pair for each line."""
+        """Return names and values of the findings, one pair per line."""
         out: list[tuple[str, str]] = []
         if self.mobility is not None:
             text = f"{count(self.rows, 'constraint row')} leave{'s' * (self.rows == 1)} "
@@ -111,7 +110,9 @@ class Diagnosis:
         if self.driven:
             out.append(("moves as driven", ", ".join(self.driven)))
         if self.dead:
-            text = f"{', '.join(self.dead)}: standing still here only, moving beside this position"
+            text = (
+                f"{', '.join(self.dead)}: fixed at this position only, movable at neighbouring ones"
+            )
             out.append(("dead centre", text))
         if self.still:
             out.append(("cannot move", ", ".join(self.still)))
@@ -131,20 +132,20 @@ class Diagnosis:
 @uncollected()
 @explained
 def doctor(mechanism: Mechanism | Model) -> Diagnosis:
-    """Examine how a mechanism can move and whether its joints repeat or contradict one another.
+    """Return the mobility of a mechanism, and its redundant and contradictory joints.
 
-    Nothing is raised for a mechanism that cannot be assembled: the reasons are in the answer.
+    For a mechanism that cannot be assembled no error is raised: the result contains the reasons.
 
     Parameters
     ----------
     mechanism : Mechanism or Model
-        What to examine, at its initial pose; also which loads on its bodies their modes
-        represent badly, for which the full models of the parts are solved.
+        Mechanism at its initial pose. Loads that the modes represent badly are found with the full
+        models of the parts.
 
     Returns
     -------
     Diagnosis
-        Mobility, bodies that cannot move, repeated rows with the joints to change, and conflicts.
+        Mobility, bodies that cannot move, redundant rows with remedies, and conflicts.
 
     Examples
     --------
@@ -185,7 +186,7 @@ def doctor(mechanism: Mechanism | Model) -> Diagnosis:
 
 
 def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
-    """Add how the bodies can move."""
+    """Add the mobility and the movable bodies."""
     here = moving(model, model.q0)
     bare = without_drives(model) if any(is_drive(joint) for joint in model.joints) else model
     loose = here if bare is model else moving(bare, model.q0)
@@ -203,7 +204,7 @@ def _with_motions(diagnosis: Diagnosis, model: Model) -> Diagnosis:
 
 
 def _rigid_mobility(diagnosis: Diagnosis, model: Model) -> int | None:
-    """Return the mobility if all bodies were rigid, None where finding it takes too long."""
+    """Return the mobility with rigid bodies, None if its computation takes too long."""
     if not model.beam_shapes and all(body.n == 0 for body in model.bodies):
         return diagnosis.mobility
     if model.nv > LARGE:
@@ -215,7 +216,7 @@ def _rigid_mobility(diagnosis: Diagnosis, model: Model) -> int | None:
 
 
 def _rigid_rows(model: Model, engine: Engine, G: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rows on the rigid motions of all bodies, six columns each; a beam is one body."""
+    """Return the rows for rigid motions of all bodies, six columns each; a beam is one body."""
     beams = [[int(i) for i in beam.bodies] for beam in model.beam_shapes]
     inside = {i for nodes in beams for i in nodes}
     columns = [G[:, b.iv : b.iv + 6] for i, b in enumerate(model.bodies) if i not in inside]
@@ -238,7 +239,7 @@ def _rigid_rows(model: Model, engine: Engine, G: NDArray[np.float64]) -> NDArray
 
 
 def _names(model: Model, which: set[str]) -> tuple[str, ...]:
-    """Return the names of bodies in their order, that of a beam where it is all of its nodes."""
+    """Return the names of bodies in their order; a beam with all its nodes is one name."""
     whole: dict[str, str] = {}
     for beam in model.beam_shapes:
         nodes = [model.bodies[int(i)].name for i in beam.bodies]

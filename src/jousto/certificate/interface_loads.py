@@ -1,4 +1,4 @@
-"""Checks of unit interface loads on a reduced part and on its full model, for the certificate."""
+"""Responses of a reduced part and its full model to unit interface loads, for the certificate."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ EXACT = 1e-8
 """Relative error of a static displacement that counts as exact."""
 
 MOST_LOADS = 60
-"""Interface loads that are solved; more are sampled evenly."""
+"""Largest number of interface loads; of more a uniform sample is used."""
 
 
 def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | None:
-    """Return how the reduced part answers each interface load, against the full model.
+    """Return the checks of the response to interface loads against the full model.
 
-    Each interface degree of freedom gets a unit force or moment. First balanced by the statically
-    determinate supports of the interfaces: the modes must give the full model's displacements
-    ``K^-1 F`` exactly. Then on the free body, which it accelerates (inertia relief,
-    ``F - M R R^T F``): here the error shows whether there are enough vibration modes.
+    A unit force or moment acts on each interface degree of freedom. First it is balanced by
+    statically determinate supports of the interfaces: the modes must reproduce the displacements
+    ``K^-1 F`` of the full model exactly. Then it acts on the free body, which it accelerates
+    (inertia relief, ``F - M R R^T F``): the error depends on the number of vibration modes.
     """
     if full.held is None or full.held.solve is None or full.rigid is None or not modes.names:
         return None
@@ -50,7 +50,7 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
     error = np.abs((found - exact) * w).max(axis=0) / np.maximum(scale, np.finfo(float).tiny)
     m = len(chosen)
     static, dynamic = np.where(trivial, 0.0, error[:m]), error[m:]
-    # work of load and reactions: the displacement where the load acts, as if on the supports
+    # work of load and reactions: displacement at the load relative to the supports
     own = np.einsum("ij,ij->j", balanced, exact[:, :m])
     rows = tuple(
         (
@@ -63,9 +63,9 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
     )
     table = Table(
         "unit interface loads, reduced part against full model",
-        ("load", "displacement (m/N, rad/N m)", "static error", "error when accelerating"),
+        ("load", "displacement (m/N, rad/N m)", "static error", "error with acceleration"),
         rows,
-        "Static: balanced at the supports of the interfaces. Accelerating: on the free body.",
+        "Static: balanced at supports of the interfaces. Acceleration: on the free body.",
     )
     return [_static_check(modes, chosen, static, trivial), _relief_check(dynamic)], table
 
@@ -73,9 +73,9 @@ def static_loads(full: FullModel, modes: Modes) -> tuple[list[Check], Table] | N
 def _balanced(
     full: FullModel, modes: Modes, F: Array, chosen: Index, supports: Index
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return loads with the reactions of six supports, and which of them nothing can react to.
+    """Return loads with the reactions of six supports, and the loads without possible reactions.
 
-    A load on a support itself is balanced by six others, where there are such.
+    A load on a support is balanced by six other supports, if possible.
     """
     assert full.rigid is not None
     R = full.rigid.R
@@ -100,11 +100,11 @@ def _balanced(
 
 
 def elastic_response(full: FullModel, F: Array) -> Array:
-    """Return displacements of self-equilibrated loads (ndof, m), without rigid part."""
+    """Return displacements under self-equilibrated loads (ndof, m), without rigid part."""
     assert full.held is not None and full.held.solve is not None and full.rigid is not None
     f = full.held.lower(F)
     y = full.held.solve(f)
-    # the residual of fine meshes is worth one more solve
+    # iterative refinement, for the accuracy of fine meshes
     y = y + full.held.solve(f - full.held.B @ y)
     return full.rigid.remove(full.held.lift(y))
 
@@ -115,14 +115,15 @@ def _static_check(modes: Modes, chosen: Index, error: Array, trivial: NDArray[np
     loads = count(len(chosen), "interface load")
     if trivial.all():
         sentence = (
-            "a single node carries every load as a rigid body; nothing bends unless it accelerates"
+            "a single interface node balances every load without deformation; the part deforms "
+            "only with acceleration"
         )
         return Check(topic, "ok", "single support", "", sentence)
     worst = int(np.argmax(error))
     value = f"{number(error[worst], 2)} at worst"
-    # what the solver itself leaves
+    # accuracy of the solver
     if error[worst] < EXACT:
-        what = f"every one of {loads} bends the reduced part as the full model"
+        what = f"each of {loads} deforms the reduced part like the full model"
         return Check(topic, "ok", value, limit, what)
     name = modes.names[chosen[worst]]
     if error[worst] > 0.999:
@@ -132,10 +133,10 @@ def _static_check(modes: Modes, chosen: Index, error: Array, trivial: NDArray[np
             "warn",
             value,
             limit,
-            f"the reduced part does not bend at all under {rigid} of {loads}, such as {name}",
+            f"the reduced part does not deform under {rigid} of {loads}, such as {name}",
             "right if modes were left out on purpose (in_plane, keep); otherwise keep all modes",
         )
-    # with fewer modes than static deformations of the interfaces some were left out
+    # fewer modes than static deformations of the interfaces: some were left out
     left_out = modes.reduced.n < len(modes.names) - 6
     status: Status = "warn" if error[worst] < 1e-4 or left_out else "fail"
     return Check(
@@ -143,9 +144,10 @@ def _static_check(modes: Modes, chosen: Index, error: Array, trivial: NDArray[np
         status,
         value,
         limit,
-        f"under {name} the reduced part bends otherwise than the full model",
+        f"under {name} the reduced part deforms differently from the full model",
         "keep the constraint modes of all interfaces (CraigBampton with these interfaces, all "
-        "modes); if it was made so, the stiffness matrix is too ill-conditioned for this accuracy",
+        "modes); if the part was reduced in this way, the stiffness matrix is too "
+        "ill-conditioned for this accuracy",
     )
 
 
@@ -154,14 +156,14 @@ def _relief_check(error: Array) -> Check:
     value, limit = f"{percent(worst)} at worst", "below 5 %"
     topic = "accelerating loads"
     if worst < 0.05:
-        sentence = "loads that accelerate the free body bend it as they bend the full model"
+        sentence = "loads that accelerate the free body deform it like the full model"
         return Check(topic, "ok", value, limit, sentence)
     return Check(
         topic,
         "note",
         value,
         limit,
-        "a load that accelerates the free body bends it otherwise than the full model, since the "
-        "modes of its own inertia are few",
-        "ask for more fixed-interface modes; no matter where such loads do not occur",
+        "a load that accelerates the free body deforms it differently from the full model, "
+        "since there are few vibration modes",
+        "ask for more fixed-interface modes; not needed if such loads do not occur",
     )

@@ -1,4 +1,4 @@
-"""The modes of a reduced part beside its full model, and the unit loads of its interfaces."""
+"""Modes of a reduced part in the degrees of freedom of its full model, and interface loads."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 LEAST_HOLD = 1e-6
-"""Least independent motion over the size of the body by which six loads hold it."""
+"""Smallest independent motion / size of the body of six loads that fix it."""
 
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """The modes of a reduced part on the degrees of freedom of the full model.
+    """Modes of a reduced part in the degrees of freedom of the full model.
 
     Parameters
     ----------
@@ -33,13 +33,14 @@ class Modes:
     X : (ndof, n) array
         Mass-normalised modes.
     loads : (ndof, nb) sparse array
-        Nodal loads of unit forces and moments on the interfaces; ``loads^T u`` is how these move.
+        Nodal loads of unit forces and moments on the interfaces; ``loads^T u`` is the motion of the
+        interfaces.
     names : tuple of str
-        A name for each load, such as ``end fy``.
+        Name of each load, such as ``end fy``.
     weights : (nb,) array
         1 for forces, the size of the body for moments.
     interfaces : tuple of (str, (k,) int array)
-        Names of the interfaces and numbers of their loads.
+        Names of the interfaces and indices of their loads.
     """
 
     reduced: ReducedPart
@@ -50,15 +51,15 @@ class Modes:
     interfaces: tuple[tuple[str, Index], ...]
 
     def moved(self, u: Array) -> Array:
-        """Return how the interfaces move, (nb, m), rotations times the size of the body."""
+        """Return the motions of the interfaces, (nb, m), rotations times the size of the body."""
         return np.asarray((self.loads.T @ u) * self.weights[:, None])
 
 
 def modes_of(full: FullModel, reduced: ReducedPart) -> Modes:
     """Return the modes of a reduced part and the loads of its interfaces.
 
-    The load on the node to which a surface is tied spreads over the surface by the transpose of
-    the average that gives its motion.
+    The load on the reference node of a surface is distributed over the surface by the transpose of
+    the average that defines its motion.
     """
     part, d = full.part, full.dofs
     nn = len(part.nodes)
@@ -96,7 +97,7 @@ def modes_of(full: FullModel, reduced: ReducedPart) -> Modes:
 
 
 def determinate(P: Array) -> Index | None:
-    """Return six loads, rows of their work in rigid motions (nb, 6), that hold the body."""
+    """Return six loads that fix the body; P (nb, 6) are their work in rigid motions."""
     if len(P) < 6:
         return None
     r, pivots = scipy.linalg.qr(P.T, mode="r", pivoting=True)
@@ -106,7 +107,7 @@ def determinate(P: Array) -> Index | None:
 
 
 def scaled_rigid(full: FullModel) -> Array:
-    """Return rigid motions about the middle, rotations over the size of the body."""
+    """Return rigid motions about the middle, rotations / size of the body."""
     R = rigid_modes(full.nodes, full.dofs, full.nodes.mean(axis=0))
     R[:, 3:] /= full.length
     return R

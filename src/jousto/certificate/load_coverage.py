@@ -1,4 +1,4 @@
-"""Which loads the modes of a reduced part can represent: static work, reduced against full."""
+"""Coverage of loads by the modes of a reduced part: static work, reduced against full."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 
 
 ON_INTERFACE = 1e-4
-"""Work with the interfaces held over that of the free body below which they carry the load."""
+"""Work with fixed interfaces / work of the free body below which the interfaces carry the load."""
 
 AT_REST = 1e-14
-"""Motion of the interfaces in a mode, over that in the one that moves them most: none."""
+"""Motion of the interfaces in a mode that counts as none / largest one of all modes."""
 
 
 class Reach:
-    """The full model behind a reduced part, factorised once for any number of loads.
+    """Full model of a reduced part, factorised once for any number of loads.
 
     Parameters
     ----------
     reduced : ReducedPart
-        With its `source`.
+        Reduced part with its `source`.
     """
 
     def __init__(self, reduced: ReducedPart) -> None:
@@ -77,10 +77,10 @@ class Reach:
     def work(self, F: Array) -> tuple[Array, Array] | None:
         """Return the static work ``f^T u`` of loads (ndof, m) in the full part and in the modes.
 
-        With the interfaces held; ``u`` of the modes is the best they can do, so that their work
-        is at most that of the full part. Without interfaces, or where modes were left out that
-        they need, the body is free and accelerates.
-        Loads that interfaces carry work nothing. None if the full part cannot be solved.
+        The interfaces are fixed; ``u`` of the modes is their best approximation, so that their work
+        is at most that of the full part. Without interfaces, or if necessary modes were left out,
+        the body is free and accelerates. Loads carried by interfaces do no work. None if the full
+        part cannot be solved.
         """
         full = self._full
         if full is None or full.rigid is None:
@@ -88,7 +88,7 @@ class Reach:
         relieved = F - full.rigid.MR @ (full.rigid.R.T @ F)
         free = np.einsum("ij,ij->j", relieved, elastic_response(full, relieved))
         modes = modes_of(full, self._reduced)
-        # of a selection of modes, which cannot hold its interfaces, the body is free as well
+        # with selected modes that cannot fix the interfaces, the body is free, too
         if len(modes.names) > 6 + self._reduced.n or not modes.names:
             return free, ((modes.X.T @ F) ** 2 / self._reduced.stiffness[:, None]).sum(axis=0)
         whole = np.einsum("ij,ij->j", F, held_response(full, modes, F))
@@ -96,12 +96,12 @@ class Reach:
         return whole, np.where(whole > 0.0, self._held(full, modes, F), 0.0)
 
     def _held(self, full: FullModel, modes: Modes, F: Array) -> Array:
-        """Work of the loads in what the modes can do while the interfaces rest."""
+        """Return the work of the loads in the modes with fixed interfaces."""
         assert full.rigid is not None
         Y = np.concatenate([full.rigid.R, modes.X], axis=1)
         C = modes.moved(Y)
         size = np.sqrt(np.einsum("ij,ij->j", C, C))
-        # modes in which the interfaces rest, up to round-off, are free already
+        # modes with fixed interfaces, up to round-off, are used unchanged
         size = np.where(size > AT_REST * size.max(initial=0.0), size, 1.0)
         Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
         if not Z.shape[1]:

@@ -1,4 +1,4 @@
-"""Loads on flexible bodies that their modes cannot represent, and how wrong stress is by it."""
+"""Warnings about loads that the modes of flexible bodies do not represent, with stress errors."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 RUN_ERROR, EXAMINED_ERROR = 0.1, 0.02
-"""Share of the stress from which a run and an equilibrium warn; doctor and `jousto check`."""
+"""Stress errors above which a run or an equilibrium warns, and doctor and `jousto check`."""
 RUN_SIZE = 5000
-"""Degrees of freedom of a part above which runs do not solve it: that is left to doctor."""
-SAG = 1e-5  # of the length of a body: mean sag under its weight that modes may leave out
+"""Number of degrees of freedom above which only doctor solves a part, not a run."""
+SAG = 1e-5  # smallest mean sag under its weight outside of the modes / length of the body
 REMEDY = (
     "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
     "interface where the load acts"
 )
 
-# static work of unit loads in a part and in its modes, by the digest of modes and load
+# static work of unit loads in a part and in its modes, by a hash of modes and load
 _WORK: WeakKeyDictionary[Part, dict[Any, tuple[float, float] | None]] = WeakKeyDictionary()
 MOST_KEPT = 1000
 
 
 def warn_loads(model: Model) -> None:
-    """Warn of loads that the modes of a body of a small part represent badly."""
+    """Warn about loads that the modes of small parts represent badly."""
     for where, sentence in unheld_loads(model, RUN_ERROR, RUN_SIZE):
         warn(where, sentence)
 
@@ -42,22 +42,22 @@ def warn_loads(model: Model) -> None:
 def unheld_loads(
     model: Model, least_error: float = EXAMINED_ERROR, largest: float = np.inf
 ) -> list[tuple[str, str]]:
-    """Return what modes leave out of loads on their bodies: where, and a sentence with a remedy.
+    """Return loads outside of the modes: place, and a message with a remedy.
 
-    Asked of what acts between the interfaces: load patterns, forces and torques at nodes that are
-    no interface, and the weight of bodies with interfaces where it makes them sag. The modes find
-    the best displacements that they can, so that the error of their stress in the energy norm is
-    ``|s - s_r| / |s| = sqrt(1 - W_r / W)`` with the static work of the full model and theirs.
-    Parts from files do not know their full model, which is solved here.
+    The check covers loads between the interfaces: load patterns, forces and torques at nodes that
+    are no interface, and the weight of bodies with interfaces. The displacement of the modes is
+    their best approximation, so that the error of the stress in the energy norm is ``|s - s_r| /
+    |s| = sqrt(1 - W_r / W)``, with the static work W of the full model and W_r of the modes. Parts
+    from files are not checked, since they contain no full model.
 
     Parameters
     ----------
     model : Model
-        From `compile`; a copy from another process has no such loads.
+        Result of `compile`; a copy from another process has no such loads.
     least_error : float
-        Error of stress from which a load is returned.
+        Smallest stress error of the returned loads.
     largest : float
-        Most degrees of freedom of a part that is solved.
+        Largest number of degrees of freedom of a part that is solved.
     """
     if not model.mode_loads:
         return []
@@ -80,7 +80,8 @@ def unheld_loads(
             share = (full - kept) / full
             sentence = (
                 f"the {reduced.n} modes of body '{load.body}' leave out {_percent(share)} % of the "
-                f"static work of {load.place}: it bends too little, and its stress is wrong by "
+                f"static work of {load.place}: its deformation is too small, and the error of its "
+                f"stress is "
                 f"{_percent(share**0.5)} % (energy norm); {REMEDY}"
             )
             found.append((load.where, sentence))
@@ -88,9 +89,9 @@ def unheld_loads(
 
 
 def _work(load: ModeLoad, solved: dict[int, Reach]) -> tuple[float, float] | None:
-    """Return the static work of a load in the full part and in its modes, J, None if unknown.
+    """Return the static work of a load in the full part and in the modes, J, None if unknown.
 
-    Work grows with the square of a load, so that weights of one direction share a solution.
+    Work is quadratic in a load, so that weights in one direction share a solution.
     """
     from jousto.certificate.load_coverage import Reach
 

@@ -1,4 +1,4 @@
-"""Error of the stress of a part's modes and loads by its mesh, for the certificate."""
+"""Discretisation error of the stress of a part, for the certificate."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from jousto.certificate.part_checks import FullModel
 from jousto.parts.mesh_error import mesh_error
 
 GOOD, USELESS = 0.1, 0.4
-"""Relative error in the energy norm up to which a mesh is fine, and from which it is of no use."""
+"""Relative errors in the energy norm: largest one of a good mesh, and of a usable mesh."""
 
 MOST_LOADS = 24
-"""Interface loads that are looked at; more are sampled evenly."""
+"""Largest number of interface loads; of more a uniform sample is used."""
 
 BLOCK = 8
-"""Fields whose error is estimated at a time."""
+"""Number of fields per block of the error estimate."""
 
 
 def mesh_accuracy(full: FullModel, modes: Modes | None) -> tuple[Check, Table] | None:
     """Return the estimated discretisation error of the lowest modes and of interface loads.
 
-    Relative errors in the energy norm, see `mesh_error`: of the lowest free-free modes of the full
-    model and, with the reduced part, of its answers to unit loads on its interfaces. Judged by the
-    loads, or by the lowest mode if none are known: shapes of high frequency are known less well on
-    any mesh. None for parts that are not made of solids.
+    The errors are relative errors in the energy norm, see `mesh_error`: of the lowest free-free
+    modes of the full model and, for a reduced part, of its responses to unit loads on its
+    interfaces. The status follows from the loads, or from the lowest mode without loads, since the
+    error of high modes is large on any mesh. None for parts that do not consist of solids.
     """
     if full.part.solids is None:
         return None
@@ -58,7 +58,7 @@ def mesh_accuracy(full: FullModel, modes: Modes | None) -> tuple[Check, Table] |
         "estimated error of the mesh",
         ("shape", "energy norm", "most in element", "at (mm)"),
         tuple(rows),
-        "Of stress in the mean; after Zienkiewicz and Zhu. At sharp corners it stays.",
+        "Mean error of stress after Zienkiewicz and Zhu. At sharp corners it does not converge.",
     )
     return _check(eta[judged], names[judged], places[judged]), table
 
@@ -82,5 +82,5 @@ def _check(eta: Array, names: list[str], places: list[tuple[int, str]]) -> Check
         limit,
         f"stress under {names[worst]} has this estimated error in the mean, most of it in element "
         f"{element} at ({at}) mm",
-        "mesh finer there, or with quadratic elements, and compare",
+        "refine the mesh there, or use quadratic elements, and compare",
     )

@@ -1,4 +1,4 @@
-"""Checks of the mesh a part was made from: parts of the certificate."""
+"""Checks of the mesh of a part, for the certificate."""
 
 from __future__ import annotations
 
@@ -14,35 +14,35 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
 
 POOR = 0.05
-"""Scaled Jacobian below which an element spoils its neighbourhood."""
+"""Scaled Jacobian below which an element causes large local errors."""
 
 VOLUME_DOUBTFUL, VOLUME_WRONG = 0.01, 0.05
-"""Shares of the CAD's volume by which that of the mesh may differ: with a warning, at all."""
+"""Relative difference of mesh and CAD volume for a warning, and for an error."""
 
 STIFF_KINDS = {"tetra": "tetra10", "hexahedron": "hexahedron20", "wedge": "wedge15"}
-"""Elements that are too stiff in bending, and what to take instead."""
+"""Elements that are too stiff in bending, and replacements."""
 
 BENDING = ("incompatible",)
-"""Formulations of linear elements that bend as they should."""
+"""Formulations of linear elements with correct bending stiffness."""
 
 WORST = 5
-"""Elements that are named."""
+"""Largest number of listed elements."""
 
 
 def mesh_checks(part: Part) -> tuple[list[Check], list[Table]]:
-    """Return the checks of a part's mesh; nothing for parts without one."""
+    """Return the checks of the mesh of a part; empty for parts without a mesh."""
     mesh: Any = part.mesh
     if mesh is None or not hasattr(mesh, "quality"):
         return [], []
     checks, table = _quality(mesh)
     checks += [*_against_cad(mesh), _order(mesh)]
     checks.append(_surface(part))
-    # what the mesh knows of itself; the shapes of elements are judged above
+    # findings of the mesh; element shapes are checked above
     found = [f for f in mesh.check() if f.kind not in ("jacobian", "sliver")]
     for finding in found:
         status: Status = "fail" if finding.severity == "error" else "warn"
         if finding.kind == "pieces" and hangs_together(part):
-            sentence = "the mesh is of several pieces, rigid interfaces hold them together"
+            sentence = "the mesh has several pieces, joined by rigid interfaces"
             checks.append(Check("mesh: pieces", "note", "found", "", sentence))
             continue
         value = count(len(finding.ids), "place") if finding.ids else "found"
@@ -76,7 +76,8 @@ def _quality(mesh: Any) -> tuple[list[Check], Table]:
         "worst elements",
         ("element", "scaled Jacobian", "longest edge / shortest"),
         tuple((str(i), number(value, 3), number(aspect[i], 3)) for i, value in worst),
-        "Scaled Jacobian: 1 is the ideal shape, 0 is flat, below 0 is turned inside out.",
+        "Scaled Jacobian: 1 for the ideal shape, 0 for a flat element, negative for an inverted"
+        " one.",
     )
     value = f"{number(s.min(), 3)} worst, {number(np.median(s), 3)} median of {len(s)}"
     limit = f"scaled Jacobian at least {POOR:g}"
@@ -88,8 +89,8 @@ def _quality(mesh: Any) -> tuple[list[Check], Table]:
             "fail",
             value,
             limit,
-            f"{count(len(quality.negative), 'element')} (such as {names}) are folded or inside out",
-            "mesh that region finer or straighten its midside nodes",
+            f"{count(len(quality.negative), 'element')} (such as {names}) are folded or inverted",
+            "refine the mesh there or straighten its mid-side nodes",
         )
     elif s.min() < POOR:
         check = Check(
@@ -98,8 +99,8 @@ def _quality(mesh: Any) -> tuple[list[Check], Table]:
             value,
             limit,
             f"{count(int(np.sum(s < POOR)), 'element')} (such as {names}) are nearly flat: stress "
-            "there is of no use and high frequencies suffer",
-            "remove small faces from the geometry or mesh finer there",
+            f"there is unreliable and high frequencies are inaccurate",
+            "remove small faces from the geometry or refine the mesh there",
         )
     else:
         check = Check(topic, "ok", value, limit, "no element is flat or folded")
@@ -107,7 +108,7 @@ def _quality(mesh: Any) -> tuple[list[Check], Table]:
 
 
 def _against_cad(mesh: Any) -> list[Check]:
-    """Return how the volume of the mesh compares with that of the CAD solids it was made of."""
+    """Return the check of the mesh volume against that of the CAD solids."""
     cad = mesh.cad_volume
     if not cad:
         return []
@@ -116,11 +117,11 @@ def _against_cad(mesh: Any) -> list[Check]:
     topic, limit = "volume against CAD", f"{100.0 * VOLUME_DOUBTFUL:g} %"
     value = f"{100.0 * share:+.2g} % of {number(1e9 * cad, 6)} mm3"
     if size <= VOLUME_DOUBTFUL:
-        return [Check(topic, "ok", value, limit, "the mesh weighs what the CAD solid does")]
+        return [Check(topic, "ok", value, limit, "the mesh has the volume of the CAD solid")]
     sentence = (
         f"the mesh is {number(100.0 * size, 2)} % {'heavier' if share > 0.0 else 'lighter'} than "
-        "the CAD solid: its edges cut across curved faces, so that mass, inertia and stiffness are "
-        "those of another part"
+        "the CAD solid: its edges are chords of curved faces, so that mass, inertia and stiffness "
+        "are wrong"
     )
     remedy = "mesh with more elements per_circle, a smaller size, or edges that follow curves"
     return [
@@ -138,7 +139,7 @@ def _order(mesh: Any) -> Check:
     linear = {block.kind for block in mesh.solids if block.kind in STIFF_KINDS}
     stiff = [b.kind for b in mesh.solids if b.kind in linear and b.formulation not in BENDING]
     if linear and not stiff:
-        sentence = "bricks with incompatible modes bend as they should while they are cuboids"
+        sentence = "bricks with incompatible modes are accurate in bending if they are cuboids"
         return Check("elements", "ok", value, "", sentence)
     soft = [b for b in mesh.solids if (b.kind, b.formulation) == ("hexahedron", "reduced")]
     if soft and len(soft) == len(stiff):
@@ -149,23 +150,23 @@ def _order(mesh: Any) -> Check:
             "four over each thickness",
             "bricks of mean strain are too soft in bending: n over a thickness have 1 - 1/n^2 of"
             " its second moment",
-            "take hexahedron20 or formulation 'incompatible', or four and more over each thickness",
+            "use hexahedron20 or formulation 'incompatible', or at least four over each thickness",
         )
     if not stiff:
-        return Check("elements", "ok", value, "", "quadratic elements bend as they should")
+        return Check("elements", "ok", value, "", "quadratic elements are accurate in bending")
     better = " and ".join(dict.fromkeys(STIFF_KINDS[kind] for kind in stiff))
     return Check(
         "elements",
         "warn",
         value,
         "quadratic",
-        "linear elements are too stiff in bending and know stress only coarsely",
-        f"take {better} (order=2 when meshing), or refine until frequencies stand still",
+        "linear elements are too stiff in bending, and their stress is inaccurate",
+        f"use {better} (order=2 when meshing), or refine until frequencies converge",
     )
 
 
 def _surface(part: Part) -> Check:
-    """Return whether the outer surface is closed and meets itself nowhere."""
+    """Return the check that the outer surface is closed and has no shared edges."""
     triangles = np.asarray(part.elements)
     pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     edges, times = np.unique(pairs, axis=0, return_counts=True)
@@ -181,9 +182,9 @@ def _surface(part: Part) -> Check:
             "warn",
             value,
             "two triangles at each edge",
-            f"at {count(len(shared), 'edge')} (such as node{a} to node{b}) bodies hang together "
-            "like on a hinge",
-            "let them share faces, or keep them apart",
+            f"at {count(len(shared), 'edge')} (such as node{a} to node{b}) bodies are connected "
+            f"like by a hinge",
+            "let them share faces, or separate them",
         )
     if np.any(times == 1):
         return Check(

@@ -1,4 +1,4 @@
-"""Checks of a part alone: rigid motions, units, what is missing. Parts of the certificate."""
+"""Checks of a part without modes: rigid motions, units, missing data; for the certificate."""
 
 from __future__ import annotations
 
@@ -25,35 +25,35 @@ if TYPE_CHECKING:
 MOTIONS = ("along x", "along y", "along z", "about x", "about y", "about z")
 
 RIGID_RATIO = (1e-3, 0.05)
-"""Frequency of a rigid motion over the lowest elastic one: to warn, to fail."""
+"""Frequency of a rigid motion / lowest elastic one, for a warning and for a failure."""
 
 SOUND = (300.0, 15000.0)
-"""Speed of sound of materials that parts are made of, m/s: soft foam to diamond."""
+"""Range of the speed of sound of materials, m/s: soft foam to diamond."""
 
 SIZE = (1e-3, 100.0)
-"""Size of parts that somebody makes, m."""
+"""Range of the size of parts, m."""
 
 DENSITY = (5.0, 23000.0)
-"""Density of materials, kg/m3: foam to osmium."""
+"""Range of the density of materials, kg/m3: foam to osmium."""
 
 SOFT = 1e-3
-"""Ratio of two neighbouring frequencies below which the lower is taken for a mechanism."""
+"""Ratio of two neighbouring frequencies below which the lower one is a mechanism."""
 
-# measured speed of sound over that of metals (5000 m/s), and what usually causes it
+# ratio of the computed speed of sound to that of metals (5000 m/s), and its usual cause
 CAUSES = (
     (1e6, "the density is in t/mm3 while E is in Pa: give kg/m3"),
     (1e3, "matrices are in mm, t and s (N, MPa): give lengths in m, E in Pa and density in kg/m3"),
     (35.0, "the density is in g/cm3 (t/m3), or lengths are in inches: give kg/m3 and m"),
     (3.2e-2, "E is in kPa: give it in Pa, 210 GPa are 2.1e11"),
     (1e-3, "E is in MPa while lengths are in m, or time is in ms: give E in Pa"),
-    (3.2e-5, "E is in GPa while all else is SI: give E in Pa"),
+    (3.2e-5, "E is in GPa while other values are SI: give E in Pa"),
     (1e-6, "E is in TPa, or mass is in mg: give E in Pa and mass in kg"),
 )
 
 
 @dataclass(frozen=True, eq=False)
 class FullModel:
-    """A free finite element model and what several checks need of it.
+    """Free finite element model with the data for several checks.
 
     Parameters
     ----------
@@ -70,15 +70,15 @@ class FullModel:
     centre : (3,) array
         m.
     inertia : (3, 3) array
-        About the centre, kg m2.
+        Inertia about the centre, kg m2.
     rigid : RigidBasis or None
-        Mass-orthonormal rigid motions; None if the inertia does not allow any.
+        Mass-orthonormal rigid motions; None if the inertia is singular.
     held : Flexibility or None
-        The body held at six degrees of freedom; None if it cannot be held.
+        The body fixed at six degrees of freedom; None if this is impossible.
     frequencies : (m,) array
         Lowest elastic frequencies of the free body, Hz.
     shapes : (ndof, m) array
-        Their mass-normalised modes.
+        Mass-normalised modes of these frequencies.
     """
 
     part: Part
@@ -97,13 +97,13 @@ class FullModel:
 
     @property
     def weights(self) -> Array:
-        """1 for translations, the size of the body for rotations, (ndof,)."""
+        """Weights (ndof,): 1 for translations, the size of the body for rotations."""
         kind = np.arange(self.K.shape[0]) % self.dofs
         return np.asarray(np.where(kind < 3, 1.0, self.length))
 
 
 def rigid_motions(full: FullModel) -> tuple[Check, Table]:
-    """Return whether the six rigid motions cost no strain energy, and the numbers."""
+    """Return the check that the six rigid motions have no strain energy."""
     R = rigid_modes(full.nodes, full.dofs, full.centre)
     energy = np.einsum("ij,ij->j", R, full.K @ R)
     cancelling = np.einsum("ij,ij->j", np.abs(R), abs(full.K) @ np.abs(R))
@@ -120,11 +120,11 @@ def rigid_motions(full: FullModel) -> tuple[Check, Table]:
         (
             "motion",
             "strain energy of 1 mm or 1 mrad (J)",
-            "share of what cancels",
+            "energy / cancelling terms",
             "frequency (Hz)",
         ),
         rows,
-        "A free body stores no energy in them; what is left is rounding.",
+        "In a free body this energy is zero except for rounding.",
     )
     worst = int(np.argmax(hertz))
     lowest = float(full.frequencies[0]) if len(full.frequencies) else 0.0
@@ -133,7 +133,7 @@ def rigid_motions(full: FullModel) -> tuple[Check, Table]:
     if not lowest:
         good = bool(share.max() < 1e-9)
         status: Any = "ok" if good else "fail"
-        sentence = "all six rigid motions cost no strain energy"
+        sentence = "all six rigid motions have no strain energy"
         if not good:
             sentence = f"moving the rigid body {MOTIONS[worst]} stores strain energy"
         remedy = "" if good else "remove supports and springs to ground"
@@ -141,11 +141,11 @@ def rigid_motions(full: FullModel) -> tuple[Check, Table]:
     ratio = float(hertz[worst]) / lowest
     limit = f"first elastic mode {number(lowest)} Hz"
     if ratio < RIGID_RATIO[0]:
-        sentence = "all six rigid motions cost no strain energy"
+        sentence = "all six rigid motions have no strain energy"
         return Check(topic, "ok", value, limit, sentence), table
     status = "warn" if ratio < RIGID_RATIO[1] else "fail"
     if hertz[:3].max() >= RIGID_RATIO[0] * lowest:
-        # a support resists turning, too: name the plainer motion
+        # a support resists rotations, too: report the simpler motion
         worst = int(np.argmax(hertz[:3]))
     sentence = (
         f"moving the rigid body {MOTIONS[worst]} stores strain energy as if it were a mode of "
@@ -155,8 +155,8 @@ def rigid_motions(full: FullModel) -> tuple[Check, Table]:
         remedy = "remove supports and springs to ground before the matrices are written"
     else:
         remedy = (
-            "check that node positions are in m, in the order of the matrices, and that the file "
-            "has digits enough; remove supports and springs to ground"
+            "check that node positions are in m, in the order of the matrices, and that the "
+            "file has enough digits; remove supports and springs to ground"
         )
     return Check(topic, status, value, limit, sentence, remedy), table
 
@@ -164,8 +164,9 @@ def rigid_motions(full: FullModel) -> tuple[Check, Table]:
 def speed_of_sound(full: FullModel) -> float:
     """Return ``sqrt(B / rho)`` of the material, m/s, from the matrices alone.
 
-    The displacement ``u = x`` stretches everything alike: beams store ``E V``, solids nine times
-    their bulk modulus B. Over the mass that is ``E / rho`` or ``9 B / rho``, whatever the shape.
+    The displacement ``u = x`` is a uniform extension: its energy is ``E V`` for beams, ``9 B V``
+    with the bulk modulus B for solids. Divided by the mass it is ``E / rho`` or ``9 B / rho`` for
+    any shape.
     """
     nn = len(full.nodes)
     u = np.zeros((nn, full.dofs))
@@ -177,12 +178,12 @@ def speed_of_sound(full: FullModel) -> float:
 
 
 def units(full: FullModel) -> Check:
-    """Return whether size, speed of sound and density can be those of a real part in SI units."""
+    """Return the check that size, speed of sound and density are possible in SI units."""
     speed = speed_of_sound(full)
     extent = np.ptp(full.nodes, axis=0)
     faults = []
     remedies = []
-    # a body on a part slows sound and is denser than the part may be
+    # a mass on a part lowers the speed of sound and raises the density
     alone = full.part.attached is None
     impossible = speed > SOUND[1] or (alone and speed < 0.1 * SOUND[0])
     if not SOUND[0] <= speed <= SOUND[1]:
@@ -198,11 +199,11 @@ def units(full: FullModel) -> Check:
     if not SIZE[0] <= full.length <= SIZE[1]:
         faults.append(f"the part is {number(1e3 * full.length, 6)} mm long")
         hint = (
-            "millimetres were read as metres: write unit: mm beside the mesh's file in the part "
+            "lengths in mm were read as m: write unit: mm beside the mesh's file in the part "
             "file, or scale the mesh by 0.001"
         )
         if full.length < SIZE[0]:
-            hint = "metres were taken for millimetres: scale the mesh by 1000"
+            hint = "lengths in m were read as mm: scale the mesh by 1000"
         remedies.append(f"if it is not, {hint}")
     box = float(np.prod(extent))
     if box > 1e-6 * full.length**3:
@@ -227,7 +228,7 @@ def units(full: FullModel) -> Check:
     value = f"{number(speed)} m/s, {number(1e3 * full.length, 6)} mm, {number(full.mass, 6)} kg"
     limit = f"speed of sound {SOUND[0]:g} to {SOUND[1]:g} m/s"
     if not faults:
-        sentence = "stiffness, mass and size can be those of a real part in SI units"
+        sentence = "stiffness, mass and size are plausible in SI units"
         return Check("units", "ok", value, limit, sentence)
     status: Any = "fail" if impossible else "warn"
     return Check("units", status, value, limit, "; ".join(faults), "; ".join(remedies))
@@ -239,7 +240,7 @@ def _volume(full: FullModel) -> float:
 
 
 def rotary_inertia(full: FullModel) -> Check:
-    """Return whether the body, and the nodes that turn, have rotary inertia."""
+    """Return the check of the rotary inertia of the body and of its nodes."""
     topic = "rotary inertia"
     moments = np.linalg.eigvalsh(full.inertia)
     ratio = float(moments[0] / moments[-1]) if moments[-1] > 0.0 else 0.0
@@ -252,7 +253,7 @@ def rotary_inertia(full: FullModel) -> Check:
             status,
             value,
             limit,
-            "all mass lies on a line or at a point: spin about that line meets no inertia",
+            "all mass lies on a line or at a point: rotation about that line has no inertia",
             "give the section its rotary inertia (rotary_inertia=True), write the matrices with "
             "rotary inertia, or add a point mass with inertia",
         )
@@ -265,15 +266,15 @@ def rotary_inertia(full: FullModel) -> Check:
                 "note",
                 f"{count(bare, 'node')} of {len(diagonal)} without",
                 "",
-                "rotations of these nodes move no mass, so that modes in which only they move "
-                "have no frequency: those of interfaces are kept as static shapes",
+                "rotations of these nodes have no mass, so that their modes have no frequency: "
+                "those of interfaces are kept as static shapes",
                 "harmless for slender parts; otherwise use consistent mass or rotary_inertia=True",
             )
     return Check(topic, "ok", value, limit, "the body has inertia about every axis")
 
 
 def loose_nodes(full: FullModel) -> Check:
-    """Return whether all nodes are held, and elements and rigid ties form one piece."""
+    """Return the check that all nodes are connected and form one piece."""
     topic = "loose nodes"
     d = full.dofs
     weight = np.asarray(abs(full.K) @ np.ones(full.K.shape[0])).reshape(-1, d)
@@ -289,7 +290,7 @@ def loose_nodes(full: FullModel) -> Check:
             "fail",
             f"{count(len(bare), 'node')}: {_names(bare)}",
             "none",
-            "these nodes have no stiffness: no element holds them",
+            "these nodes have no stiffness: no element is connected to them",
             "remove them or connect them to the elements",
         )
     if len(turning):
@@ -298,8 +299,8 @@ def loose_nodes(full: FullModel) -> Check:
             "fail",
             f"{count(len(turning), 'node')}: {_names(turning)}",
             "none",
-            "these nodes turn without any stiffness",
-            "leave out their rotations, or connect them to elements that resist turning",
+            "the rotations of these nodes have no stiffness",
+            "leave out their rotations, or connect them to elements with rotational stiffness",
         )
     pieces = _pieces(full.part)
     if pieces > 1:
@@ -308,9 +309,9 @@ def loose_nodes(full: FullModel) -> Check:
             "fail",
             count(pieces, "piece"),
             "1 piece",
-            "the part falls into pieces that nothing connects",
-            "merge coinciding nodes of touching bodies, tie them by a rigid interface (an average "
-            "does not hold them together), or make one part of each piece",
+            "the part has disconnected pieces",
+            "merge coinciding nodes of touching bodies, tie them by a rigid interface (an "
+            "average does not connect them), or make each piece a part",
         )
     if len(full.part.elements):
         outside = np.setdiff1d(np.arange(len(full.part.nodes)), full.part.elements)
@@ -320,16 +321,16 @@ def loose_nodes(full: FullModel) -> Check:
                 "note",
                 f"{count(len(outside), 'node')}: {_names(outside)}",
                 "",
-                "these nodes have stiffness but belong to no element that is drawn",
+                "these nodes have stiffness but belong to no listed element",
             )
-    return Check(topic, "ok", "none", "", "every node is held, and the part is one piece")
+    return Check(topic, "ok", "none", "", "every node is connected, and the part is one piece")
 
 
 def mechanisms(full: FullModel, fault: str) -> Check:
-    """Return whether anything moves freely, or nearly so, besides the six rigid motions."""
+    """Return the check for free or very soft motions besides the six rigid motions."""
     topic = "mechanisms"
     if full.held is None:
-        sentence = "something besides the rigid body moves without any force"
+        sentence = "there is a motion without stiffness besides the rigid motions"
         node = swinging_node(full)
         if node is not None:
             sentence += f", most at {dof_label(node, full.dofs)}"
@@ -340,7 +341,7 @@ def mechanisms(full: FullModel, fault: str) -> Check:
     value = f"first elastic modes {', '.join(number(x) for x in f[:3])} Hz"
     jumps = np.flatnonzero(f[:-1] < SOFT * f[1:])
     if not len(jumps):
-        return Check(topic, "ok", value, "", "nothing moves freely besides the rigid body")
+        return Check(topic, "ok", value, "", "there is no free motion besides the rigid motions")
     k = int(jumps[-1])
     shape = np.abs(full.shapes[:, k] * full.weights)
     where = dof_label(int(np.argmax(shape)), full.dofs)
@@ -349,16 +350,16 @@ def mechanisms(full: FullModel, fault: str) -> Check:
         "warn",
         value,
         f"neighbours within {1 / SOFT:.0f} times",
-        f"{count(k + 1, 'mode')} up to {number(f[k])} Hz stand far below the next one, "
-        f"{number(f[k + 1])} Hz: something hangs almost loose, {where} moves most",
+        f"{count(k + 1, 'mode')} up to {number(f[k])} Hz are far below the next one, "
+        f"{number(f[k + 1])} Hz: a component is almost loose, {where} moves most",
         _CONNECT,
     )
 
 
 def swinging_node(full: FullModel) -> int | None:
-    """Return the degree of freedom that moves most in a motion that costs no force.
+    """Return the degree of freedom that moves most in a motion without stiffness.
 
-    Inverse iteration with a little stiffness to ground, without the rigid motions.
+    Computed by inverse iteration with a small stiffness to ground, without the rigid motions.
     """
     n = full.K.shape[0]
     diagonal = full.K.diagonal()
@@ -377,16 +378,16 @@ def swinging_node(full: FullModel) -> int | None:
 
 
 _CONNECT = (
-    "connect what should be connected: merge nodes of touching meshes, tie rotations of beams to "
-    "solids with at least three nodes, and look for hinges and missing springs"
+    "connect the component: merge nodes of touching meshes, tie rotations of beams to solids "
+    "with at least three nodes, and check for hinges and missing springs"
 )
 
 
 def content(full: FullModel) -> Check:
-    """Return what the part cannot deliver later: stress, stiffening."""
+    """Return the check for stress and stiffening data."""
     missing = []
     if full.part.stress is None:
-        missing.append("stress (matrices alone carry no stress, build the part from its elements)")
+        missing.append("stress (matrices contain no stress; build the part from its elements)")
     if full.part.second_order is None:
         missing.append("stiffening by centrifugal and axial forces")
     if not missing:
@@ -403,12 +404,12 @@ def _names(nodes: NDArray[Any]) -> str:
 
 
 def hangs_together(part: Part) -> bool:
-    """Return whether elements and rigid ties join all nodes."""
+    """Return whether elements and rigid ties connect all nodes."""
     return _pieces(part) == 1
 
 
 def _pieces(part: Part) -> int:
-    """Return into how many pieces a part falls; averages hold nothing together."""
+    """Return the number of disconnected pieces of a part; averages connect nothing."""
     from scipy.sparse.csgraph import connected_components  # slow to import
 
     graph = tied(node_graph(part.K, part.dofs_per_node), rigid_groups(part.ties))

@@ -1,4 +1,4 @@
-"""Checks of frequencies and vibrating mass of a reduced part: parts of the certificate."""
+"""Checks of frequencies and vibrating mass of a reduced part, for the certificate."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ CLOSE = 0.01
 """Relative error of a frequency that counts as good."""
 
 SHARE = 0.95
-"""Least share of a mode of the full model that the reduced part must hold."""
+"""Smallest part of a mode of the full model that the reduced part must contain."""
 
 MASS_SHARE = 0.8
-"""Share of the mass that vibrates with the fixed modes in a direction, of a part well covered."""
+"""Smallest effective mass of the modes in each direction / mass of the part."""
 
 MOST_DOFS = 720
-"""Degrees of freedom of all interfaces above which effective masses are not computed."""
+"""Largest number of degrees of freedom of all interfaces for effective masses."""
 
 
 def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
-    """Return the free-free frequencies of the reduced part beside those of the full model."""
+    """Return the check of the free-free frequencies against those of the full model."""
     f = full.frequencies
     if not len(f):
         return None
@@ -47,7 +47,7 @@ def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
         "free-free frequencies",
         ("mode", "full model (Hz)", "reduced (Hz)", "error", "held"),
         rows,
-        "Held: how much of the full model's mode shape the reduced part can take on.",
+        "Held: part of the mode shape of the full model that the reduced part contains.",
     )
     good = (np.abs(error) < CLOSE) & (held > SHARE)
     first = len(f) if good.all() else int(np.argmin(good))
@@ -68,7 +68,7 @@ def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
         sentence = "the reduced part does not have the lowest mode of the free part"
         if held[0] > 0.8:
             what = f"mode 1 ({number(f[0])} Hz) is off by {percent(error[0])}"
-            sentence = "already the lowest mode of the free part is not within 1 %"
+            sentence = "the error of the lowest mode of the free part exceeds 1 %"
         return Check(
             topic,
             "warn",
@@ -78,17 +78,18 @@ def frequencies(full: FullModel, modes: Modes) -> tuple[Check, Table] | None:
             "ask for more modes, unless modes were left out on purpose (in_plane, keep)",
         ), table
     value = f"first {count(first, 'mode')} good, to {number(f[first - 1])} Hz"
-    sentence = f"the free body vibrates right up to {number(f[first - 1])} Hz"
+    sentence = f"the frequencies of the free body are accurate up to {number(f[first - 1])} Hz"
     return Check(topic, "ok", value, limit, sentence), table
 
 
 def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] | None:
-    """Return the modal effective mass of the modes of the reduced part, interfaces held.
+    """Return the check of the modal effective mass with fixed interfaces.
 
-    In mass-orthonormal coordinates ``z = (a, p)`` of rigid motion and modes the held interface is
-    ``B^T [R X] z = 0`` with the loads B; the modes of what is left have the participation
-    ``L = r^T M phi`` in a unit rigid motion r, and the effective mass ``L^2``. All of them together
-    weigh at most ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, chapter 6).
+    In mass-orthonormal coordinates ``z = (a, p)`` of rigid motion and modes, fixed interfaces mean
+    ``B^T [R X] z = 0`` with the loads B; the remaining modes have the participation factor ``L =
+    r^T M phi`` in a unit rigid motion r, and the effective mass ``L^2``. The sum of the effective
+    masses is at most ``r^T M r`` (Wijker 2004, Mechanical Vibrations in Spacecraft Design, chapter
+    6).
     """
     if full.rigid is None or not 0 < len(modes.names) <= MOST_DOFS:
         return None
@@ -101,11 +102,10 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
         return Check(
             "effective mass",
             "warn",
-            "no mode with interfaces held",
+            "no mode with fixed interfaces",
             "",
-            "the body does not vibrate at all while its interfaces are held: it is condensed "
-            "statically",
-            "ask for fixed-interface modes, unless only slow motion matters",
+            "the body has no vibration mode with fixed interfaces: it is condensed statically",
+            "ask for fixed-interface modes, except for slow motion",
         ), None
     omega2 = (2.0 * np.pi * modes.reduced.frequencies) ** 2
     stiff = Z.T @ (np.concatenate([np.zeros(6), omega2])[:, None] * Z)
@@ -117,7 +117,7 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
     L = coordinates.T @ (Z @ Y)[:6]
     total = np.einsum("ij,ij->j", coordinates, coordinates)
     share = L**2 / np.maximum(total, np.finfo(float).tiny)[:, None]
-    # a direction in which hardly anything can move by inertia has no share
+    # skip a direction in which almost no mass can move
     share[total <= 1e-9 * np.repeat([full.mass, full.mass * full.length**2], 3)] = np.nan
     f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
     shown = min(len(f), 10)
@@ -131,26 +131,26 @@ def effective_mass(full: FullModel, modes: Modes) -> tuple[Check, Table | None] 
     held = share.sum(axis=1)
     rows.append(("all", "", *map(_share, held)))
     table = Table(
-        "modal effective mass, interfaces held",
+        "modal effective mass, fixed interfaces",
         ("mode", "Hz", "x", "y", "z", "about x", "about y", "about z"),
         tuple(rows),
-        "Share of the mass (moment of inertia about the middle of the interfaces) that vibrates "
-        f"in each of {n} modes less what the interfaces hold.",
+        f"Share of the mass (moment of inertia about the middle of the interfaces) that vibrates "
+        f"in each of {n} modes, without the mass fixed to the interfaces.",
     )
     topic = "effective mass"
     value = " ".join(f"{x} {_share(h)}" for x, h in zip("xyz", held, strict=False))
     poor = [x for x, h in zip("xyz", held, strict=False) if not h >= MASS_SHARE]
     limit = f"at least {100 * MASS_SHARE:.0f} % in each direction"
     if not poor:
-        sentence = "the modes hold the vibrating mass in every direction"
+        sentence = "the modes contain the vibrating mass in every direction"
         return Check(topic, "ok", value, limit, sentence), table
     sentence = (
-        f"shaken along {', '.join(poor)} much of the mass only follows its interfaces: what "
-        f"vibrates above {number(f[-1])} Hz is left out"
+        f"in vibration along {', '.join(poor)} much of the mass only follows its interfaces: "
+        f"modes above {number(f[-1])} Hz are left out"
     )
     remedy = (
-        "ask for more fixed-interface modes if excitations there come near it; mass that stands on "
-        "its interfaces, such as bosses, hardly vibrates"
+        "ask for more fixed-interface modes if excitations reach that frequency; mass near the "
+        "interfaces, such as bosses, hardly vibrates"
     )
     return Check(topic, "note", value, limit, sentence, remedy), table
 

@@ -1,4 +1,4 @@
-"""Materials: elastic constants, density, and in `strength` what they endure."""
+"""Materials: elastic constants and density; fatigue strength in `strength`."""
 
 from jousto.base.lazy_exports import open_room
 

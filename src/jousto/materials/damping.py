@@ -1,4 +1,4 @@
-"""Damping proportional to mass and stiffness, of beams in space and in the plane."""
+"""Damping proportional to mass and stiffness, of exact beams in space and planar beams."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ class ProportionalDamping(Declared, by_value=True):
     """
 
     mass: Number = field(
-        "Forces ``-mass M v``: resists all motion through the world, rigid motion too. M is the "
-        "mass matrix of the beam, whichever it is: lumped, corrected or shared",
+        "Coefficient of the forces ``-mass M v`` against all absolute motion, rigid motion "
+        "included. M is the mass matrix of the beam: lumped, corrected or consistent",
         unit="1/s",
         least=0,
         wanted="zero or positive",
         default=0.0,
     )
     stiffness: Number = field(
-        "Resultants ``s = C (e + stiffness e')``: resists straining alone",
+        "Coefficient of the resultants ``s = C (e + stiffness e')`` against strain rates only",
         unit="s",
         least=0,
         wanted="zero or positive",

@@ -17,7 +17,7 @@ _CRAWFORD = (
     "R. J. Crawford, Plastics Engineering (3rd ed., 1998), table 1.5, short-term at 23 deg C (it"
     " creeps); nu: typical of the family"
 )
-_KSI, _LB_IN3 = 6.894757e6, 27679.905  # in Pa and kg/m^3
+_KSI, _LB_IN3 = 6.894757e6, 27679.905  # Pa and kg/m^3
 
 # name: (E in Pa, nu, rho in kg/m^3, source)
 _TABLE: dict[str, tuple[float, float, float, str]] = {
@@ -88,9 +88,9 @@ _ALIASES = {"steel": "S355", "aluminium": "EN AW-6082", "titanium": "Ti-6Al-4V"}
 def material(name: str) -> Material:
     """Return a material of the library.
 
-    Elastic constants at room temperature; those of polymers hold for short times, for long ones
-    they creep. Capital letters, blanks, hyphens and a leading ``EN``,
-    ``EN AW`` or ``AISI`` may be left out.
+    The elastic constants are those at room temperature; those of polymers apply to short times,
+    since polymers creep. Capital letters, blanks, hyphens and a leading ``EN``, ``EN AW`` or
+    ``AISI`` may be left out.
 
     Parameters
     ----------
@@ -100,12 +100,12 @@ def material(name: str) -> Material:
     Returns
     -------
     Material
-        With its ``source``.
+        Material with its ``source``.
 
     Raises
     ------
     InputError
-        If the library has no such material; the nearest names are given.
+        If the library has no such material; the message suggests similar names.
 
     Examples
     --------
@@ -143,12 +143,12 @@ def names() -> tuple[str, ...]:
 
 
 def by_name(value: object) -> str:
-    """Return how to get the material that a text names, for messages; empty if it names none.
+    """Return a hint for messages if a text is the name of a library material, else ''.
 
     >>> by_name("S355"), by_name(7850.0)
-    ("; a name becomes one by jo.material('S355')", '')
+    ("; get it from the library by jo.material('S355')", '')
     """
-    return f"; a name becomes one by jo.material({value!r})" if isinstance(value, str) else ""
+    return f"; get it from the library by jo.material({value!r})" if isinstance(value, str) else ""
 
 
 def _key(name: str) -> str:

@@ -14,12 +14,12 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
     Raises
     ------
     InputError
-        If a value is not finite or outside its physical range (all of them together).
+        With all values that are not finite or outside of their physical range.
 
     Warns
     -----
     JoustoWarning
-        If E or rho looks like another system of units (MPa, GPa, kPa, t/mm^3, g/cm^3).
+        If E or rho is probably in another unit (MPa, GPa, kPa, t/mm^3, g/cm^3).
 
     Examples
     --------
@@ -38,15 +38,15 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
         wanted="in (-1, 0.5]",
     )
     rho: Number = field(
-        "Density; zero makes a massless member",
+        "Density; zero for a massless member",
         unit="kg/m^3",
         least=0,
         label="density rho",
         wanted="zero or positive",
     )
-    name: Label = field("Shown in messages", default="")
+    name: Label = field("Name, for messages", default="")
     source: Label = field(
-        "Where the values come from; the materials of :func:`material` say it",
+        "Source of the values; given for the materials of :func:`material`",
         default="",
         compare=False,
         file=False,
@@ -59,7 +59,7 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note values that no material has, warn of those that look like another unit."""
+        """Report unphysical values; warn about values that are probably in another unit."""
         if self.alpha is not None and not abs(self.alpha) < 0.01:
             problems.add(
                 where,

@@ -16,13 +16,13 @@ from jousto.materials.material import Material
 
 
 class Axes(Field[Any, Array]):
-    """Three directions of a material: the columns of a matrix, or an orientation."""
+    """Field of three directions of a material: the columns of a matrix, or an orientation."""
 
     form = "orientation"
     noun = "(3, 3) array_like or orientation"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return an orthonormal right-handed matrix (3, 3)."""
+        """Return an orthonormal right-handed matrix (3, 3), or report what is wrong."""
         if isinstance(value, Rotate) or np.shape(value) == (4,):
             e = parse_orientation(problems, where, self.label, value)
             return None if e is None else rotation_matrix(e)
@@ -46,13 +46,13 @@ class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True
 
     Strains along the material axes: ``e1 = s1/E1 - nu12 s2/E1 - nu13 s3/E1``,
     ``e2 = -nu12 s1/E1 + s2/E2 - nu23 s3/E2``, ``e3 = -nu13 s1/E1 - nu23 s2/E2 + s3/E3``,
-    ``g12 = s12/G12`` and so on: ``nu12`` is the contraction along 2 under a pull along 1.
+    ``g12 = s12/G12`` and so on: ``nu12`` is the contraction along 2 under tension along 1.
 
     Raises
     ------
     InputError
-        If a value is out of range, the axes are not orthonormal and right-handed, or the material
-        would release energy (its compliance matrix is not positive definite).
+        If a value is out of range, the axes are not orthonormal and right-handed, or the compliance
+        matrix is not positive definite.
 
     Examples
     --------
@@ -66,9 +66,9 @@ class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True
     E1: Positive = field("Young's modulus along the material axis 1", unit="Pa")
     E2: Positive = field("Young's modulus along the material axis 2", unit="Pa")
     E3: Positive = field("Young's modulus along the material axis 3", unit="Pa")
-    nu12: Number = field("Poisson's ratio, contraction along 2 under a pull along 1")
-    nu13: Number = field("Poisson's ratio, contraction along 3 under a pull along 1")
-    nu23: Number = field("Poisson's ratio, contraction along 3 under a pull along 2")
+    nu12: Number = field("Poisson's ratio, contraction along 2 under tension along 1")
+    nu13: Number = field("Poisson's ratio, contraction along 3 under tension along 1")
+    nu23: Number = field("Poisson's ratio, contraction along 3 under tension along 2")
     G12: Positive = field("Shear modulus in the plane of the axes 1 and 2", unit="Pa")
     G13: Positive = field("Shear modulus in the plane of the axes 1 and 3", unit="Pa")
     G23: Positive = field("Shear modulus in the plane of the axes 2 and 3", unit="Pa")
@@ -76,22 +76,22 @@ class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True
         "Density", unit="kg/m^3", least=0, label="density rho", wanted="zero or positive"
     )
     axes: Axes = field(
-        "Columns are the material axes 1, 2, 3, resolved in the part frame; those of the part if "
-        "not given",
+        "Columns are the material axes 1, 2, 3, resolved in the part frame; None for the axes "
+        "of the part",
         default=((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
     )
-    name: Label = field("Shown in messages", default="")
+    name: Label = field("Name, for messages", default="")
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a material that would release energy."""
+        """Report a compliance matrix that is not positive definite."""
         lowest = float(np.linalg.eigvalsh(self._scaled_compliance()).min())
         if lowest <= 1e-12:
             problems.add(
                 where,
-                "Poisson's ratios are too large for the moduli, the material would release energy:"
-                " |nu12| must be below sqrt(E1/E2), |nu13| below sqrt(E1/E3), |nu23| below"
-                " sqrt(E2/E3), and all three together smaller still; nu_ij is the contraction along"
-                " j under a pull along i (perhaps nu_ji was given)",
+                "Poisson's ratios are too large for the moduli, the compliance is not positive "
+                "definite: |nu12| must be below sqrt(E1/E2), |nu13| below sqrt(E1/E3), |nu23| "
+                "below sqrt(E2/E3), and all three together smaller still; nu_ij is the "
+                "contraction along j under tension along i (perhaps nu_ji was given)",
             )
 
     def _scaled_compliance(self) -> Array:
@@ -126,9 +126,10 @@ def elasticity(material: Material | Orthotropic) -> Array:
 
 
 def strain_rotation(R: Array) -> Array:
-    """Return T (6, 6): strains along axes R (columns) from strains in part axes.
+    """Return T (6, 6): strains in the axes R (columns) from strains in part axes.
 
-    With engineering shear strains; stresses follow ``T^T``: part axes from the axes R.
+    Shear strains are engineering strains. Stresses in part axes are ``T^T`` times those in the axes
+    R.
     """
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
     T = np.zeros((6, 6))

@@ -1,4 +1,4 @@
-"""DECLARE: bodies, markers, joints, forces, signals and sensors; a mechanism checks them all."""
+"""DECLARE: bodies, markers, joints, forces, signals and sensors, checked by a mechanism."""
 
 from jousto.base.lazy_exports import open_room
 

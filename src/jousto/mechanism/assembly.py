@@ -1,4 +1,4 @@
-"""Assembly: items that a mechanism takes together."""
+"""Assembly: a group of items that is added to a mechanism as one argument."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from jousto.mechanism.bodies.marker import Marker
 
 
 class Assembly(Declared):
-    """Items that belong together and have names that begin alike, such as a robot.
+    """Group of items whose names share a prefix, such as a robot.
 
     Attributes
     ----------
     items : tuple
         Bodies, joints, forces and sensors, as `Mechanism` takes them.
     prefix : str
-        What their names begin with.
+        Prefix of the names of the items.
     """
 
     prefix: str
@@ -26,12 +26,15 @@ class Assembly(Declared):
 
     @property
     def named(self) -> dict[str, Marker]:
-        """Markers by names that begin with the prefix."""
+        """Markers of the assembly by their names with the prefix."""
         return {}
 
 
 def unpacked(items: Sequence[Any]) -> Iterator[Any]:
-    """Yield items, those of an assembly in its place; of two with one prefix only the first."""
+    """Yield the items with each assembly replaced by its items.
+
+    An assembly whose prefix was used before is skipped.
+    """
     seen: set[str] = set()
     for item in items:
         if not isinstance(item, Assembly):

@@ -1,4 +1,4 @@
-"""Checks of a mechanism as a whole: errors, all of them together, and warnings."""
+"""Checks of a whole mechanism: all errors together, and warnings."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
 
-# largest gap at a joint, relative to the size of the mechanism, that projection may close
+# largest gap at a joint that projection may close / size of the mechanism
 GAP_TOLERANCE = 1e-6
 
-# all that may be given to a mechanism
+# types of the arguments of Mechanism
 ITEMS = (
     *(RigidBody, FlexibleBody, BeamBody, Joint, Coupler, Gravity, Friction, Event, Initial),
     *(ForceElement, Sensor, Fmu),
@@ -42,18 +42,18 @@ def kind_of(item: Any) -> str:
         return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    if isinstance(item, Sensor):  # a bridge has a kind of its own
+    if isinstance(item, Sensor):  # a bridge is called a bridge in messages
         return "sensor"
     return getattr(item, "kind", "")
 
 
 def where(item: Any) -> str:
-    """Return the place of an item for messages, ``joint 'pivot'``."""
+    """Return the name of an item for messages, ``joint 'pivot'``."""
     return f"{kind_of(item)} {item.name!r}"
 
 
 def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
-    """Note items that are no part of a mechanism, given twice, or too many."""
+    """Report arguments that are no items of a mechanism, given twice, or too many."""
     seen: set[int] = set()
     for i, item in enumerate(items):
         place = f"item {i + 1}"
@@ -67,7 +67,9 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
         elif isinstance(item, list | tuple):
             problems.add(place, f"is a {type(item).__name__}; write Mechanism(*items)")
         elif isinstance(item, Marker):
-            problems.add(place, f"is the marker {item.label}; give its body instead")
+            problems.add(
+                place, f"is the marker {item.label}; give the body {item.body.name!r} instead"
+            )
         elif hasattr(item, "invariants"):
             problems.add(place, "is a ReducedPart; make a body of it, FlexibleBody(name, reduced)")
         else:
@@ -82,7 +84,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
 
 
 def check_assemblies(problems: Problems, mechanism: Members) -> None:
-    """Note robots whose names begin alike."""
+    """Report robots with the same prefix of names."""
     first: dict[str, Any] = {}
     for one in mechanism.assemblies:
         other = first.setdefault(one.prefix, one)
@@ -95,7 +97,7 @@ def check_assemblies(problems: Problems, mechanism: Members) -> None:
 
 
 def check_names(problems: Problems, mechanism: Members) -> None:
-    """Note names that several items of a kind share."""
+    """Report names that several items of a kind share."""
     groups: dict[str, tuple[Any, ...]] = {
         "bodies": whole_bodies(mechanism),
         "joints and couplings": (*mechanism.joints, *mechanism.couplings),
@@ -121,18 +123,18 @@ def check_names(problems: Problems, mechanism: Members) -> None:
 
 
 def whole_bodies(mechanism: Members) -> tuple[Any, ...]:
-    """Return the bodies of a mechanism, beams as one each."""
+    """Return the bodies of a mechanism with each beam as one body."""
     return tuple(x for x in mechanism.items if isinstance(x, RigidBody | FlexibleBody | BeamBody))
 
 
 def coordinates_of(item: Any) -> tuple[Coordinate, ...]:
-    """Return the coordinates an item uses."""
+    """Return the coordinates that an item uses."""
     found = getattr(item, "coordinates", None) or (getattr(item, "coordinate", None),)
     return tuple(s for s in found if isinstance(s, Coordinate))
 
 
 def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
-    """Yield the markers an item uses with the name of the argument."""
+    """Yield the markers that an item uses, each with the name of its argument."""
     for key, value in vars(item).items():
         if isinstance(value, Marker):
             yield key, value
@@ -142,7 +144,7 @@ def markers_of(item: Any) -> Iterator[tuple[str, Marker]]:
 
 
 def check_members(problems: Problems, mechanism: Members) -> None:
-    """Note items that refer to bodies or joints that are not in the mechanism."""
+    """Report items that refer to bodies or joints outside of the mechanism."""
     bodies = {body.name: body for body in whole_bodies(mechanism)}
     ids = {id(body) for body in (*mechanism.bodies, *mechanism.beams)}
 
@@ -153,7 +155,7 @@ def check_members(problems: Problems, mechanism: Members) -> None:
         if isinstance(body, BeamBody | BeamNode):
             kind, name = "beam", getattr(body, "beam", body.name)
         if name in bodies:
-            text = "is another body of that name than the one in the mechanism"
+            text = "is not the body of that name in the mechanism; use that one"
         else:
             text = f"is not in the mechanism{suggest(name, bodies)}"
         problems.add(where(item), f"{kind} {name!r} {text}", argument, named=False)
@@ -181,12 +183,12 @@ def check_members(problems: Problems, mechanism: Members) -> None:
 
 
 class Known:
-    """Items of a mechanism, found by their identity and by their name.
+    """Items of a mechanism, searched by identity and by name.
 
     Attributes
     ----------
     names : dict of str to None
-        Their names, in their order.
+        Names in the order of the items.
     """
 
     def __init__(self, *items: Any) -> None:
@@ -198,7 +200,7 @@ class Known:
 
 
 def check_member(problems: Problems, item: Any, used: Any, known: Known) -> None:
-    """Note that what an item refers to is not in the mechanism."""
+    """Report an item that refers to something outside of the mechanism."""
     if used in known:
         return
     if used.name in known.names:
@@ -209,15 +211,15 @@ def check_member(problems: Problems, item: Any, used: Any, known: Known) -> None
 
 
 def signals_of(item: Any) -> Iterator[Signal]:
-    """Yield the signals an item uses and all signals they are made of."""
-    values = (*vars(item).values(), getattr(item, "signal", None))  # that of a gauge is found
+    """Yield the signals that an item uses, and the terms of these signals."""
+    values = (*vars(item).values(), getattr(item, "signal", None))  # a gauge's signal is a property
     for value in {id(value): value for value in values}.values():
         if isinstance(value, Signal):
             yield from leaves(value)
 
 
 def check_releases(problems: Problems, mechanism: Members) -> None:
-    """Note what events release that is not there, is released twice, or has friction."""
+    """Report released items that are not in the mechanism, are released twice, or have friction."""
     there = {id(x) for x in (*mechanism.joints, *mechanism.couplings, *mechanism.forces)}
     rubbing = {id(friction.joint): friction.name for friction in mechanism.frictions}
     first: dict[int, str] = {}
@@ -231,18 +233,18 @@ def check_releases(problems: Problems, mechanism: Members) -> None:
             if id(item) in rubbing:
                 problems.add(
                     where(event),
-                    f"{what} has the friction {rubbing[id(item)]!r}; friction is not released, "
-                    "leave it out",
+                    f"{what} has the friction {rubbing[id(item)]!r}; joints with friction cannot "
+                    f"be released, leave the friction out",
                 )
 
 
 def check_events(problems: Problems, mechanism: Members) -> None:
-    """Note events that watch what is not measured, and signals of events that are not there."""
+    """Report watched sensors and switching events that are not in the mechanism."""
     sensors = Known(*mechanism.sensors)
     for event in mechanism.events:
         if isinstance(event.watch, Sensor) and event.watch not in sensors:
             if event.watch.name in sensors.names:
-                text = "is another sensor of that name than the one in the mechanism"
+                text = "is not the sensor of that name in the mechanism; use that one"
             else:
                 text = "is not in the mechanism; add it"
             problems.add(where(event), f"watches sensor {event.watch.name!r}, which {text}")
@@ -253,7 +255,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
         for signal in signals_of(item):
             if isinstance(signal, Switched) and signal.event not in events:
                 if signal.event.name in events.names:
-                    text = "is another event of that name than the one in the mechanism"
+                    text = "is not the event of that name in the mechanism; use that one"
                 else:
                     text = "is not in the mechanism; add it"
                 problems.add(
@@ -263,7 +265,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
 
 
 def check_fmus(problems: Problems, mechanism: Members) -> None:
-    """Note what foreign models measure or set that is not there, or is set twice."""
+    """Report sensors and inputs of FMUs outside of the mechanism, and inputs set twice."""
     used = {
         signal.name
         for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
@@ -292,10 +294,10 @@ def check_fmus(problems: Problems, mechanism: Members) -> None:
 
 
 def used_joints(mechanism: Members) -> set[int]:
-    """Return the ids of the joints whose coordinates something else uses.
+    """Return the ids of the joints whose coordinates are used by other items.
 
-    Drives, couplings, springs, motors, controllers, sensors, events and friction do; without the
-    coordinate they make no sense.
+    Such items are drives, couplings, springs, motors, controllers, sensors, events and friction;
+    they need the coordinate.
     """
     items = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.frictions)
     users = (*items, *mechanism.initials)
@@ -305,7 +307,7 @@ def used_joints(mechanism: Members) -> set[int]:
 
 
 def check_joints(problems: Problems, mechanism: Members) -> None:
-    """Note joints that connect nothing and joints that are open at the initial pose."""
+    """Report joints that connect a body with itself or are open at the initial pose."""
     tolerance = GAP_TOLERANCE * mechanism.size
     apart = mechanism.joint_ends[:, 1] - mechanism.joint_ends[:, 0]
     distances = np.linalg.norm(apart, axis=1).tolist()
@@ -331,9 +333,9 @@ BEGINS = 1e-3
 
 
 def check_starts(problems: Problems, mechanism: Members) -> None:
-    """Note drives that begin elsewhere than the joint of a robot stands.
+    """Report drives whose initial value differs from the joint of a robot at the initial pose.
 
-    The start would be closed by moving all of the machine, and the robot not be where it shall.
+    Closing this gap would move the whole machine, and the base of the robot with it.
     """
     carried = {id(item) for one in mechanism.assemblies for item in one.items}
     for drive in mechanism.couplings:
@@ -344,7 +346,8 @@ def check_starts(problems: Problems, mechanism: Members) -> None:
             problems.add(
                 where(drive),
                 f"begins at {begins:.6g} {drive.coordinate.unit}, but {drive.coordinate.name} "
-                f"stands at {stands:.6g}; let its signal begin there, or the joint start there",
+                f"stands at {stands:.6g}; let the signal begin at that value, or move the joint "
+                f"to the beginning of the signal",
             )
 
 
@@ -354,7 +357,7 @@ def drives_of(mechanism: Members) -> list[Drive]:
 
 
 def check_drives(problems: Problems, mechanism: Members) -> None:
-    """Note drives on one coordinate."""
+    """Report coordinates with more than one drive."""
     first: dict[Any, Drive] = {}
     for drive in drives_of(mechanism):
         other = first.setdefault(drive.coordinate.key, drive)
@@ -367,7 +370,7 @@ def check_drives(problems: Problems, mechanism: Members) -> None:
 
 
 def check_initials(problems: Problems, mechanism: Members) -> None:
-    """Note starts that are given twice or by a drive, and those of exact beams."""
+    """Report initial values that are given twice or by a drive, and those of exact beams."""
     drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
     first: dict[Any, Initial] = {}
     for initial in mechanism.initials:
@@ -383,13 +386,13 @@ def check_initials(problems: Problems, mechanism: Members) -> None:
         if mechanism.beams:
             problems.add(
                 where(initial),
-                "the nodes of exact beams would not follow as one; give the bodies their pose, "
-                "velocity and angular_velocity instead",
+                "initial coordinates cannot move an exact beam as a whole; give pose, velocity "
+                "and angular_velocity of the bodies instead",
             )
 
 
 def check_distances(problems: Problems, mechanism: Members) -> None:
-    """Note distances between points that coincide: they have no direction."""
+    """Report distances between coincident points, which have no direction."""
     users = (*mechanism.couplings, *mechanism.forces, *mechanism.sensors, *mechanism.initials)
     size = mechanism.size
     for item in users:
@@ -398,12 +401,12 @@ def check_distances(problems: Problems, mechanism: Members) -> None:
                 problems.add(
                     where(item),
                     f"{s.name}: {s.a.label} and {s.b.label} are at one point, so that their "
-                    "distance has no direction; move one of them, or take a Displacement",
+                    f"distance has no direction; move one of them, or use a Displacement",
                 )
 
 
 def check_frictions(problems: Problems, mechanism: Members) -> None:
-    """Note joints with two frictions and joints that cannot stick since they are driven."""
+    """Report joints with two frictions, and driven joints with friction that cannot stick."""
     first: dict[int, Friction] = {}
     drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
     for friction in mechanism.frictions:
@@ -425,7 +428,7 @@ def check_frictions(problems: Problems, mechanism: Members) -> None:
 
 
 def warn_jumps(mechanism: Members) -> None:
-    """Warn about drives whose signal jumps."""
+    """Warn about drives with discontinuous signals."""
     for item in mechanism.couplings:
         if isinstance(item, Drive) and item.signal.jumps:
             times = ", ".join(f"{t:g}" for t in item.signal.jumps[:4])
@@ -437,14 +440,14 @@ def warn_jumps(mechanism: Members) -> None:
 
 
 def check_gap(problems: Problems, joint: Joint, distance: float, tolerance: float) -> None:
-    """Note that a joint is open at the initial pose, unless that pose may be rough.
+    """Report a joint that is open at the initial pose, unless `as_placed` is False.
 
     Parameters
     ----------
     distance : float
-        Between its markers at the initial pose, m.
+        Distance of its markers at the initial pose, m.
     tolerance : float
-        Largest gap that is none, m.
+        Largest gap that counts as closed, m.
     """
     distances = [line for line in joint.lines if isinstance(line.coordinates[0], Distance)]
     if any(line.coordinates[0].initial <= tolerance for line in distances):
@@ -456,7 +459,7 @@ def check_gap(problems: Problems, joint: Joint, distance: float, tolerance: floa
         return
     if joint.coincident:
         gap = distance
-        remedy = "move a body until they meet"
+        remedy = "move a body until the points meet"
     else:
         off = [line.initial - line.offset for line in joint.lines]
         gap = float(np.linalg.norm(off))
@@ -475,18 +478,18 @@ def check_gap(problems: Problems, joint: Joint, distance: float, tolerance: floa
 
 
 def places(joint: Joint) -> str:
-    """Return where the markers of a joint are, for messages."""
+    """Return the world positions of the markers of a joint, for messages."""
     a, b = joint.a, joint.b
     return f"{a.label} is at {world_point(a)}, {b.label} at {world_point(b)} m"
 
 
 def world_point(marker: Marker) -> str:
-    """Return the initial world position of a marker for messages, ``(1, 0, 0)``."""
+    """Return the initial world position of a marker, for messages, ``(1, 0, 0)``."""
     return "(" + ", ".join(f"{x:.9g}" for x in marker.r + 0.0) + ")"
 
 
 def turning(item: Any) -> Iterator[tuple[str, Marker]]:
-    """Yield the markers whose orientation an item needs, with the name of the argument."""
+    """Yield the markers whose orientation an item needs, each with the name of its argument."""
     if isinstance(item, Joint):
         yield from (
             (key, marker)
@@ -503,7 +506,7 @@ def turning(item: Any) -> Iterator[tuple[str, Marker]]:
 
 
 def check_rotations(problems: Problems, mechanism: Members) -> None:
-    """Note items that need the rotation of a node whose part has translations only."""
+    """Report items that need the rotation of a node in a part that has translations only."""
     if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
         return
     items = (*mechanism.joints, *mechanism.couplings, *mechanism.forces, *mechanism.sensors)
@@ -517,9 +520,10 @@ def check_rotations(problems: Problems, mechanism: Members) -> None:
                 known = [] if reduced.rotation_nodes is None else list(reduced.rotation_nodes)
                 turn = [k for k, v in reduced.node_sets.items() if len(v) == 1 and v[0] in known]
                 remedy = (
-                    f"; nodes that turn are {', '.join(repr(name) for name in turn)}"
+                    f"; nodes with rotations are {', '.join(repr(name) for name in turn)}"
                     if turn
-                    else "; tie a surface of the part to a node that turns, Interface(name, nodes)"
+                    else "; connect a surface of the part to a node with rotations, "
+                    "Interface(name, nodes)"
                 )
                 problems.add(
                     where(item),
@@ -536,7 +540,7 @@ def warn_unconnected(mechanism: Members) -> None:
     for body in whole_bodies(mechanism):
         parts = body.bodies if isinstance(body, BeamBody) else (body,)
         if not any(id(part) in joined for part in parts):
-            warn(where(body), "is not connected to anything, it moves freely")
+            warn(where(body), "has no joint to another body, so it moves freely")
 
 
 def warn_interfaces(mechanism: Members) -> None:
@@ -550,14 +554,15 @@ def warn_interfaces(mechanism: Members) -> None:
             if reduced is None or marker.site is None or not reduced.interfaces:
                 continue
             nodes = {n for name in reduced.interfaces for n in reduced.node_sets[name]}
-            # with most of the modes it makes no difference
+            # with most of the modes the difference is small
             place = repr(marker.point) if marker.followed is None else "a node there"
             if marker.node not in nodes and reduced.n < 3 * len(reduced.nodes) - 6:
                 warn(
                     where(item),
                     f"{marker.label} is no interface of part {reduced.name!r} (those are "
-                    f"{', '.join(reduced.interfaces)}): its modes do not hold how the body yields "
-                    f"to a force there; reduce it with {place} among the interfaces, or "
+                    f"{', '.join(reduced.interfaces)}): its modes do not contain the deformation "
+                    f"of the body under a force there; reduce it with {place} among the "
+                    f"interfaces, or "
                     "with many more modes",
                 )
 

@@ -1,4 +1,7 @@
-"""Events: something measured crosses a threshold; the run stops or a signal switches."""
+"""Events: a sensor or coordinate crosses a threshold.
+
+The run ends, a signal switches or a joint is released.
+"""
 
 from __future__ import annotations
 
@@ -21,43 +24,46 @@ Releasable: TypeAlias = Joint | Coupler | ForceElement
 
 
 class Watched(Field[Measurable, Measurable]):
-    """A sensor, which a model file gives by its name, or a coordinate."""
+    """Field of a sensor, given by its name in model files, or of a coordinate."""
 
     form = "watched"
     noun = "Sensor or Coordinate"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return what is watched."""
+        """Return the sensor or coordinate, or report that the value is neither."""
         if not isinstance(value, Sensor | Coordinate):
             problems.add(where, f"watch is {value!r}, must be a sensor or a coordinate", "watch")
         return value
 
 
 class Component(Field["int | str | None", int]):
-    """The component of a sensor that has several."""
+    """Field of the component of a sensor with several components."""
 
     form = "component"
     noun = "int or str"
 
 
 class Threshold(Number):
-    """A value in the unit of what is watched."""
+    """Field of a value in the unit of the sensor or coordinate."""
 
     form = "threshold"
 
 
 class Direction(Choice):
-    """Which crossings count."""
+    """Field of the direction of the crossing."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return one of the words."""
+        """Return the direction, or report an unknown one."""
         if value not in self.words:
             problems.add(where, f"direction is {value!r}{suggest(value, self.words)}", "direction")
         return value
 
 
 class Released(Field["Iterable[Releasable] | Releasable", "tuple[Releasable, ...]"]):
-    """Joints, couplings, drives and forces that an event ends; a model file gives their names."""
+    """Field of joints, couplings, drives and forces that an event removes.
+
+    A model file contains their names.
+    """
 
     form = "references"
     section = ("joints", "couplings", "forces")
@@ -65,7 +71,7 @@ class Released(Field["Iterable[Releasable] | Releasable", "tuple[Releasable, ...
     noun = "sequence of Joint, coupling, drive or force"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the items as a tuple, or report wrong ones."""
         found = (value,) if not isinstance(value, Iterable) else tuple(value)
         for i, one in enumerate(found):
             if not isinstance(one, Joint | Coupler | ForceElement):
@@ -79,37 +85,40 @@ class Released(Field["Iterable[Releasable] | Releasable", "tuple[Releasable, ...
 
 
 class Event(Declared, section="events"):
-    """A zero crossing: the watched value passes the threshold.
+    """Zero crossing: a sensor or coordinate passes a threshold.
 
-    `simulate` locates it in time by repeating the step with other lengths, to 1e-12 s; a value that
-    comes back within one step is not seen. Who starts at the threshold has not crossed it.
+    `simulate` locates the crossing in time to 1e-12 s by repeating the step with other lengths.
+    A value that crosses and returns within one step is not detected. A value that starts at the
+    threshold has not crossed it.
     """
 
     kind = "event"
     name: Name = field("Unique among the events")
-    watch: Watched = field("What is watched: a sensor, or a coordinate such as ``hinge.angle``")
+    watch: Watched = field("The watched sensor, or a coordinate such as ``hinge.angle``")
     component: Component = field(
-        "Number from 0 or name of the component of a sensor that has several",
+        "Name or number (from 0) of the component, for a sensor with several components",
         default=None,
         kw_only=True,
     )
     threshold: Threshold = field(
-        "Value that is passed, in the unit of what is watched", default=0.0
+        "Threshold in the unit of the watched sensor or coordinate", default=0.0
     )
-    direction: Direction = field("Which crossings count", words=DIRECTIONS, default="both")
+    direction: Direction = field(
+        "Direction of the crossings that count", words=DIRECTIONS, default="both"
+    )
     stop: Flag = field(
-        "Whether the run ends there; a `Switched` signal refers to the event instead",
+        "Whether the run ends at the event; to switch a signal instead, use `Switched`",
         default=False,
     )
     releases: Released = field(
-        "Joints, couplings, drives and forces that hold or act only until the event happens: a "
-        "bolt that breaks, a load that is dropped. What a released spring has stored is lost",
+        "Joints, couplings, drives and forces that act only until the event: a bolt that breaks, "
+        "a load that is dropped. The energy stored in a released spring is lost",
         default=(),
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Keep the number of the component; note one that does not exist."""
+        """Store the number of the component; report one that does not exist."""
         given: int | str | None = self.component
         index = 0
         if not isinstance(self.watch, Coordinate):
@@ -130,7 +139,7 @@ class Event(Declared, section="events"):
 
 
 def component_of(problems: Problems, where: str, sensor: Any, component: int | str | None) -> int:
-    """Return the number of a component of a sensor, or note why there is none."""
+    """Return the number of a component of a sensor, or report that it does not exist."""
     names = sensor.components
     known = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
     if component is None and len(names) == 1:

@@ -1,4 +1,4 @@
-"""Initial: the value and the rate of a coordinate at the start."""
+"""Initial: value and rate of a coordinate at the start."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jousto.mechanism.joints.coordinate import RATE, VALUE, Angle, CoordinateFie
 
 
 class Initial(Declared, section="initial"):
-    """Value and rate of one coordinate at time 0; what hangs on it follows.
+    """Value and rate of one coordinate at time 0; dependent bodies follow.
 
-    `compile` moves the mechanism from the pose it is given in until the coordinate has the value,
-    in small steps and as rigid bodies, so that loops stay on their branch, and finds velocities
-    that fit joints, drives and all such rates. What they leave free takes the velocities given to
-    the bodies, changed as little as possible in the metric of kinetic energy.
+    `compile` moves the mechanism from the declared pose until the coordinate has the value, in
+    small steps and with rigid bodies, so that closed loops stay on their branch. It then solves for
+    velocities that satisfy the joints, the drives and all given rates. The remaining freedom keeps
+    the velocities given to the bodies, with the smallest change in the metric of kinetic energy.
 
     Examples
     --------
@@ -30,25 +30,25 @@ class Initial(Declared, section="initial"):
 
     kind = "initial"
     coordinate: CoordinateField = field(
-        "What starts there, such as ``crank.angle`` or ``slide.displacement``"
+        "The coordinate, such as ``crank.angle`` or ``slide.displacement``"
     )
     value: OptionalNumber = field(
-        "Value as a `CoordinateSensor` reads it: angles of joints count from the pose that the "
-        "bodies are given in, within half a turn. None keeps the given pose",
+        "Value as read by a `CoordinateSensor`: angles of joints are measured from the declared "
+        "pose of the bodies, within half a turn. None keeps the declared pose",
         unit=VALUE,
         default=None,
         kw_only=True,
     )
     rate: OptionalNumber = field(
-        "Rate; None leaves it to what else is given", unit=RATE, default=None, kw_only=True
+        "Rate; None if it follows from the other velocities", unit=RATE, default=None, kw_only=True
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages, ``initial 'crank.angle'``."""
+        """Return the prefix of messages, ``initial 'crank.angle'``."""
         return f"initial {getattr(self.coordinate, 'name', '')!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what gives nothing, angles of more than half a turn and distances that are none."""
+        """Report a missing value and rate, angles beyond half a turn and distances <= 0."""
         at = self.value
         if at is None and self.rate is None:
             problems.add(where, "gives neither a value nor a rate")

@@ -1,4 +1,4 @@
-"""Members: the items of a mechanism by kind."""
+"""Members: the items of a mechanism sorted by kind."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from jousto.mechanism.joints.coupling import Coupler
 from jousto.mechanism.sensors.base import Sensor
 
 CORES = ("auto", "joint", "maximal")
-"""What may run a mechanism, see `compile`."""
+"""Names of the solver cores, see `compile`."""
 STARTS = ("initial", "rest", "vibration-free")
-"""Where runs may start: in the initial pose, where it rests, or bent as the motion bends."""
+"""Initial states of runs: declared pose, static equilibrium, or deformed without vibration."""
 
 
 POINT = 1e-6
-"""Of how wide masses are spread: the extent of a mechanism that is rounding."""
+"""Extent of a mechanism that counts as rounding / largest radius of gyration of its bodies."""
 
 
 def word_problem(name: str, word: Any, words: tuple[str, ...]) -> str | None:
-    """Return what is wrong with an option, None if it is one of the words."""
+    """Return the problem with an option, None if it is one of the allowed words."""
     if word in words:
         return None
     known = ", ".join(repr(one) for one in words[:-1])
@@ -48,7 +48,10 @@ def word_problem(name: str, word: Any, words: tuple[str, ...]) -> str | None:
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Members:
-    """What a `Mechanism` holds before it is checked; see there."""
+    """Items of a `Mechanism`, sorted by kind, before they are checked.
+
+    Attributes as in `Mechanism`.
+    """
 
     name: str
     core: str
@@ -104,7 +107,7 @@ class Members:
     def size(self) -> float:
         """Diagonal of the box around all bodies and joints at the initial pose, m.
 
-        Where all stands at one point but for rounding, how wide the mass of a body is spread.
+        If all points coincide but for rounding: the largest radius of gyration of a body.
         """
         rigid = [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
         points = [named_points(rigid)] if rigid else []
@@ -125,7 +128,7 @@ class Members:
 
 
 def flattened(items: Sequence[Any]) -> Iterator[MovingBody]:
-    """Yield the bodies, the nodes of a beam in its place."""
+    """Yield the bodies, each beam replaced by its nodes."""
     for item in items:
         if isinstance(item, BeamBody):
             yield from item.bodies
@@ -145,7 +148,7 @@ def node_points(body: FlexibleBody) -> Array:
 
 
 def widest(bodies: Sequence[RigidBody]) -> float:
-    """Return the largest root mean square distance of the mass of a body from its centre, m."""
+    """Return the largest radius of gyration of a body about its centre of mass, m."""
     if not bodies:
         return 0.0
     moments = np.real(np.trace(floats([body.inertia for body in bodies]), axis1=1, axis2=2))

@@ -1,4 +1,4 @@
-"""The mechanism: bodies, joints, forces and sensors, checked all at once."""
+"""Mechanism: bodies, joints, forces and sensors, all checked together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from jousto.mechanism.items_by_kind import CORES, STARTS, Members, word_problem
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Mechanism(Members):
-    """Bodies, joints, forces and sensors that belong together.
+    """Bodies, joints, forces and sensors of one machine.
 
     Parameters
     ----------
@@ -29,25 +29,25 @@ class Mechanism(Members):
     name : str
         Name for plots and messages.
     core : str
-        What runs it, unless `compile` is told otherwise: "joint" for joint coordinates, "maximal"
-        for the positions of all bodies, "auto" for the faster of them.
+        Solver core, if `compile` gets none: "joint" for joint coordinates, "maximal" for the
+        positions of all bodies, "auto" for the faster one.
     start : str
-        Where runs start that are given no state: in the "initial" pose, at "rest" (`equilibrium`)
-        or "vibration-free", with elastic bodies bent as the motion bends them.
+        Initial state of runs that get none: the "initial" pose, "rest" (`equilibrium`) or
+        "vibration-free", in which elastic bodies have their quasi-static deformation.
 
     Attributes
     ----------
     bodies, joints, couplings, forces, frictions, events, sensors : tuple
         The items by kind, in the given order; couplings has gears, racks, couplings and
-        drives, forces all force elements. In bodies stand the nodes of beams in the beam's place.
+        drives, forces all force elements. In bodies each beam is replaced by its nodes.
     beams : tuple of BeamBody
         The beams, in the given order.
     initials : tuple of Initial
         Values and rates of coordinates at the start.
     fmus : tuple of Fmu
-        Models of other programs; what they give stands among the sensors.
+        Models of other programs; their outputs are among the sensors.
     assemblies : tuple of Assembly
-        Robots, whose bodies, joints, forces and sensors stand among the others.
+        Robots, whose bodies, joints, forces and sensors are among the others.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -76,7 +76,7 @@ class Mechanism(Members):
         self, *items: Any, name: str = "mechanism", core: str = "auto", start: str = "initial"
     ) -> None:
         super().__init__(*items, name=name, core=core, start=start)
-        if not is_stepping():  # the machine was checked with the values alone
+        if not is_stepping():  # complex steps reuse the check of the real values
             self.check()
 
     def __repr__(self) -> str:
@@ -106,16 +106,16 @@ class Mechanism(Members):
 
     @property
     def mobility(self) -> int:
-        """Rigid degrees of freedom less the rows of joints, couplings and drives.
+        """Degrees of freedom of rigid bodies minus the rows of joints, couplings and drives.
 
-        A beam counts as one body, although every node of it moves freely.
+        A beam counts as one body, although each of its nodes moves freely.
         """
         rows = sum(joint.rows for joint in self.joints) + len(self.couplings)
         nodes = sum(len(beam.bodies) for beam in self.beams)
         return 6 * (len(self.bodies) - nodes + len(self.beams)) - rows
 
     def check(self) -> None:
-        """Raise InputError with all problems and warn about what is probably not meant."""
+        """Raise InputError with all problems, and warn about probable mistakes."""
         problems = Problems()
         check_name(problems, "mechanism", self.name)
         for option, words in (("core", CORES), ("start", STARTS)):

@@ -1,4 +1,4 @@
-"""Meshes of finite elements: cells, places and surfaces picked on them, their quality."""
+"""Finite element meshes: cells, quality, and picks of nodes and surfaces."""
 
 from jousto.base.lazy_exports import open_room
 

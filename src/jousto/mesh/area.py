@@ -1,4 +1,4 @@
-"""Integrals over surface faces: how an even traction is shared among the nodes of a surface."""
+"""Integrals over surface faces: distribution of a constant traction over the nodes."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ KINDS = {3: "triangles", 4: "quadrangles", 6: "triangles with mid-side nodes", 8
 
 
 def by_kind(rows: Ints, used: NDArray[np.bool_]) -> tuple[Ints, ...]:
-    """Return faces in rows that are filled up behind as one array for each number of nodes.
+    """Return faces in padded rows as one array per number of nodes.
 
-    Faces of a node that is not there (negative) are left out.
+    Faces with a missing node (negative index) are left out.
 
     Examples
     --------
@@ -36,14 +36,14 @@ def area_matrix(nodes: Array, faces: Sequence[Ints]) -> Sparse:
     """Return ``int N N^T dA`` over faces, (nn, nn) in m2.
 
     Nodal forces ``area_matrix @ t`` are those of the traction with nodal values t; row sums are the
-    share of each node in an even traction (zero at the corners of quadratic triangles).
+    shares of the nodes in a constant traction (zero at the corners of quadratic triangles).
 
     Parameters
     ----------
     nodes : (nn, 3) ndarray
         Positions in m.
     faces : sequence of (nf, k) ndarray
-        Node indices with k = 3, 4, 6 or 8, corners first, then the middles of the sides.
+        Node indices with k = 3, 4, 6 or 8, corners first, then mid-side nodes.
     """
     nn = len(nodes)
     total: Sparse = sp.csr_array((nn, nn))
@@ -60,7 +60,7 @@ def area_matrix(nodes: Array, faces: Sequence[Ints]) -> Sparse:
 
 
 def face_points(nodes: Array, faces: Ints) -> tuple[Array, Array, Array]:
-    """Return shape functions, areas and positions at the points of faces of one kind.
+    """Return shape functions, areas and positions at the quadrature points of faces of one kind.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def face_points(nodes: Array, faces: Ints) -> tuple[Array, Array, Array]:
 
 
 def node_normals(nodes: Array, faces: Sequence[Ints]) -> Array:
-    """Return unit normals (nn, 3) at the nodes of faces, weighed by area; zero elsewhere."""
+    """Return unit normals (nn, 3) at the nodes of faces, weighted by area; zero elsewhere."""
     total = np.zeros(nodes.shape)
     for group in faces:
         if not len(group):
@@ -109,6 +109,6 @@ def face_node_tangents(nodes: Array, faces: Ints) -> tuple[Array, Array]:
 
 
 def _across(t: Table, x: Array) -> tuple[Array, Array]:
-    """Return the tangents (nf, nq, 2, 3) and their cross product of faces of nodes x (nf, k, 3)."""
+    """Return tangents (nf, nq, 2, 3) and their cross product of faces with nodes x (nf, k, 3)."""
     tangents = np.einsum("qck,fkx->fqcx", t.dN, x)
     return tangents, np.cross(tangents[:, :, 0], tangents[:, :, 1])

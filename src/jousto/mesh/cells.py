@@ -17,9 +17,9 @@ from jousto.mesh import reference as solids
 from jousto.mesh.reference import EDGES
 from jousto.mesh.sets import read_integers
 
-# kinds that carry mass and stiffness, with their number of nodes
+# kinds with mass and stiffness, and their number of nodes
 SOLIDS = solids.KINDS
-# kinds that are kept for drawing and for naming surfaces and edges
+# kinds for drawing and for names of surfaces and edges only
 OTHERS = {
     "pyramid": 5,
     "pyramid13": 13,
@@ -45,21 +45,21 @@ class Cells:
     Parameters
     ----------
     kind : str
-        One of meshio's names: ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` carry mass
-        and stiffness, ``pyramid pyramid13 triangle triangle6 quad quad8 line line3 vertex`` are
-        kept for drawing and for their names.
+        One of meshio's names: ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` have mass and
+        stiffness, ``pyramid pyramid13 triangle triangle6 quad quad8 line line3 vertex`` are for
+        drawing and names only.
     nodes : (ne, k) array_like of int
         Node indices from 0, in VTK's order. In a wedge the normal of nodes 0, 1, 2 points towards
         the other triangle, as in Gmsh and Abaqus.
     ids : (ne,) array_like of int
-        The elements' numbers in their file; counted from 1 by the mesh if not given.
+        Element numbers in the file; None to number them from 1.
     material : str
-        Name of the material in the file, empty if it names none.
+        Name of the material in the file, empty if there is none.
     formulation : {"full", "reduced", "incompatible", "bbar"}
-        How the stiffness of solids is integrated, as the types of elements in a file say: at enough
-        points to be exact, at fewer (``hexahedron hexahedron20 wedge wedge15``; the first with
-        hourglass control), with nine incompatible modes, or with the mean change of volume
-        (``hexahedron`` both). See :meth:`Mesh.formulated`.
+        Integration of the stiffness of solids, from the element types of the file: at enough points
+        to be exact, at fewer (``hexahedron hexahedron20 wedge wedge15``; the first with hourglass
+        control), with nine incompatible modes, or with the mean change of volume (``hexahedron``
+        both). See :meth:`Mesh.formulated`.
 
     Raises
     ------
@@ -101,11 +101,11 @@ class Cells:
 
 
 def instead(kinds: Sequence[str]) -> str:
-    """Return what can be done with a mesh of beams or shells alone, to end a sentence."""
+    """Return the end of a message: what can be done with a mesh of beams or shells only."""
     if any(kind in SURFACES for kind in kinds):
         return (
-            "; shells have no element here: mesh plates as solids, or take the matrices of the"
-            " other program, Part.from_file (type: matrices)"
+            "; shells are not supported: mesh plates as solids, or use the matrices of another "
+            "program, Part.from_file (type: matrices)"
         )
     if any(kind in LINES for kind in kinds):
         return (
@@ -116,18 +116,20 @@ def instead(kinds: Sequence[str]) -> str:
 
 
 def read_cells(where: str, value: Any) -> tuple[Cells, ...]:
-    """Return cells as a tuple, or raise if something else is among them."""
+    """Return cells as a tuple, or raise InputError for other objects."""
     cells = (value,) if isinstance(value, Cells) else tuple(value)
     for item in cells:
         if not isinstance(item, Cells):
             found = type(item).__name__
-            raise InputError(Problem(where, f"cells holds a {found}, must be Cells(kind, nodes)"))
+            raise InputError(
+                Problem(where, f"cells contains a {found}, must be Cells(kind, nodes)")
+            )
     return cells
 
 
 # ---- faces ---------------------------------------------------------------------------------------
 
-# corners of the faces, normal outwards, in the order in which Abaqus counts the faces
+# corners of the faces with outward normals, in the face order of Abaqus
 _FACES: dict[str, tuple[tuple[int, ...], ...]] = {
     "tetra": ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
     "hexahedron": (
@@ -145,7 +147,7 @@ def base(kind: str) -> str:
 
 
 def is_quadratic(kind: str) -> bool:
-    """Whether cells of this kind have nodes at the middle of their edges."""
+    """Return whether cells of this kind have nodes at the middle of their edges."""
     return kind != base(kind)
 
 
@@ -155,7 +157,7 @@ def edges(kind: str) -> Ints:
 
 
 def _middles(kind: str) -> dict[frozenset[int], int]:
-    """Return the midside node between two corners."""
+    """Return the mid-side node between two corners."""
     n = SOLIDS[base(kind)]
     return {frozenset((int(a), int(b))): n + i for i, (a, b) in enumerate(edges(kind))}
 
@@ -174,7 +176,7 @@ def faces(kind: str) -> tuple[tuple[int, ...], ...]:
 
 
 def mirrored(kind: str) -> Ints:
-    """Return the order of the nodes that turns a cell of negative volume into a positive one."""
+    """Return the node order that turns a cell of negative volume into one of positive volume."""
     swap = {"tetra": [0, 2, 1, 3], "wedge": [3, 4, 5, 0, 1, 2]}
     corners = swap.get(base(kind), [4, 5, 6, 7, 0, 1, 2, 3])
     if not is_quadratic(kind):

@@ -1,4 +1,4 @@
-"""Mesh and CAD files: their formats, endings and how their content begins."""
+"""Mesh and CAD files: formats, endings and signatures of their content."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass
 from pathlib import Path
 
 HEAD = 65536
-"""Bytes at the beginning of a file that tell its format."""
+"""Number of bytes at the beginning of a file for the detection of its format."""
 
 
 @dataclass(frozen=True)
 class Format:
-    """A file format: its name, suffixes, where its reader is and how its content begins."""
+    """File format: name, suffixes, reader and signature of its content."""
 
     name: str
     suffixes: tuple[str, ...]
     reader: str  # module and function below jousto.mesh.readers
-    signs: tuple[bytes, ...]  # regular expressions, looked for in the first bytes
+    signs: tuple[bytes, ...]  # regular expressions, searched in the first bytes
 
     def begins(self, head: bytes) -> bool:
-        """Whether a file with this beginning is of the format."""
+        """Return whether a file that begins with these bytes has the format."""
         return any(re.search(sign, head, re.MULTILINE | re.IGNORECASE) for sign in self.signs)
 
 
-# the first whose signs are found in a file counts
+# in this order; the first matching signature counts
 FORMATS = (
     Format("a Gmsh mesh", (".msh",), "msh.read_msh", (rb"\A\s*\$MeshFormat",)),
     Format(
@@ -71,17 +71,17 @@ WRITTEN = {
     "nas": ("nastran", False),
     "stl": ("stl", False),
 }
-"""Endings of meshes that are written: meshio's name of the format, whether it keeps named sets."""
+"""Endings of written meshes: format name of meshio, and whether it supports named sets."""
 
 CAD = (".step", ".stp", ".brep", ".brp")
-"""Endings of CAD files that are meshed."""
+"""Endings of supported CAD files."""
 
 NO_SOLIDS = (".iges", ".igs")
-"""Endings of CAD files without solids, which are refused with what to do instead."""
+"""Endings of CAD files without solids, which are refused with a remedy."""
 
 
 def is_cad(path: Path) -> bool:
-    """Whether a file is one of CAD, by its name.
+    """Return whether a file is a CAD file, by its name.
 
     >>> is_cad(Path("arm.STP")), is_cad(Path("arm.msh"))
     (True, False)
@@ -90,7 +90,7 @@ def is_cad(path: Path) -> bool:
 
 
 def is_mesh(path: Path) -> bool:
-    """Whether a file is a mesh by its name, ``.gz`` left out.
+    """Return whether a file is a mesh, by its name without ``.gz``.
 
     >>> is_mesh(Path("arm.fem")), is_mesh(Path("arm.msh.gz")), is_mesh(Path("arm.yaml"))
     (True, True, False)
@@ -100,7 +100,7 @@ def is_mesh(path: Path) -> bool:
 
 
 def begins_as_mesh(path: Path) -> bool:
-    """Whether the content of a file begins as that of a mesh in text does."""
+    """Return whether the content of a file begins like a text mesh file."""
     if not path.is_file():
         return False
     with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""Grid: nodes, cells and named sets of a solid part, checked, and what follows from them."""
+"""Grid: checked nodes, cells and named sets of a solid part, and derived quantities."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Sets = Mapping[str, Ints]
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """What a `Mesh` is before anything is picked, judged or changed; see there."""
+    """Data of a `Mesh` without picks, checks and changes; see there."""
 
     name: str
     nodes: Array
@@ -83,7 +83,7 @@ class Grid:
 
     @property
     def solids(self) -> tuple[Cells, ...]:
-        """The cells that carry mass and stiffness."""
+        """Cells with mass and stiffness."""
         return tuple(block for block in self.cells if block.kind in SOLIDS)
 
     @cached_property
@@ -113,12 +113,12 @@ class Grid:
 
     @cached_property
     def faces(self) -> tuple[Faces, ...]:
-        """Outer faces with the elements they belong to, normals outwards."""
+        """Outer faces with their elements, outward normals."""
         return outer_faces(self.cells)
 
     @cached_property
     def triangles(self) -> Ints:
-        """The outer surface as triangles (nt, 3), normals outwards; midside nodes are used."""
+        """Outer surface as triangles (nt, 3), outward normals; mid-side nodes are used."""
         return triangulate(self.faces)
 
     @cached_property
@@ -142,7 +142,7 @@ class Grid:
 
 
 def _number(cells: tuple[Cells, ...]) -> tuple[Cells, ...]:
-    """Return the cells with ids; blocks without are counted on from 1."""
+    """Return the cells with ids; blocks without ids are numbered consecutively from 1."""
     out, first = [], 1
     for block in cells:
         if not len(block.ids) and len(block):
@@ -160,14 +160,14 @@ def _read_sets(
     for name, value in given.items():
         array = read_integers(value)
         if array is None or array.ndim > 1:
-            problems.add(where, f"{what} '{name}' must hold whole numbers, indices from 0")
+            problems.add(where, f"{what} '{name}' must contain whole numbers, indices from 0")
             continue
         array = np.unique(array)
         bad = array[(array < 0) | (array >= size)]
         if len(bad):
             problems.add(
                 where,
-                f"{what} '{name}' holds {some([str(i) for i in bad])}, must be in 0..{size - 1}",
+                f"{what} '{name}' contains {some([str(i) for i in bad])}, must be in 0..{size - 1}",
             )
             continue
         sets[str(name)] = frozen(array)
@@ -186,7 +186,7 @@ def _read_surfaces(
             found = np.shape(value)
             problems.add(where, f"surface '{name}' has shape {found}, must be (any, 3 4 6 or 8)")
         elif np.any(array[:, :3] < 0) or np.any(array < -1) or np.any(array >= nn):
-            problems.add(where, f"surface '{name}' holds node indices outside 0..{nn - 1}")
+            problems.add(where, f"surface '{name}' contains node indices outside 0..{nn - 1}")
         else:
             out[str(name)] = frozen(array)
     return out

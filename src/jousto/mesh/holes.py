@@ -12,37 +12,37 @@ from jousto.base.object_repr import described
 from jousto.mesh.grid import Grid
 from jousto.mesh.surface import face_normals
 
-# faces belong together if their normals differ by less (degrees)
+# largest angle between normals of faces of one wall, degrees
 SMOOTH = 35.0
-# walls are of one cylinder if radius and axis differ by less than this part of the radius
+# largest difference of radius and axis of walls of one cylinder / radius
 NEAR = 0.02
-# part of the circumference that a hole must close
+# fraction of the circumference that a hole must close
 CLOSED = 0.75
 
 
 LEAST = 8
-"""Fewer points than these do not tell a cylinder from something else."""
+"""Smallest number of points that identify a cylinder."""
 ROUND = 0.01
-"""Root mean square distance of the points from the cylinder, as a share of its radius."""
+"""Largest root mean square distance of the points from the cylinder / radius."""
 GAP = np.radians(210.0)
-"""Widest angle without points."""
+"""Largest angle without points, rad."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Hole:
-    """A cylindrical hole.
+    """Cylindrical hole.
 
     Attributes
     ----------
     name : str
-        The names of its CAD faces, such as ``face3`` or ``face3+face4``, else ``hole1`` and so on.
+        Names of its CAD faces, such as ``face3`` or ``face3+face4``, else ``hole1`` and so on.
     point : (3,) ndarray
         Middle of the hole on its axis, m, part frame.
     axis : (3,) ndarray
         Unit vector along the hole; its largest component is positive.
     radius, length : float
-        In m.
+        Radius and length, m.
     nodes : (n,) ndarray of int
         Node indices of the wall, sorted.
     """
@@ -64,7 +64,7 @@ class Hole:
 
 
 def hole_text(hole: Hole) -> str:
-    """Return diameter, length, place and direction of a hole."""
+    """Return diameter, length, position and direction of a hole as text."""
     place = ", ".join(f"{round(1e3 * x, 3) + 0.0:g}" for x in hole.point)
     along = [round(float(x), 3) + 0.0 for x in hole.axis]
     axis = "xyz"[int(np.argmax(np.abs(along)))]
@@ -75,11 +75,11 @@ def hole_text(hole: Hole) -> str:
 
 
 def find_holes(mesh: Grid, radius: tuple[float, float]) -> tuple[Hole, ...]:
-    """Return the cylindrical holes of a mesh, the largest first.
+    """Return the cylindrical holes of a mesh, largest first.
 
-    Outer faces are gathered into smooth walls and a cylinder is fitted to each. Walls of one
-    cylinder are joined, and what closes three quarters of the circumference with normals towards
-    the axis is a hole.
+    Outer faces are grouped into smooth walls, and a cylinder is fitted to each wall. Walls of the
+    same cylinder are joined; they are a hole if they close three quarters of the circumference with
+    normals towards the axis.
     """
     walls = [wall for wall in _walls(mesh) if radius[0] <= wall.shape.radius <= radius[1]]
     found = []
@@ -104,7 +104,7 @@ class _Wall:
 
 
 def _walls(mesh: Grid) -> list[_Wall]:
-    """Return the cylinders that fit smooth walls, normals towards the axis."""
+    """Return the cylinders fitted to smooth walls with normals towards the axis."""
     corners = [block.corners for block in mesh.faces]
     if not corners:
         return []
@@ -128,7 +128,7 @@ def _walls(mesh: Grid) -> list[_Wall]:
 
 
 def _smooth(corners: list[Ints], normals: Array) -> Ints:
-    """Return the number of the smooth wall of each face."""
+    """Return the index of the smooth wall of each face."""
     from scipy.sparse.csgraph import connected_components
 
     ends, faces, first = [], [], 0
@@ -151,10 +151,10 @@ def _smooth(corners: list[Ints], normals: Array) -> Ints:
 
 
 def _fit(nodes: Array, corners: Ints, all_nodes: Ints, normals: Array) -> _Wall | None:
-    """Return the cylinder of a wall, or None if it is none or its normals point outwards."""
+    """Return the cylinder of a wall; None if it is none or its normals point outwards."""
     if len(normals) < 3:
         return None
-    # along the axis of a cylinder normals have next to no component (facets may lean a bit)
+    # normals of a cylinder have almost no component along its axis (facets may be inclined)
     values = np.linalg.eigvalsh(normals.T @ normals / len(normals))
     if values[0] > 0.06 or values[1] < 0.02:
         return None
@@ -203,7 +203,7 @@ def _joined(mesh: Grid, walls: list[_Wall]) -> Hole | None:
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """A cylinder through points.
+    """Cylinder through points.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class Cylinder:
     axis : (3,) ndarray
         Unit vector along it.
     radius, length : float
-        In m.
+        Radius and length, m.
     """
 
     middle: Array
@@ -222,7 +222,7 @@ class Cylinder:
 
 
 def cylinder_middle(x: Array) -> Array | None:
-    """Return the middle of the axis of the cylinder through points, or None if there is none.
+    """Return the middle of the axis of the cylinder through points, or None.
 
     Parameters
     ----------
@@ -241,9 +241,10 @@ def cylinder_middle(x: Array) -> Array | None:
 
 
 def cylinder_through(x: Array) -> Cylinder | None:
-    """Return the cylinder through points, or None if there is none.
+    """Return the cylinder through points, or None.
 
-    Least squares over axis, centre and radius, from the three principal directions of the points.
+    Least squares fit of axis, centre and radius, started from the three principal directions of the
+    points.
 
     Parameters
     ----------
@@ -276,11 +277,11 @@ def cylinder_through(x: Array) -> Cylinder | None:
 
 
 def _fitted(y: Array, axis: Array) -> tuple[float, Cylinder] | None:
-    """Return the error relative to the radius and the cylinder, from a first axis."""
+    """Return the relative error and the fitted cylinder, for an initial axis."""
     from scipy.optimize import least_squares  # slow to import and rarely needed
 
     u, v = np.linalg.svd(axis[None, :])[2][1:]
-    # a circle in the plane across the axis: |y|^2 = 2 c.y + (r^2 - |c|^2)
+    # circle in the plane normal to the axis: |y|^2 = 2 c.y + (r^2 - |c|^2)
     plane = np.stack([y @ u, y @ v], axis=1)
     A = np.column_stack([2.0 * plane, np.ones(len(y))])
     (a, b, c), *_ = np.linalg.lstsq(A, np.einsum("ij,ij->i", plane, plane), rcond=None)

@@ -1,4 +1,4 @@
-"""What is wrong or doubtful about a mesh, in sentences."""
+"""Findings about a mesh: errors and doubtful points, as messages."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from jousto.mesh.grid import Grid
 from jousto.mesh.quality import POOR
 from jousto.mesh.surface import all_faces, match
 
-# diagonals in m outside of which the unit is doubtful
+# m, range of plausible diagonals
 SMALL, LARGE, HUGE = 2e-3, 8.0, 100.0
 
 
 @dataclass(frozen=True)
 class Finding(Problem):
-    """One thing wrong or doubtful about a mesh.
+    """Error or doubtful point of a mesh.
 
     Attributes
     ----------
     where, message : str
-        As in :class:`Problem`: what was found and the remedy.
+        Place and message with the remedy, as in :class:`Problem`.
     kind : str
         ``empty``, ``numbers``, ``unsupported``, ``collapsed``, ``jacobian``, ``sliver``,
         ``overlap``, ``mixed orders``, ``pieces``, ``duplicate nodes``, ``free nodes``,
         ``unused nodes``, ``empty set`` or ``size``.
     severity : {"error", "warning"}
-        No sound part can be made of a mesh with an error.
+        A mesh with an error cannot be used for a part.
     ids : tuple of int
-        Numbers of the elements or nodes in their file, the worst first.
+        Numbers of the elements or nodes in the file, worst first.
     """
 
     kind: str = ""
@@ -45,21 +45,21 @@ class Finding(Problem):
 
 
 def inspect(mesh: Grid) -> tuple[Finding, ...]:
-    """Return the findings of a mesh, the errors first."""
+    """Return the findings of a mesh, errors first."""
     found = list(_all(mesh))
     return tuple(sorted(found, key=lambda finding: finding.severity != "error"))
 
 
 def require(mesh: Grid, *, tolerate: Iterable[str] = (), silent: Iterable[str] = ()) -> None:
-    """Raise InputError with all errors of a mesh, and warn of what is doubtful.
+    """Raise InputError with all errors of a mesh, and warn about doubtful points.
 
     Parameters
     ----------
     mesh : Mesh or Grid
     tolerate : iterable of str
-        Kinds of errors that are only warned of.
+        Kinds of errors that become warnings.
     silent : iterable of str
-        Kinds of findings that are not spoken of.
+        Kinds of findings that are not reported.
     """
     tolerated, unsaid = set(tolerate), set(silent)
     errors = []
@@ -81,7 +81,8 @@ def _all(mesh: Grid) -> Iterator[Finding]:
         kinds = sorted({block.kind for block in mesh.cells if len(block)})
         yield Finding(
             where,
-            f"holds no solid elements, only {some(kinds) or 'nodes'}; export the volume mesh, too"
+            f"contains no solid elements, only {some(kinds) or 'nodes'}; export the volume mesh, "
+            f"too"
             f"{instead(kinds)}",
             "empty",
             "error",
@@ -96,14 +97,14 @@ def _all(mesh: Grid) -> Iterator[Finding]:
 
 
 def _numbers(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Numbers that belong to several solid elements or nodes."""
+    """Report numbers that belong to several solid elements or nodes."""
     for ids, what in ((mesh.element_ids, "element"), (mesh.node_ids, "node")):
         values, number = np.unique(ids, return_counts=True)
         wrong = values[number > 1]
         if len(wrong):
             yield Finding(
                 where,
-                f"number {_list(wrong)} belongs to more than one {what}; give each its own",
+                f"number {_list(wrong)} belongs to more than one {what}; number each differently",
                 "numbers",
                 "error",
                 tuple(int(i) for i in wrong),
@@ -124,7 +125,7 @@ def _unsupported(mesh: Grid, where: str) -> Iterator[Finding]:
 
 
 def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Collapsed, inverted and flat elements."""
+    """Report collapsed, inverted and flat elements."""
     collapsed = []
     for block in mesh.solids:
         row = np.sort(block.nodes, axis=1)
@@ -148,11 +149,11 @@ def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
         ids = quality.ids[order]
         if len(negative) == len(quality):
             remedy = (
-                "all elements are inside out, as if the nodes came in the order of another program"
-                " or the part was mirrored; export again, or mirror the node order"
+                "all elements have negative volume, because of the node order of another "
+                "program or of a mirrored part; export again, or mirror the node order"
             )
         elif any(is_quadratic(block.kind) for block in mesh.solids):
-            remedy = "mesh finer there, or straighten the midside nodes of these elements"
+            remedy = "refine the mesh there, or straighten the mid-side nodes of these elements"
         else:
             remedy = "correct their node order or mesh that region again"
         share = f" of {len(quality)}"
@@ -174,8 +175,8 @@ def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
         yield Finding(
             where,
             f"{count(len(poor), 'element')} nearly flat (element {_list(ids)}), scaled Jacobian"
-            f" down to {lowest:.2g}: stress there is of no use and high frequencies suffer;"
-            " remove small faces from the geometry or mesh finer there",
+            f" down to {lowest:.2g}: stress there is unreliable and high frequencies are "
+            f"inaccurate; remove small faces from the geometry or refine the mesh there",
             "sliver",
             "warning",
             tuple(int(i) for i in ids),
@@ -183,7 +184,7 @@ def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
 
 
 def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Elements one inside the other, linear beside quadratic ones, pieces."""
+    """Report elements inside each other, linear next to quadratic ones, and disconnected pieces."""
     blocks = all_faces(mesh.cells)
     group, number = match(blocks)
     owners = np.concatenate([block.owners for block in blocks])
@@ -207,8 +208,8 @@ def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
         ids = mesh.element_ids[mixed]
         yield Finding(
             where,
-            f"linear and quadratic elements share faces (element {_list(ids)}): the midside nodes"
-            " there are not attached; use one order",
+            f"linear and quadratic elements share faces (element {_list(ids)}): the mid-side "
+            f"nodes there are not connected; use one order",
             "mixed orders",
             "error",
             tuple(int(i) for i in ids),
@@ -237,11 +238,11 @@ def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
         remedy = (
             "join them with mesh.merged()"
             if apart <= merge_tolerance(mesh)
-            else "join them in the geometry, or make one part of each"
+            else "join them in the geometry, or make each piece a part"
         )
         yield Finding(
             where,
-            f"falls into {len(labels)} pieces that are not connected; the smallest has"
+            f"has {len(labels)} pieces that are not connected; the smallest has"
             f" {count(len(inside), 'node')}, nearest to the others are node {a} and node {b},"
             f" {1e3 * apart:.3g} mm apart: {remedy}",
             "pieces",
@@ -251,16 +252,16 @@ def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
 
 
 def _nodes(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Nodes twice at one place, nodes of shells and lines only, nodes of nothing."""
+    """Report coincident nodes, nodes of shells and lines only, and nodes without elements."""
     tolerance = merge_tolerance(mesh)
     pairs = duplicates(mesh, tolerance)
     if len(pairs):
         a, b = mesh.node_ids[pairs[0]]
         yield Finding(
             where,
-            f"{count(len(pairs), 'pair')} of nodes at one place (node {a} and node {b}, and so on;"
-            f" within {1e3 * tolerance:.2g} mm): the elements do not hang together there; join"
-            " them with mesh.merged() unless it is a crack",
+            f"{count(len(pairs), 'pair')} of coincident nodes (node {a} and node {b}, and so on;"
+            f" within {1e3 * tolerance:.2g} mm): the elements are not connected there; join them "
+            f"with mesh.merged(), except at a crack",
             "duplicate nodes",
             "warning",
             tuple(int(i) for i in mesh.node_ids[np.unique(pairs)]),
@@ -272,8 +273,8 @@ def _nodes(mesh: Grid, where: str) -> Iterator[Finding]:
         ids = mesh.node_ids[free]
         yield Finding(
             where,
-            f"{count(len(free), 'node')} (node {_list(ids)}) belong to shells, lines or points"
-            " only, which carry nothing here: drop them with mesh.solid()",
+            f"{count(len(free), 'node')} (node {_list(ids)}) belong to shells, lines or points "
+            f"only, which have no stiffness here: drop them with mesh.solid()",
             "free nodes",
             "warning",
             tuple(int(i) for i in ids),
@@ -301,8 +302,8 @@ def _sets(mesh: Grid, where: str) -> Iterator[Finding]:
     if named:
         yield Finding(
             where,
-            f"empty {'sets' if len(named) > 1 else 'set'} {some(sorted(map(repr, named)))}: what"
-            " was in there was not exported or is of a kind that is not read",
+            f"empty {'sets' if len(named) > 1 else 'set'} {some(sorted(map(repr, named)))}: its "
+            f"content was not exported or is not supported",
             "empty set",
         )
 
@@ -314,19 +315,22 @@ def _size(mesh: Grid, where: str) -> Iterator[Finding]:
         return
     found = f"is {long:.4g} m across"
     if long < SMALL:
-        guess = f"was a file in m read with unit='mm'? In m it is {1e3 * long:.4g} m"
+        guess = f"if the file is in m, read it with unit='m': it is then {1e3 * long:.4g} m"
     elif long <= HUGE:
-        guess = f"is the file in inches? With unit='in' it is {0.0254 * long:.3g} m"
+        guess = (
+            f"if the file is in inches, read it with unit='in': it is then {0.0254 * long:.3g} m"
+        )
     else:
         guess = (
-            f"is the file in mm? With unit='mm' it is {1e-3 * long:.3g} m, with unit='in'"
+            f"if the file is in mm or inches: with unit='mm' it is {1e-3 * long:.3g} m, with "
+            f"unit='in'"
             f" {0.0254 * long:.3g} m"
         )
     yield Finding(where, f"{found}: {guess}", "size")
 
 
 def merge_tolerance(mesh: Grid) -> float:
-    """Return the distance in m below which two nodes are taken for one."""
+    """Return the distance, m, below which two nodes coincide."""
     low, high = mesh.bounds
     limit = 1e-5 * float(np.linalg.norm(high - low))
     for block in mesh.solids:
@@ -340,7 +344,7 @@ def merge_tolerance(mesh: Grid) -> float:
 
 
 def duplicates(mesh: Grid, tolerance: float) -> Ints:
-    """Return pairs (m, 2) of nodes of solids within a tolerance in m, sorted, the lower first."""
+    """Return pairs (m, 2) of nodes of solids within a tolerance, m, sorted, lower index first."""
     from scipy.spatial import cKDTree  # slow to import and rarely needed
 
     nodes: Array = mesh.nodes[mesh.used]

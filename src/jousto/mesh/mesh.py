@@ -1,4 +1,4 @@
-"""Mesh: a grid of solids from which nodes are picked, which is judged and changed."""
+"""Mesh: a grid of solids with picks of nodes, checks and changes."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from jousto.mesh.surface import face_normals
 @described
 @dataclass(frozen=True, eq=False)
 class Mesh(Grid):
-    """Nodes, elements and named sets of a part made of solids; all arrays are read-only.
+    """Nodes, elements and named sets of a part of solids; all arrays are read-only.
 
-    Made by :func:`read_mesh` from a file or by :func:`mesh_cad` from a CAD file, or from arrays.
-    The order of nodes and elements is that of the file.
+    Created by :func:`read_mesh` from a mesh file, by :func:`mesh_cad` from a CAD file, or from
+    arrays. The order of nodes and elements is that of the file.
 
     Parameters
     ----------
@@ -35,10 +35,10 @@ class Mesh(Grid):
     nodes : (nn, 3) array_like
         Positions in m, part frame.
     cells : Cells or sequence of Cells
-        Elements, one block for each kind and material. Kinds that carry no mass and stiffness
-        (shells, lines, pyramids) are kept for drawing and reported by :meth:`check`.
+        Elements, one block per kind and material. Kinds without mass and stiffness (shells, lines,
+        pyramids) are for drawing and reported by :meth:`check`.
     node_ids : (nn,) array_like of int, optional
-        The nodes' numbers in their file; from 1 if not given.
+        Node numbers in the file; None to number them from 1.
     node_sets : mapping of str to array_like of int
         Node indices (not numbers of the file), kept sorted.
     element_sets : mapping of str to array_like of int
@@ -46,20 +46,19 @@ class Mesh(Grid):
     surfaces : mapping of str to (nf, k) array_like of int
         Faces as node indices, corner nodes first; rows of shorter faces end with -1.
     source : str
-        Name of the file it was read from, empty for a mesh made of arrays. Whether the unit of a
-        file can be right is judged by the size; arrays are taken as they are.
+        Name of the mesh file, empty for a mesh from arrays. The unit of a file is checked by the
+        size of the mesh, that of arrays is not.
     cad_volume : float, optional
-        Volume of the CAD solids in m^3 of which it was made; the certificate compares it with
-        that of the mesh.
+        Volume of the CAD solids in m^3; the certificate compares it with that of the mesh.
 
     Notes
     -----
-    Every element set and every surface is a node set of its name, too, unless there is one.
+    Every element set and every surface is also a node set of the same name, unless there is one.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -75,7 +74,10 @@ class Mesh(Grid):
     # ---- picks -----------------------------------------------------------------------------------
 
     def set(self, name: str) -> Ints:
-        """Return the node indices of a set; InputError names the nearest known set."""
+        """Return the node indices of a set.
+
+        The error of an unknown name suggests the most similar one.
+        """
         if name not in self.node_sets:
             hint = suggest(name, self.node_sets)
             raise InputError(Problem(f"mesh '{self.name}'", f"no set '{name}'{hint}"))
@@ -103,7 +105,9 @@ class Mesh(Grid):
         *,
         surface: bool = False,
     ) -> Ints:
-        """Return the nodes inside or on a cylinder: of a bore its wall; see :class:`InCylinder`.
+        """Return the nodes inside or on a cylinder, for a bore those of its wall.
+
+        See :class:`InCylinder`.
 
         Parameters
         ----------
@@ -152,7 +156,7 @@ class Mesh(Grid):
         Parameters
         ----------
         pick : Pick
-            Where they are; the nearest are found among the nodes of solid elements.
+            Pick of nodes; `Nearest` uses nodes of solid elements only.
         surface : bool
             Only nodes on the outer faces.
         """
@@ -168,23 +172,23 @@ class Mesh(Grid):
         Parameters
         ----------
         radius : tuple of float
-            Smallest and largest radius in m to look for.
+            Smallest and largest radius, m.
         """
         return find_holes(self, radius)
 
-    # ---- judgement -------------------------------------------------------------------------------
+    # ---- checks ----------------------------------------------------------------------------------
 
     def check(self) -> tuple[Finding, ...]:
-        """Return what is wrong or doubtful, the errors first; see :class:`Finding`."""
+        """Return errors and doubtful points, errors first; see :class:`Finding`."""
         return inspect(self)
 
-    # ---- meshes made from this one ---------------------------------------------------------------
+    # ---- derived meshes --------------------------------------------------------------------------
 
     @explained
     def with_set(self, name: str, nodes: Any) -> Mesh:
         """Return the mesh with one more node set.
 
-        It takes the place of a node set, element set and surface of that name.
+        It replaces a node set, element set and surface of the same name.
         """
         others = {key: value for key, value in self.element_sets.items() if key != name}
         surfaces = {key: value for key, value in self.surfaces.items() if key != name}
@@ -196,7 +200,7 @@ class Mesh(Grid):
         )
 
     def scaled(self, factor: float) -> Mesh:
-        """Return the mesh with all positions multiplied: 0.0254 turns inches into m."""
+        """Return the mesh with all positions times a factor: 0.0254 converts inches to m."""
         problems = Problems()
         problems.positive(f"mesh '{self.name}'", "factor", factor, "")
         problems.raise_if_any()
@@ -209,7 +213,7 @@ class Mesh(Grid):
         Parameters
         ----------
         formulation : {"full", "reduced", "incompatible", "bbar"}
-            For all elements of the kinds that have it; the others stay as they are.
+            Formulation of all elements whose kind supports it; the others keep theirs.
 
         Raises
         ------
@@ -228,8 +232,8 @@ class Mesh(Grid):
         return replace(self, cells=tuple(cells))
 
     def solid(self) -> Mesh:
-        """Return the mesh of the solid elements alone, without nodes that they do not use."""
-        new = np.full(len(self.nodes) + 1, -1)  # the last one stands for the padding of faces
+        """Return the mesh of the solid elements only, without unused nodes."""
+        new = np.full(len(self.nodes) + 1, -1)  # the last entry is for the padding of faces
         new[self.used] = np.arange(len(self.used))
         sets = {name: new[old][new[old] >= 0] for name, old in self.node_sets.items()}
         surfaces = {}
@@ -249,10 +253,10 @@ class Mesh(Grid):
         )
 
     def merged(self, tolerance: float | None = None) -> Mesh:
-        """Return the mesh with nodes nearer than a tolerance in m joined into one.
+        """Return the mesh with nodes closer than a tolerance, m, joined into one.
 
-        Without a tolerance it is the one of :meth:`check`: 1e-5 of the mesh's diagonal or a tenth
-        of the shortest edge, whichever is smaller.
+        None for the tolerance of :meth:`check`: the smaller of 1e-5 times the diagonal of the mesh
+        and a tenth of the shortest edge.
         """
         limit = merge_tolerance(self) if tolerance is None else tolerance
         keep = np.arange(len(self.nodes) + 1)

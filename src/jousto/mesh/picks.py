@@ -1,4 +1,4 @@
-"""Picks: nodes of a part or mesh chosen by where they are."""
+"""Picks: nodes of a part or mesh selected by position."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.base.numbers import OptionalPositive, Positive, Vector, Whole
 from jousto.base.ranking import TIE
 
 NEAR = 1e-6
-"""Nodes this far outside still count as inside, as a share of the size of the body."""
+"""Largest distance outside at which nodes count as inside / size of the body."""
 
 
 def _slack(nodes: Array) -> float:
@@ -24,10 +24,10 @@ def _slack(nodes: Array) -> float:
 
 
 class Corner(Vector):
-    """A corner of a box; infinite values leave a side open."""
+    """Field of a corner of a box; infinite values leave a side open."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return an array (3,)."""
+        """Return an array (3,), or report what is wrong."""
         try:
             corner = np.array(value, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
@@ -38,18 +38,18 @@ class Corner(Vector):
 
 
 class Way(Field[ArrayLike, Array]):
-    """A direction, kept at length 1."""
+    """Field of a direction, stored as a unit vector."""
 
     form = "direction"
     noun = "(3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a vector of length 1."""
+        """Return a unit vector, or report what is wrong."""
         return unit_vector(problems, where, self.name, value)
 
 
 def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return a vector divided by its length, or note why it has no direction."""
+    """Return a vector divided by its length, or report a zero vector."""
     vector = problems.array(where, name, value, (3,))
     if vector is None:
         return None
@@ -61,11 +61,11 @@ def unit_vector(problems: Problems, where: str, name: str, value: Any) -> Array 
 
 
 class Pick(Declared, ABC):
-    """Nodes by where they are."""
+    """Base of selections of nodes by position."""
 
     @abstractmethod
     def of(self, nodes: Array) -> Ints:
-        """Return the indices of those among the nodes (nn, 3), ascending."""
+        """Return the indices of the selected nodes among nodes (nn, 3), ascending."""
 
     def __repr__(self) -> str:
         return (
@@ -74,7 +74,7 @@ class Pick(Declared, ABC):
 
 
 class InBox(Pick):
-    """The nodes in a box along the axes, those on its faces included.
+    """Nodes in a box along the axes, including those on its faces.
 
     Raises
     ------
@@ -91,7 +91,7 @@ class InBox(Pick):
     high: Corner = field("The opposite corner; inf leaves a side open", unit="m")
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a lower corner above the upper one."""
+        """Report a lower corner above the upper one."""
         for a in np.flatnonzero(self.low > self.high):
             low, high = self.low[a], self.high[a]
             problems.add(where, f"low is {low:g} m along {'xyz'[a]}, above high, {high:g} m", "low")
@@ -103,9 +103,9 @@ class InBox(Pick):
 
 
 class InCylinder(Pick):
-    """The nodes in a solid cylinder, those on its surface included: a bore, a pin, a flange.
+    """Nodes in a solid cylinder, including those on its surface: a bore, a pin, a flange.
 
-    Inside a bore there are no nodes: a cylinder of its radius takes those on its wall.
+    A bore contains no nodes, so a cylinder of its radius selects those on its wall.
 
     Raises
     ------
@@ -119,12 +119,12 @@ class InCylinder(Pick):
     """
 
     point: Vector = field(
-        "On the axis, part frame; the middle of the cylinder if it has a length", unit="m"
+        "Point on the axis, part frame; the middle of the cylinder if a length is given", unit="m"
     )
     axis: Way = field("Direction of the axis, any length")
     radius: Positive = field("Radius", unit="m")
     length: OptionalPositive = field(
-        "Along the axis; without end if not given", unit="m", default=None
+        "Length along the axis; None for an infinite cylinder", unit="m", default=None
     )
 
     def of(self, nodes: Array) -> Ints:
@@ -138,7 +138,7 @@ class InCylinder(Pick):
 
 
 class InSphere(Pick):
-    """The nodes in a sphere, those on its surface included.
+    """Nodes in a sphere, including those on its surface.
 
     Raises
     ------
@@ -156,7 +156,7 @@ class InSphere(Pick):
 
 
 class OnPlane(Pick):
-    """The nodes on a plane.
+    """Nodes on a plane.
 
     Raises
     ------
@@ -170,9 +170,9 @@ class OnPlane(Pick):
     """
 
     point: Vector = field("A point of the plane, part frame", unit="m")
-    normal: Way = field("Square to the plane, any length")
+    normal: Way = field("Normal of the plane, any length")
     tolerance: OptionalPositive = field(
-        "Largest distance; 1e-6 of the body's size if not given", unit="m", default=None
+        "Largest distance; None for 1e-6 times the size of the body", unit="m", default=None
     )
 
     def of(self, nodes: Array) -> Ints:
@@ -182,7 +182,7 @@ class OnPlane(Pick):
 
 
 class Nearest(Pick):
-    """The nodes nearest to a point; of equally near ones those of lower number.
+    """Nodes nearest to a point; of equally near ones those of lower index.
 
     Raises
     ------
@@ -195,15 +195,15 @@ class Nearest(Pick):
     array([1])
     """
 
-    point: Vector = field("Where, part frame", unit="m")
-    count: Whole = field("How many nodes", least=1, default=1)
+    point: Vector = field("Point, part frame", unit="m")
+    count: Whole = field("Number of nodes", least=1, default=1)
 
     def of(self, nodes: Array) -> Ints:
         """Return the indices of the nodes (nn, 3) nearest to the point, ascending."""
         away = np.linalg.norm(nodes - self.point, axis=1)
         if len(away) <= self.count:
             return np.arange(len(away), dtype=np.intp)
-        # of nodes that are equally far the first ones
+        # of nodes at equal distance the first ones
         last = np.partition(away, self.count - 1)[self.count - 1]
         nearer = np.flatnonzero(away < last * (1.0 - TIE))
         equal = np.flatnonzero(np.abs(away - last) <= TIE * last)

@@ -14,9 +14,9 @@ from jousto.base.object_repr import described
 from jousto.mesh.cells import SOLIDS, Cells, base, edges
 from jousto.mesh.reference import jacobians, places, shape_functions, table
 
-# below: an element that spoils frequencies and stresses of its neighbourhood
+# scaled Jacobian below which an element causes large local errors
 POOR = 0.05
-# elements whose Jacobians are computed together, for memory
+# number of elements per block, to limit memory
 _CHUNK = 4096
 # 1 / sine of the solid angle at a corner of the ideal cell
 _IDEAL = {"tetra": np.sqrt(2.0), "hexahedron": 1.0, "wedge": 2.0 / np.sqrt(3.0)}
@@ -25,16 +25,17 @@ _IDEAL = {"tetra": np.sqrt(2.0), "hexahedron": 1.0, "wedge": 2.0 / np.sqrt(3.0)}
 @described
 @dataclass(frozen=True, eq=False)
 class Quality:
-    """How far the elements of a mesh are from ideal ones; all arrays run over all solid cells.
+    """Quality of the elements of a mesh; all arrays run over all solid cells.
 
     Attributes
     ----------
     ids : (ne,) ndarray of int
-        The elements' numbers in their file.
+        Element numbers in the file.
     scaled_jacobian : (ne,) ndarray
         Smallest value over the corners of ``det(t1, t2, t3) / (|t1| |t2| |t3|)``, t the tangents
-        of the (curved) edges, divided by its value in the ideal element: 1 is a regular
-        tetrahedron, a cube or a prism on a regular triangle, 0 is flat, below 0 turned inside out.
+        of the (curved) edges, divided by its value in the ideal element: 1 for a regular
+        tetrahedron, a cube or a prism on a regular triangle, 0 for a flat element, negative for an
+        inverted one.
     jacobian_ratio : (ne,) ndarray
         Smallest divided by largest Jacobian determinant over nodes and centre: 1 for straight
         tetrahedra and parallelepipeds, at most 0 for an element that is folded somewhere.
@@ -56,7 +57,7 @@ class Quality:
 
     @property
     def negative(self) -> Ints:
-        """Element numbers (from 0) whose Jacobian is not positive everywhere."""
+        """Indices (from 0) of the elements whose Jacobian is not positive everywhere."""
         return np.flatnonzero((self.scaled_jacobian <= 0.0) | (self.jacobian_ratio <= 0.0))
 
     def worst(self, count: int = 5) -> tuple[tuple[int, float], ...]:
@@ -79,7 +80,7 @@ class Quality:
         if poor:
             text += f"; {count(poor, 'element')} below {POOR:g}"
         if len(self.negative):
-            text += f"; {len(self.negative)} inside out or folded"
+            text += f"; {len(self.negative)} inverted or folded"
         return text
 
 
@@ -129,7 +130,7 @@ def measure(nodes: Array, cells: Sequence[Cells]) -> Quality:
         J = np.einsum("ekx,mrk->emxr", X, dN, optimize=True)
         det = jacobians(dN, X)
 
-        # largest determinant as a positive scale, so that an inverted cell counts as negative
+        # largest absolute determinant as scale, so that an inverted cell is negative
         top = np.abs(det).max(axis=1)
         ratio[here] = det.min(axis=1) / np.where(top > 0.0, top, 1.0)
 
@@ -139,13 +140,13 @@ def measure(nodes: Array, cells: Sequence[Cells]) -> Quality:
         length = np.prod(np.linalg.norm(t, axis=3), axis=2)
         triple = np.einsum("emx,emx->em", t[:, :, 0], np.cross(t[:, :, 1], t[:, :, 2]))
         value = triple / np.where(length > 0.0, length, 1.0) * _IDEAL[base(kind)]
-        # tangents of curved edges may stand wider than those of the ideal cell
+        # tangents of curved edges may enclose larger angles than those of the ideal cell
         scaled[here] = np.minimum(value.min(axis=1), 1.0)
 
         ends = edges(kind)
         span = np.linalg.norm(X[:, ends[:, 0]] - X[:, ends[:, 1]], axis=2)
         low, high = span.min(axis=1), span.max(axis=1)
-        # at most 1e100, where an edge has no length
+        # limited to 1e100 for an edge of zero length
         aspect[here] = high / np.maximum(low, 1e-100 * high + np.finfo(float).tiny)
     return Quality(ids, *map(frozen, (scaled, ratio, aspect)))
 

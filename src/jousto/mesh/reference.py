@@ -1,8 +1,8 @@
 """Reference elements of solids and their faces: shape functions, derivatives, quadrature.
 
-The functions and the rules of triangles, tetrahedra and lines are those of scikit-fem; here they
-are put into the node order of VTK and evaluated once for each kind, so that an assembly is a few
-products of arrays.
+The shape functions and the quadrature of triangles, tetrahedra and lines are those of scikit-fem,
+in the node order of VTK and evaluated once per kind, so that assembly consists of a few array
+products.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FORMULATIONS = {
     "wedge": ("full", "reduced"),
     "wedge15": ("full", "reduced"),
 }
-"""How the stiffness of each kind may be formulated; see `jousto.parts.solids.bricks` for those of
+"""Formulations of the stiffness of each kind; see `jousto.parts.solids.bricks` for those of
 the brick of eight nodes."""
 
 CORNERS = {
@@ -79,7 +79,7 @@ EDGES = {
     "triangle6": [[0, 1], [1, 2], [2, 0]],
     "quad8": [[0, 1], [1, 2], [2, 3], [3, 0]],
 }
-"""Corners on both sides of each mid node, in the order of the mid nodes."""
+"""Corners on both sides of each mid-side node, in the order of the mid-side nodes."""
 
 # degrees of exactness in the plane and along the axis of (stiffness, mass, stress); stiffness:
 # exact for straight elements, mass: exact for curved ones, too
@@ -91,8 +91,8 @@ _DEGREES = {
     "wedge": ((2, 3), (4, 5), (2, 3)),
     "wedge15": ((4, 5), (8, 9), (2, 3)),
 }
-# degrees of the fewer points of Abaqus and CalculiX: C3D8R 1, C3D20R 2 x 2 x 2, C3D6 1 x 2,
-# C3D15 3 x 3; stiffness and stress only, the mass stays exact
+# degrees of the reduced rules of Abaqus and CalculiX: C3D8R 1, C3D20R 2 x 2 x 2, C3D6 1 x 2,
+# C3D15 3 x 3; for stiffness and stress only, the mass remains exact
 _REDUCED = {
     "hexahedron": ((1, 1), (1, 1)),
     "hexahedron20": ((3, 3), (3, 3)),
@@ -106,14 +106,14 @@ FACES = {3: ("triangle", 4), 4: ("quad", 5), 6: ("triangle6", 4), 8: ("quad8", 5
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """An element at the points of a quadrature rule.
+    """Element at the points of a quadrature rule.
 
     Attributes
     ----------
     points : (nq, 3) ndarray
         Reference coordinates; two for faces.
     weights : (nq,) ndarray
-        They add up to the volume of the reference element.
+        Weights, whose sum is the volume of the reference element.
     N : (nq, k) ndarray
         Shape functions.
     dN : (nq, 3, k) ndarray
@@ -137,7 +137,7 @@ def places(kind: str) -> Array:
 
 @cache
 def face_table(k: int, *, at_nodes: bool = False) -> Table:
-    """Return a face of k nodes at the points of its rule, or at its own nodes."""
+    """Return a face of k nodes at the points of its quadrature rule, or at its nodes."""
     kind, degree = FACES[k]
     points, weights = rule(kind, degree, 0)
     if at_nodes:
@@ -148,10 +148,10 @@ def face_table(k: int, *, at_nodes: bool = False) -> Table:
 
 @cache
 def table(kind: str, purpose: str, formulation: str = "full") -> Table:
-    """Return the element at the points for "stiffness", "mass" or "stress".
+    """Return the element at the quadrature points for "stiffness", "mass" or "stress".
 
     Stress is sampled where it is most accurate (the points of the reduced rule of quadratic
-    elements), at as many points as the element has corners, but for the linear tetrahedron, whose
+    elements), at one point per corner of the element, except for the linear tetrahedron, whose
     stress is constant. Elements of reduced integration have fewer points.
     """
     degrees = _DEGREES[kind][PURPOSES.index(purpose)]
@@ -163,13 +163,13 @@ def table(kind: str, purpose: str, formulation: str = "full") -> Table:
 
 
 def rule(kind: str, plane: int, axis: int) -> tuple[Array, Array]:
-    """Return points (nq, 3) and weights (nq,) exact for polynomials of these degrees."""
-    from skfem.quadrature import get_quadrature  # slow to import, only solids need it
+    """Return points (nq, 3) and weights (nq,) exact for polynomials of given degrees."""
+    from skfem.quadrature import get_quadrature  # slow to import, needed for solids only
     from skfem.refdom import RefLine, RefTet, RefTri
 
     corners = CORNERS[kind]
     if corners == "tetra":
-        # from degree 5 on, scikit-fem 12's tetrahedra are exact to one degree less than they say
+        # from degree 5 on, tetrahedra of scikit-fem 12 are exact to one degree less than specified
         X, w = get_quadrature(RefTet, plane if plane < 5 else plane + 1)
         return np.ascontiguousarray(X.T), w
     if corners in ("wedge", "triangle"):
@@ -184,7 +184,7 @@ def rule(kind: str, plane: int, axis: int) -> tuple[Array, Array]:
         w = np.outer(wx, wx).ravel()
     if corners in ("triangle", "quad"):
         return np.ascontiguousarray(X.T), w
-    # the product of a rule in the plane and one along the axis
+    # product of a rule in the plane and one along the axis
     z, wz = get_quadrature(RefLine, axis) if axis > 1 else (np.full((1, 1), 0.5), np.ones(1))
     points = np.column_stack([np.tile(X.T, (z.size, 1)), np.repeat(z[0], w.size)])
     return points, np.outer(wz, w).ravel()
@@ -221,8 +221,8 @@ def _wedge15(points: Array) -> tuple[Array, Array]:
     """Return the 15-node wedge, which scikit-fem does not have.
 
     Its functions are quadratic in the triangle times linear along the axis, and linear in the
-    triangle times quadratic along the axis: those that are one at their node and zero at the
-    others. On its faces they are those of `tetra10` and `hexahedron20`.
+    triangle times quadratic along the axis, each one at its node and zero at the others. On the
+    faces they equal those of `tetra10` and `hexahedron20`.
     """
     powers = [(i, j, m) for m in (0, 1) for i in range(3) for j in range(3 - i)]
     powers += [(0, 0, 2), (1, 0, 2), (0, 1, 2)]
@@ -242,7 +242,7 @@ def _wedge15(points: Array) -> tuple[Array, Array]:
 
 
 def gradients(dN: Array, x: Array) -> tuple[Array, Array]:
-    """Return derivatives of the shape functions in space and the Jacobian.
+    """Return spatial derivatives of the shape functions and the Jacobian determinant.
 
     Parameters
     ----------
@@ -271,7 +271,7 @@ def gradients(dN: Array, x: Array) -> tuple[Array, Array]:
 
 
 def jacobians(dN: Array, x: Array) -> Array:
-    """Return the ratio of volumes (ne, nq) alone, see `gradients`."""
+    """Return the Jacobian determinants (ne, nq) only, see `gradients`."""
     nq, _, k = dN.shape
     J = np.matmul(x.transpose(0, 2, 1), dN.reshape(nq * 3, k).T).reshape(-1, 3, nq, 3)
     a, b, c = (J[..., d] for d in range(3))

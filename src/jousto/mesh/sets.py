@@ -1,4 +1,4 @@
-"""Checks of the topology of a part: elements, node sets, connection."""
+"""Checks of the topology of a part: elements, node sets, connectivity."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def read_integers(value: Any) -> Ints | None:
 def read_elements(
     problems: Problems, where: str, value: Any, nn: int, columns: int | None
 ) -> Ints | None:
-    """Return the elements as a read-only (ne, m) array, or note what is wrong with them."""
+    """Return the elements as a read-only (ne, m) array, or report what is wrong."""
     array = read_integers(value)
     if array is None:
         problems.add(where, "elements must be an array of whole numbers, node indices from 0")
@@ -52,7 +52,7 @@ def read_elements(
 def read_sets(
     problems: Problems, where: str, given: Mapping[str, Any], nn: int
 ) -> dict[str, tuple[int, ...]]:
-    """Return the node sets, with ``node1`` .. ``nodeN`` added in parts of up to 10000 nodes."""
+    """Return the node sets; parts of up to 10000 nodes get ``node1`` .. ``nodeN``."""
     sets: dict[str, tuple[int, ...]] = {}
     if nn <= NODE_NAMES_UP_TO:
         sets = {f"node{i + 1}": (i,) for i in range(nn)}
@@ -69,18 +69,18 @@ def read_sets(
         elif not members:
             problems.add(where, f"{label} is empty")
         elif bad:
-            problems.add(where, f"{label} holds node {bad[0]}, must be an index in 0..{nn - 1}")
+            problems.add(where, f"{label} contains node {bad[0]}, must be an index in 0..{nn - 1}")
         elif len(set(members)) < len(members):
-            problems.add(where, f"{label} holds a node twice")
+            problems.add(where, f"{label} contains a node twice")
         elif name in sets and sets[name] != members:
-            problems.add(where, f"{label}: this name is kept for the node of that number")
+            problems.add(where, f"{label}: this name is reserved for the node of that number")
         else:
             sets[name] = members
     return sets
 
 
 def node_index(name: int | str, sets: Mapping[str, tuple[int, ...]]) -> int:
-    """Return the node of a one-node set, or the index itself; KeyError tells what is wrong."""
+    """Return the node of a one-node set, or the index itself; raises KeyError with a message."""
     if not isinstance(name, str):
         return int(name)
     if name not in sets:
@@ -91,7 +91,7 @@ def node_index(name: int | str, sets: Mapping[str, tuple[int, ...]]) -> int:
 
 
 def unattached(problems: Problems, where: str, elements: Ints, nn: int) -> None:
-    """Note nodes that belong to no element."""
+    """Report nodes that belong to no element."""
     loose = np.setdiff1d(np.arange(nn), elements)
     if len(loose):
         names = some([f"node{i + 1}" for i in loose])
@@ -99,19 +99,19 @@ def unattached(problems: Problems, where: str, elements: Ints, nn: int) -> None:
 
 
 def node_graph(matrix: Any, dofs: int) -> Any:
-    """Return which nodes a matrix couples, (nn, nn) sparse."""
+    """Return the graph (nn, nn), sparse, of nodes that a matrix couples."""
     coo = matrix.tocoo()
     nn = matrix.shape[0] // dofs
     return sp.coo_array((np.ones(len(coo.row)), (coo.row // dofs, coo.col // dofs)), shape=(nn, nn))
 
 
 def rigid_groups(ties: Iterable[Any]) -> list[Ints]:
-    """Return the nodes of each rigid tie: they move as one, those of averages do not."""
+    """Return the nodes of each rigid tie, which move as one body (those of averages do not)."""
     return [tie.nodes for tie in ties if tie.kind == "rigid"]
 
 
 def tied(graph: Any, groups: Iterable[Ints]) -> Any:
-    """Return a graph of nodes, (nn, nn) sparse, in which the nodes of each group hang together."""
+    """Return a graph of nodes (nn, nn), sparse, with the nodes of each group connected."""
     nodes = [np.asarray(group) for group in groups]
     if not nodes:
         return graph
@@ -121,7 +121,7 @@ def tied(graph: Any, groups: Iterable[Ints]) -> Any:
 
 
 def connectivity(problems: Problems, where: str, xyz: Array, elements: Ints) -> None:
-    """Note a part that falls into pieces, with the nearest nodes between two of them."""
+    """Report a part of disconnected pieces, with the nearest nodes of two of them."""
     nn = len(xyz)
     i = np.repeat(elements[:, 0], elements.shape[1] - 1)
     graph = sp.coo_array((np.ones(len(i)), (i, elements[:, 1:].ravel())), shape=(nn, nn))
@@ -129,7 +129,7 @@ def connectivity(problems: Problems, where: str, xyz: Array, elements: Ints) -> 
 
 
 def pieces(problems: Problems, where: str, xyz: Array, graph: Any) -> None:
-    """Note a graph of nodes, (nn, nn) sparse, that is not connected."""
+    """Report a graph of nodes (nn, nn), sparse, that is not connected."""
     from scipy.sparse.csgraph import connected_components  # slow to import and rarely needed
 
     count, label = connected_components(graph, directed=False)
@@ -144,7 +144,7 @@ def pieces(problems: Problems, where: str, xyz: Array, graph: Any) -> None:
     k = int(np.argmin(distance))
     problems.add(
         where,
-        f"falls into {count} pieces that are not connected; the nearest nodes of two pieces are"
+        f"has {count} pieces that are not connected; the nearest nodes of two pieces are"
         f" node{inside[nearest[k]] + 1} and node{outside[k] + 1}, {distance[k]:.3g} m apart."
-        " Join them, or make one part of each piece",
+        " Join them, or make each piece a part",
     )

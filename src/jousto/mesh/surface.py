@@ -11,7 +11,7 @@ from jousto.base.arrays import Array, Ints, frozen
 from jousto.base.object_repr import described
 from jousto.mesh.cells import SOLIDS, SURFACES, Cells, base, faces
 
-# triangles that draw a face: corners first, then midside nodes, all turned like the face
+# triangles of a face: corners first, then mid-side nodes, with the orientation of the face
 _SPLIT = {
     "triangle": [(0, 1, 2)],
     "triangle6": [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)],
@@ -24,7 +24,7 @@ _KIND = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
 @described
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Faces of one kind on the outside of a mesh, normals outwards.
+    """Outer faces of one kind, outward normals.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class Faces:
     nodes : (nf, k) ndarray of int
         Node indices, corners first.
     owners : (nf,) ndarray of int
-        The element behind each face, counted over all solid cells from 0.
+        Index of the element of each face, over all solid cells from 0.
     sides : (nf,) ndarray of int
-        Number of the face in its element from 0, counted as Abaqus counts (S1 is 0).
+        Index of the face in its element, in the order of Abaqus (S1 is 0).
     """
 
     kind: str
@@ -53,7 +53,7 @@ class Faces:
 
 
 def all_faces(cells: Sequence[Cells]) -> list[Faces]:
-    """Return every face of every solid cell, one block for each kind of face."""
+    """Return every face of every solid cell, one block per kind of face."""
     found: dict[str, list[tuple[Ints, Ints, Ints]]] = {kind: [] for kind in SURFACES}
     first = 0
     for block in cells:
@@ -73,7 +73,7 @@ def all_faces(cells: Sequence[Cells]) -> list[Faces]:
 
 
 def match(blocks: Sequence[Faces]) -> tuple[Ints, Ints]:
-    """Return for all faces in a row the group of equal corners, and how many are in each group."""
+    """Return the group of equal corners of every face, and the number of faces in each group."""
     keys = np.full((sum(len(block) for block in blocks), 4), -1, dtype=np.int64)
     row = 0
     for block in blocks:
@@ -91,7 +91,7 @@ def match(blocks: Sequence[Faces]) -> tuple[Ints, Ints]:
 
 
 def outer_faces(cells: Sequence[Cells]) -> tuple[Faces, ...]:
-    """Return the faces that belong to one solid cell only."""
+    """Return the faces that belong to a single solid cell."""
     blocks = all_faces(cells)
     if not blocks:
         return ()
@@ -114,12 +114,12 @@ def triangulate(blocks: Sequence[Faces]) -> Ints:
 
 
 def face_kind(columns: int) -> str:
-    """Return the kind of a face with that many nodes."""
+    """Return the kind of a face with a given number of nodes."""
     return _KIND[columns]
 
 
 def face_normals(nodes: Array, corners: Ints) -> Array:
-    """Return normals (nf, 3) of faces as long as their area, from the corners."""
+    """Return normals (nf, 3) of faces from the corners; their length is the area."""
     p = nodes[corners]
     if corners.shape[1] == 3:
         out: Array = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) / 2.0

@@ -1,4 +1,4 @@
-"""COMPILE: a mechanism becomes flat arrays for the C engine."""
+"""COMPILE: from a mechanism to flat arrays for the C engine."""
 
 from jousto.base.lazy_exports import open_room
 

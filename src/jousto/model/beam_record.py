@@ -1,4 +1,4 @@
-"""BeamShape: what recovery and pictures need to know of a beam."""
+"""BeamShape: data of a beam for stress recovery and drawing."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from jousto.base.object_repr import described
 @described
 @dataclass(frozen=True, eq=False)
 class SectionShape:
-    """Stress and outline of a section of a beam.
+    """Stress points and outline of a beam section.
 
     Parameters
     ----------
     labels : tuple of str
-        Names of the points of the section; none if its stress is not known.
+        Names of the points of the section; empty if its stress is unknown.
     points : (np, 2) array
-        Where they are, y and z from the axis, m.
+        Positions y, z from the axis, m.
     rows : (np, 6, 6) array
         ``[s11 s22 s33 s12 s23 s13]`` at each point for unit resultants ``[N Qy Qz Mx My Mz]``.
     outline : (k, 2) array
-        Outer edge of the section, counterclockwise seen from ahead, m; empty if it is not known.
+        Outline of the section, counterclockwise seen against x, m; empty if unknown.
     elasticity : (2,) array or None
-        Young's modulus, Pa, and Poisson's ratio; None if they are not known.
+        Young's modulus, Pa, and Poisson's ratio; None if unknown.
 
     Raises
     ------
     InputError
-        If the arrays do not fit together.
+        If the arrays are inconsistent.
     """
 
     labels: tuple[str, ...] = ()
@@ -66,16 +66,16 @@ class SectionShape:
 @described
 @dataclass(frozen=True, eq=False)
 class BeamShape:
-    """A beam: its elements, the bodies at their ends, and the stress of its sections.
+    """A beam: its elements, the bodies at its nodes, and the stress of its sections.
 
     Parameters
     ----------
     name : str
         Name of the beam.
     bodies : (n + 1,) int array
-        Numbers of the bodies at the nodes, along the beam.
+        Indices of the bodies at the nodes, along the beam.
     data : (n, 78) or wider array
-        Each element as the engine has it, see ``jo_beam`` in jousto.h.
+        Data of each element as in the engine, see ``jo_beam`` in jousto.h.
     s : (n + 1,) array
         Length of the unstressed beam from its start to each node, m.
     nodes : (n + 1, 3) array
@@ -85,12 +85,12 @@ class BeamShape:
     sections : tuple of SectionShape
         The different sections.
     which : (n,) int array
-        Section of each element.
+        Index of the section of each element.
 
     Raises
     ------
     InputError
-        If the arrays do not fit together.
+        If the arrays are inconsistent.
     """
 
     name: str
@@ -112,7 +112,8 @@ class BeamShape:
         frames = problems.array(where, "frames", self.frames, (n + 1, 3, 3))
         if which.shape != (n,) or (n and not 0 <= which.min() <= which.max() < len(self.sections)):
             problems.add(
-                where, f"which must name a section of {len(self.sections)} for {n} elements"
+                where,
+                f"which must be the index of a section of {len(self.sections)} for {n} elements",
             )
         problems.raise_if_any()
         for name, value in (

@@ -1,4 +1,4 @@
-"""Mechanism -> Model: from objects that refer to one another to flat arrays."""
+"""Mechanism -> Model: from objects with references to flat arrays."""
 
 from __future__ import annotations
 
@@ -45,56 +45,57 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 log = logging.getLogger(__name__)
-CHANGED = 1e-6  # of the largest velocity: velocities that were replaced
-SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # xx yy zz yz xz xy
+CHANGED = 1e-6  # smallest change of velocities that is reported / largest velocity
+SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # indices of xx yy zz yz xz xy
 ROWS, COLUMNS = (list(places) for places in zip(*SYMMETRIC, strict=True))
 NO_MODES: dict[str, Any] = {
     **{key: np.zeros((rows, 0)) for key, rows in (("I3", 3), ("B0", 3), ("D0", 6))},
     **{key: np.zeros((rows, 0, 0)) for key, rows in (("ED", 6), ("EB", 3))},
     **{key: np.zeros(0) for key in ("K", "D")},
 }
-"""Arrays of a body without modes."""
+"""Modal arrays of a body without modes."""
 
 
 @uncollected()
 @explained
 def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
-    """Turn a mechanism into the flat arrays of the engine, with a consistent initial state.
+    """Return the flat arrays of a mechanism for the engine, with a consistent initial state.
 
-    Small gaps at joints are closed by projection in the mass metric. Initial velocities that do
-    not fit the joints and drives are changed by rigid motions as far as these can, by those of
-    least kinetic energy, and by elastic rates only where they must: a machine whose drives move
-    from the start starts as the rigid mechanism moves, without a blow to its modes. Values and
-    rates of coordinates (`Initial`) are met likewise.
+    Small gaps at joints are closed by projection in the mass metric. Initial velocities that
+    violate joints or drives are corrected by rigid motions of least kinetic energy, and by modal
+    velocities only as far as necessary: a machine with drives in motion starts like the rigid
+    mechanism, without exciting its modes. Values and rates of coordinates (`Initial`) are reached
+    in the same way.
 
     Parameters
     ----------
     mechanism : Mechanism
         A checked mechanism.
     core : str, optional
-        How RK4, ROS2 and DormandPrince run it: "joint" in the joint coordinates of a tree of rigid
-        bodies, beside flexible ones in those parts that are one (not DormandPrince), "maximal" in
-        the positions of all bodies, which any mechanism can; "auto" takes the joint coordinates
-        where they are faster. That of the mechanism if not given.
+        Coordinates of RK4, ROS2 and DormandPrince: "joint" for the joint coordinates of a tree of
+        rigid bodies (in mechanisms with flexible bodies, for rigid subtrees; not DormandPrince);
+        "maximal" for the positions of all bodies, for any mechanism; "auto" for the faster of both.
+        None for the core of the mechanism.
 
     Returns
     -------
     Model
-        Arrays only; it can be run many times.
+        Flat arrays, for any number of runs.
 
     Raises
     ------
     InputError
-        If a body's mass matrix is singular, joints, couplings and drives contradict each other, or
-        a start cannot be met; if it is to run in joint coordinates and cannot.
+        If the mass matrix of a body is singular, joints, couplings and drives contradict each
+        other, an initial value cannot be reached, or the requested joint coordinates are
+        impossible.
 
     Warns
     -----
     JoustoWarning
-        If a drive begins elsewhere than its coordinate stands, so that bodies are moved; initial
-        velocities contradict the joints and had to be changed, joints repeat one another, so that
-        their reactions are not unique, or the mass of a flexible body lies so nearly on a line that
-        its modes cannot follow how bending turns it.
+        If the initial value of a drive differs from its coordinate, so that bodies are moved;
+        initial velocities contradict the joints and were changed; constraints are redundant, so
+        that their reactions are not unique; or almost all mass of a flexible body lies on a line,
+        so that its modes cannot represent its rotation about the line.
     """
     if not is_stepping():
         warn_beams(mechanism)
@@ -112,13 +113,13 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
         builder.force(load)
     watched = watched_coordinates(mechanism)
     gauges = (*mechanism.sensors, *watched)
-    for sensor in gauges:  # angles are counted at every step
+    for sensor in gauges:  # angle coordinates are tracked over full turns at every step
         for coordinate in coordinates_of(sensor):
             builder.declared(coordinate)
     for initial in mechanism.initials:
         builder.declared(initial.coordinate)
     places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
-    for friction in mechanism.frictions:  # after all rows that always hold
+    for friction in mechanism.frictions:  # after all permanent rows
         builder.friction(friction, places[id(friction.joint)])
     active = len(builder.markers)
     sensors = sensor_models(mechanism, builder, index, watched)
@@ -170,7 +171,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
 def _elimination(
     mechanism: Mechanism, builder: Builder, bodies: Sequence[BodyModel]
 ) -> Elimination:
-    """Return the order of the joints; InputError where too many act on one another."""
+    """Return the elimination order of the joints; InputError for too many coupled joints."""
     try:
         return order_joints(builder.joints, builder.markers, bodies, most=MOST)
     except TooDense as error:
@@ -179,15 +180,17 @@ def _elimination(
     for body, joints in joints_on(builder.joints, builder.markers).items():
         if dense.clique and tuple(joints) == dense.clique:
             found = f"body '{mechanism.bodies[body].name}'"
-            reason = f"carries {count(len(joints), 'joint')}, which all act on one another"
+            reason = (
+                f"carries {count(len(joints), 'joint')}, which are all coupled with one another"
+            )
             remedy = (
-                "divide it into several bodies, each fixed to the one before, so that none carries "
-                "more than some hundred joints"
+                "divide it into several bodies, each fixed to the previous one, with at most "
+                "some hundred joints each"
             )
             break
     else:
-        reason = "has so many loops that a great share of its joints acts on one another"
-        remedy = "leave out joints that close loops, or join bodies that hardly move"
+        reason = "has so many loops that a large part of its joints is coupled with one another"
+        remedy = "leave out joints that close loops, or merge bodies with little relative motion"
     raise InputError(Problem(found, f"{reason} ({cost}); {remedy}"))
 
 
@@ -201,7 +204,7 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody):
             kind = (id(body.reduced), body.drop_invariants)
-            if kind not in parts:  # bodies of one part share its arrays
+            if kind not in parts:  # bodies with the same part share its arrays
                 parts[kind] = _flexible(body, 0, 0)
             D = np.array(floats(body.modal_damping))
             model = replace(parts[kind], name=body.name, iq=iq, iv=iv, D=D)
@@ -220,12 +223,12 @@ def _bodies(mechanism: Mechanism) -> tuple[tuple[BodyModel, ...], Array, Array]:
 
 
 def _inertias(bodies: Sequence[RigidBody]) -> Iterator[tuple[Array, Array, Array]]:
-    """Return mass (1,), first moment (3,) and inertia (6,) about the origin, of each body."""
+    """Return mass (1,), first moment (3,) and inertia (6,) about the origin of each body."""
     m = floats([body.mass for body in bodies]).reshape(-1, 1)
     c = floats([body.center for body in bodies]).reshape(-1, 3)
     J = floats([body.inertia for body in bodies]).reshape(-1, 3, 3)
     squares = (c * c).sum(axis=1)[:, None, None] * np.eye(3) - c[:, :, None] * c[:, None, :]
-    J = J + m[..., None] * squares  # Steiner
+    J = J + m[..., None] * squares  # parallel-axis theorem
     return zip(m, m * c, J[:, ROWS, COLUMNS], strict=True)
 
 
@@ -293,7 +296,7 @@ def _flexible(body: FlexibleBody, iq: int, iv: int) -> BodyModel:
 
 
 def part_shape(reduced: ReducedPart) -> Shape:
-    """Return what results keep of a part to draw the bodies made of it."""
+    """Return the data of a part that results contain to draw its bodies."""
     return Shape(
         "flexible",
         np.array(floats(reduced.nodes)),
@@ -308,11 +311,13 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
     if isinstance(body, FlexibleBody):
         return part_shape(body.reduced)
     points = body.outline
-    if points is not None and points.ndim == 3:  # a surface
+    if points is not None and points.ndim == 3:  # a closed surface
         nodes, corners = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
         triangles = corners.reshape(-1, 3).astype(np.int64)
         return Shape("rigid", nodes, triangles, np.zeros((len(nodes), 3, 0)))
-    if points is None:  # a star from the centre of mass to the origin and the named points
+    if (
+        points is None
+    ):  # no outline: lines from the centre of mass to the origin and the named points
         points = floats([body.center, (0.0, 0.0, 0.0), *body.markers.values()])
         elements = np.zeros((len(points) - 1, 2), np.int64)
         elements[:, 1] = range(1, len(points))
@@ -323,31 +328,31 @@ def _shape(body: RigidBody | FlexibleBody) -> Shape:
 
 
 def _stress(reduced: ReducedPart) -> StressModes | None:
-    """Return the stress that results keep: all places, of solids known everywhere the surface."""
+    """Return the stress data stored in results: all sites; for solids, those on the surface."""
     stress = located(reduced)
     if stress is None or reduced.elements.ndim != 2 or reduced.elements.shape[1] != 3:
         return stress
     assert stress.nodes is not None
-    # the reference nodes of interfaces hold no stress and belong to no element
+    # reference nodes of interfaces have no stress and belong to no element
     turning = reduced.rotation_nodes
     bulk = len(reduced.nodes) - (0 if turning is None else len(turning))
     if len(np.unique(stress.nodes[stress.nodes >= 0])) < bulk:
-        return stress  # places of choice
+        return stress  # selected sites
     return stress.select(np.flatnonzero(np.isin(stress.nodes, np.unique(reduced.elements))))
 
 
 def _consistent(model: Model) -> Model:
-    """Return the model with closed joints and velocities that they allow."""
+    """Return the model with closed joints and velocities that satisfy them."""
     engine = Engine(model, strict=True, implicit=False)
     given = model.v0.copy()
     found = None
     try:
         engine.assemble()
-        engine.accelerations()  # singular bodies and repeated rows show here
+        engine.accelerations()  # reports singular bodies and redundant rows
     except SingularJoints:
         _check_reachable(model)
         if not (found := repeated_rows(model)):
-            raise  # rows differ, but masses differ by more than the numbers hold
+            raise  # rows are independent, but the masses differ beyond double precision
         every = tuple(joint.name for joint in model.joints)
         rubbing = tuple(friction.joint for friction in model.frictions)
         flagged = flag_reactions(model.sensors, every, found.joints, rubbing)
@@ -358,13 +363,14 @@ def _consistent(model: Model) -> Model:
     check_closed(model, engine, found)
     if found:
         asked = [f"'{s.name}'" for s in model.sensors if s.description.endswith(NOT_UNIQUE)]
-        tail = f"; {', '.join(asked)} asked for such reactions" if asked else ""
+        tail = f"; {', '.join(asked)} depend on these reactions" if asked else ""
         warn(f"mechanism {model.name!r}", found.sentence + tail)
     elif model.permanent == model.nv and not any(is_drive(joint) for joint in model.joints):
         warn(
             f"mechanism {model.name!r}",
-            f"nothing can move: its {count(model.permanent, 'constraint row')} hold every motion; "
-            "free one of a joint, or add what is to move; doctor(mechanism) names the bodies held",
+            f"nothing can move: its {count(model.permanent, 'constraint row')} prevent every "
+            f"motion; free a motion of a joint, or add a body that can move; doctor(mechanism) "
+            f"lists the fixed bodies",
         )
     if found:
         for friction in model.frictions:
@@ -372,8 +378,8 @@ def _consistent(model: Model) -> Model:
                 warn(
                     f"friction '{friction.name}'",
                     f"the reactions of joint '{joint}' are not unique, so neither is its friction "
-                    "(taken: that of the reactions of least norm); free a motion of the loop or "
-                    "let a body be flexible",
+                    f"(used: the reactions of least norm); free a motion of the loop or make a "
+                    f"body flexible",
                 )
     quiet = quiet_velocities(model, engine, given)
     model.q0[:] = engine.q
@@ -391,7 +397,7 @@ def _consistent(model: Model) -> Model:
 
 
 def _check_reachable(model: Model) -> None:
-    """Raise InputError if assembly gets stuck in a position with open joints."""
+    """Raise InputError if assembly stops at a position with open joints."""
     engine = Engine(replace(model, redundant=True), implicit=False)
     try:
         engine.assemble()
@@ -400,7 +406,7 @@ def _check_reachable(model: Model) -> None:
 
 
 def _changed(model: Model, given: Array) -> str:
-    """Return the bodies whose velocities were replaced by others."""
+    """Return the bodies whose initial velocities were changed."""
     change = np.abs(model.v0 - given) * velocity_metres(model)
     tolerance = CHANGED * max(largest_speed(model, given), largest_speed(model, model.v0))
     names: Iterable[str] = (

@@ -10,21 +10,22 @@ from dataclasses import dataclass
 from jousto.base.object_repr import described
 
 MOST = 15_000_000
-"""Products of blocks in one factorisation; their list alone takes a gigabyte and more."""
+"""Largest number of block products in a factorisation; their list takes more than a gigabyte."""
 LONG = 1000
-"""Joints up to which chains are eliminated from both ends; of longer ones the last pivot would
-vanish, since what a held half leaves to a free one falls with the third power of its length."""
+"""Number of joints up to which chains are eliminated from both ends. In longer chains the last
+pivot would vanish, since the stiffness of a fixed half decreases with the cube of its length."""
 
 
 class TooDense(Exception):
-    """A factor that would have too many products of blocks.
+    """Error of a factor with too many products of blocks.
 
     Attributes
     ----------
     products : float
-        How many at least.
+        Lower bound of the number of products.
     clique : tuple of int
-        Joints that all touch one another and cause it alone; empty if loops do together.
+        Joints that are all coupled with one another and are the cause; empty if loops are the
+        cause.
     """
 
     def __init__(self, products: float, clique: Sequence[int] = ()) -> None:
@@ -36,22 +37,23 @@ class TooDense(Exception):
 @described
 @dataclass(frozen=True)
 class Elimination:
-    """Block pattern of the Cholesky factor, fixed once per mechanism.
+    """Block pattern of the Cholesky factor, computed once per mechanism.
 
     Attributes
     ----------
     order : tuple of int
-        Joints in elimination order; diagonal block c belongs to joint ``order[c]``.
+        Indices of joints in elimination order; diagonal block c belongs to joint ``order[c]``.
     below : tuple of tuple of (int, int)
-        For every column its blocks below the diagonal: (block, joint).
+        Blocks below the diagonal of every column: (block, joint).
     updates : tuple of tuple of (int, int, int, bool)
-        For every column the products (target, left, right, rows of left, rows of right).
+        Products of every column (target, left, right, rows of left, rows of right).
     blocks : dict of (int, int) to int
         Block of (joint of the row, joint of the column), the row eliminated later.
     fill : int
-        Blocks of the factor that are zero in S itself.
+        Number of blocks of the factor that are zero in S.
     hubs : tuple of int
-        Bodies whose velocities are eliminated, too; they count behind the joints in the order.
+        Bodies whose velocities are eliminated, too; in the order their indices follow those of the
+        joints.
     """
 
     order: tuple[int, ...]
@@ -73,23 +75,23 @@ def eliminate(
     after: Mapping[int, Iterable[int]] | None = None,
     most: float = math.inf,
 ) -> Elimination:
-    """Order the joints so that little fill arises, none for chains and trees.
+    """Return an order of the joints with little fill, none for chains and trees.
 
-    Greedy minimum fill: a joint whose neighbours all touch one another is always preferred,
-    which eliminates any tree of bodies without fill (its joint graph is chordal). In large models
-    with loops a bound of the fill decides (E. Rothberg and S. Eisenstat, SIAM J. Matrix Anal. Appl.
-    19 (1998) 682-695): exact counts take longer than the factorisation.
+    Greedy minimum fill: a joint whose neighbours are all coupled with one another is always
+    preferred, which eliminates any tree of bodies without fill (its joint graph is chordal). In
+    large models with loops an upper bound of the fill is used (E. Rothberg and S. Eisenstat, SIAM
+    J. Matrix Anal. Appl. 19 (1998) 682-695): exact counts take longer than the factorisation.
 
     Parameters
     ----------
     rows : sequence of int
         Constraint rows of every joint.
     cliques : iterable of sequence of int
-        The joints on each moving body; they touch one another.
+        Joints on each moving body, which are coupled with one another.
     after : mapping of int to iterable of int, optional
         Joints that must be eliminated before a joint.
     most : float
-        Products of blocks that are worth it.
+        Largest allowed number of products of blocks.
 
     Raises
     ------
@@ -107,7 +109,7 @@ def eliminate(
     """
     count = len(rows)
     near: list[set[int]] = [set() for _ in range(count)]
-    shared, single = [0] * count, [0] * count  # cliques of several joints, and of one
+    shared, single = [0] * count, [0] * count  # cliques of several joints, and of one joint
     for clique in cliques:
         if (products := len(clique) ** 3 / 6) > most:
             raise TooDense(products, clique)
@@ -122,12 +124,12 @@ def eliminate(
     entries = sum(len(n) for n in near) // 2
 
     def missing(i: int) -> int:
-        """Pairs of neighbours that do not touch yet: the fill if i were eliminated now."""
+        """Return the number of uncoupled pairs of neighbours: the fill if i were eliminated now."""
         degree = len(near[i])
         return (degree * (degree - 1) - sum(len(near[i] & near[a]) for a in near[i])) // 2
 
     def at_most(i: int, clique: int) -> int:
-        """A bound of `missing`: those neighbours that the last joint left touch one another."""
+        """Return an upper bound of `missing`: neighbours left by the last joint are coupled."""
         degree = len(near[i])
         return (degree * (degree - 1) - clique * (clique - 1)) // 2
 
@@ -136,11 +138,11 @@ def eliminate(
     for i, before in waits.items():
         for j in before:
             awaited.setdefault(j, []).append(i)
-    # within one clique all touch one another
+    # all joints of one clique are coupled
     known = [missing(i) if shared[i] > 1 else 0 for i in range(count)]
-    # the longest unchanged first: a chain is eliminated from both ends in turn, two short
-    # sequences of dependent operations that the processor overlaps; a long one goes on where it
-    # is, from the ground to its free end
+    # the joint unchanged for longest first: a chain is then eliminated from both ends in turn, two
+    # short sequences of dependent operations that the processor overlaps; a long chain continues
+    # from the ground to its free end
     turn, step = 0, 1
     sides = [0] * count
     if count > LONG:
@@ -154,7 +156,7 @@ def eliminate(
     while heap:
         fills, degree, _, i = heapq.heappop(heap)
         if done[i] or fills != known[i] or degree != len(near[i]):
-            continue  # an entry of an earlier neighbourhood
+            continue  # an outdated entry of the queue
         done[i] = True
         order.append(i)
         around = sorted(near[i])
@@ -175,7 +177,7 @@ def eliminate(
         for a in sorted(touched):
             if fills:
                 known[a] = missing(a) if count <= LONG else at_most(a, degree - 1)
-            elif known[a] and a in beside:  # its pairs with the joint that is gone were missing
+            elif known[a] and a in beside:  # its pairs with the eliminated joint were missing
                 known[a] -= len(near[a]) + 1 - degree
             turn += step
             if not waits.get(a):

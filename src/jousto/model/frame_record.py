@@ -1,4 +1,4 @@
-"""FrameShape: what pictures need to know of the beam elements of a modal body."""
+"""FrameShape: beam elements of a modal body, for drawing."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ if TYPE_CHECKING:
 
 ELEMENTS = ("origin", "axes", "length", "offsets", "phi")
 ARRAYS = (*ELEMENTS, "rotations", "which")
-"""The fields that are arrays."""
+"""Fields that are arrays."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class FrameShape:
-    """The beam elements of a modal body: with them a section between nodes has a place and a turn.
+    """Beam elements of a modal body, for position and rotation of sections between nodes.
 
     Attributes
     ----------
     origin, axes, length, offsets, phi : arrays (ne, 3), (ne, 3, 3), (ne,), (ne, 2, 3), (ne, 2)
-        Of the elements, see `BeamElements`.
+        Data of the elements, see `BeamElements`.
     rotations : (nn, 3, n) array
         Rotation of the nodes in each mode, kg^-0.5/m.
     edges : tuple of (k, 2) arrays
         Outlines of the sections, m.
     which : (ne,) int array
-        The outline of each element.
+        Index of the outline of each element.
     """
 
     origin: Array
@@ -47,7 +47,7 @@ class FrameShape:
 
 
 def frame_shape(reduced: ReducedPart) -> FrameShape | None:
-    """Return the beam elements of a part; None if it has none or their sections are not known."""
+    """Return the beam elements of a part; None without elements or outlines."""
     beams, outlines, rotations = reduced.beams, reduced.outlines, reduced.rotations
     if beams is None or outlines is None or rotations is None or not len(beams):
         return None

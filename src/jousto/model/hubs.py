@@ -1,8 +1,8 @@
 """Hubs: rigid bodies with many joints, and the order of elimination of joints and hubs.
 
-The joints of one body all act on one another, so that they fill a dense block of
-``S = Cq M^-1 Cq^T``. The velocities of a hub are unknowns of the factorisation instead:
-``[D V; V^T -1]`` with ``S = D + V V^T``, where D holds what acts through the other bodies.
+The joints of one body are all coupled, so that they form a dense block of ``S = Cq M^-1 Cq^T``.
+Instead the velocities of a hub are unknowns of the factorisation: ``[D V; V^T -1]`` with ``S = D +
+V V^T``, where D contains the coupling through the other bodies.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from jousto.model.elimination_order import Elimination, eliminate
 from jousto.model.model import BodyModel, JointModel, MarkerModel
 
 MANY = 24
-"""Joints on a body above which it is a hub; of fewer the dense block is as quick."""
+"""Number of joints above which a body is a hub; for fewer the dense block is equally fast."""
 GROUND = -1
 
 
 def joints_on(joints: Sequence[JointModel], markers: Sequence[MarkerModel]) -> dict[int, list[int]]:
-    """Return the joints on each moving body that has any, in their order."""
+    """Return the joints on each moving body that has joints, in their order."""
     found: dict[int, list[int]] = {}
     for k, joint in enumerate(joints):
         for side in joint.sides:
@@ -39,12 +39,12 @@ def order_joints(
     bodies: Sequence[BodyModel],
     most: float = math.inf,
 ) -> Elimination:
-    """Return the order of elimination of joints and hubs.
+    """Return the elimination order of joints and hubs.
 
     Raises
     ------
     TooDense
-        As of `eliminate`.
+        See `eliminate`.
     """
     on_body, rows = joints_on(joints, markers), [joint.rows for joint in joints]
     hubs = [body for body, some in on_body.items() if len(some) > MANY and not bodies[body].n]
@@ -60,28 +60,27 @@ def order_joints(
 
 
 def closing(ends: Sequence[set[int]], held: set[int]) -> set[int]:
-    """Return the joints whose rows may repeat others as long as some bodies are held.
+    """Return the joints whose rows may be redundant as long as some bodies are fixed.
 
-    Bodies that hang together on one held body alone are as free as if that moved. Of those that
-    hang on several held ones the joints to all but one of these are left for later, and so are
-    joints between held bodies.
+    A group of bodies connected to a single fixed body has independent rows. In a group connected to
+    several fixed bodies, the joints to all but one of these are eliminated later, and so are joints
+    between fixed bodies.
 
     Parameters
     ----------
     ends : sequence of set of int
-        Bodies of each joint.
-    held : set of int
+        Bodies of each joint. held : set of int
         Hubs and ground.
 
     Examples
     --------
-    Two bodies between ground and hub 9, and one that hangs on the hub alone:
+    Two bodies between ground and hub 9, and one that is connected to the hub only:
 
     >>> sorted(closing([{-1, 0}, {0, 1}, {1, 9}, {9, 2}, {9, -1}], {-1, 9}))
     [2, 4]
     """
     root = _pieces([some - held for some in ends])
-    joined: dict[int, Counter[int]] = {}  # of each piece, how often it is joined to which held body
+    joined: dict[int, Counter[int]] = {}  # number of joints of each group to each fixed body
     for some in ends:
         for body in some - held:
             joined.setdefault(root[body], Counter()).update(sorted(some & held))
@@ -99,7 +98,7 @@ def closing(ends: Sequence[set[int]], held: set[int]) -> set[int]:
 
 
 def _pieces(groups: Iterable[set[int]]) -> Mapping[int, int]:
-    """Return one body of each piece by all of its bodies; those of a group hang together."""
+    """Return the representative of the connected group of each body."""
     roots: dict[int, int] = {}
 
     def root(body: int) -> int:

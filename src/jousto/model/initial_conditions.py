@@ -1,4 +1,4 @@
-"""The start: values and rates of coordinates, and velocities with the least vibration."""
+"""Initial state: values and rates of coordinates, and velocities with the least vibration."""
 
 from __future__ import annotations
 
@@ -20,41 +20,41 @@ from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
 from jousto.model.scales import largest_speed, velocity_metres
 
-SAME = 1e-12  # of the velocities: round-off
-FITS = 1e-9  # of the largest velocity: what rows may miss, m/s
-MOST = 2000  # velocities and rows that are worth dense matrices
+SAME = 1e-12  # round-off / velocities
+FITS = 1e-9  # largest violation of constraint rows / largest velocity
+MOST = 2000  # largest number of velocities and rows for dense matrices
 
 
-PIECE = 0.1  # rad, or of the size of the mechanism: how far a coordinate is moved at a time
+PIECE = 0.1  # largest step of a coordinate, rad or / size of the mechanism
 ITERATIONS = 30
-CLOSED = 1e-12  # of the size of the mechanism
-FAR = 1e3  # of the size of the mechanism: a step that leads nowhere
-REACHED = 1e-9  # of the largest velocity: rates that agree
+CLOSED = 1e-12  # closure tolerance / size of the mechanism
+FAR = 1e3  # largest useful step / size of the mechanism
+REACHED = 1e-9  # largest difference of rates that agree / largest velocity
 
 
 def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None:
-    """Return velocities v (nv,) that fit the joints and drives with the least elastic rates.
+    """Return velocities v (nv,) that satisfy joints and drives with the least modal velocities.
 
-    Velocities that do not fit (a machine at rest whose drives move, say) are changed by dv with
-    ``Cq dv = -(Cq v + C_t)``. Of all such dv those with the least ``|dp'|`` are taken, none where
-    the rigid mechanism can follow, and of these the one of least kinetic energy ``dv^T M dv``. The
-    nearest velocities in the mass metric alone would be those after a blow: the modes would ring
-    from the start. Mechanisms of more than `MOST` velocities or rows of constraints keep the
-    nearest velocities, with a warning.
+    Velocities that violate the constraints (for example of a machine at rest with moving drives)
+    are corrected by dv with ``Cq dv = -(Cq v + C_t)``. Of all such dv those with the least
+    ``|dp'|`` are selected, zero if the rigid mechanism can follow, and of these the one of least
+    kinetic energy ``dv^T M dv``. The nearest velocities in the mass metric would be those after an
+    impact, with vibration of the modes from the start. Mechanisms of more than `MOST` velocities or
+    constraint rows keep the nearest velocities, with a warning.
 
     Parameters
     ----------
     model : Model
     engine : Engine
-        At the closed position; its velocities are those nearest in the mass metric.
+        Engine at the closed position, with the velocities nearest in the mass metric.
     given : (nv,) array
-        Velocities asked for.
+        Given velocities.
 
     Returns
     -------
     array or None
-        None where nothing is to be gained: no elastic rates differ, or the mechanism is too large;
-        and where velocities were given, which keep their momentum: what they stretch must stretch.
+        None if no modal velocities would change, if the mechanism is too large, or if velocities
+        were given: these keep their momentum, with the resulting modal velocities.
     """
     if np.any(given):
         return None
@@ -67,11 +67,12 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
     if model.nv > MOST or model.nrow > MOST:
         warn(
             "start",
-            f"velocities that do not fit the joints were corrected as by a blow, so that the modes"
-            f" ring from time 0: {model.nv} velocities and {model.nrow} rows are more than {MOST},"
-            " for which the quiet ones are sought; let drives begin at rest (SCurve), give initial"
-            " velocities that fit, or start from jo.simulation.vibration_free_state(model) or,"
-            " where all turns about one axis, jo.simulation.steady_rotation(model, axis, speed)",
+            f"velocities that violate the joints were corrected as by an impact, so that the "
+            f"modes vibrate from time 0, because {model.nv} velocities and {model.nrow} rows "
+            f"exceed the limit {MOST} of the correction without vibration; let drives begin at "
+            f"rest (SCurve), give consistent initial velocities, or start from "
+            f"jo.simulation.vibration_free_state(model) or, for a rotation about one axis, "
+            f"jo.simulation.steady_rotation(model, axis, speed)",
         )
         return None
     Cq = constraint_matrix(model, engine)
@@ -88,18 +89,19 @@ def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None
 
 
 def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array | None:
-    """Return dv (nv,) with ``Cq dv = asked`` as nearly as possible, elastic rates the least.
+    """Return dv (nv,) of least norm with ``Cq dv = asked``, modal velocities the least.
 
-    Of all such dv those with the least ``|dp'|``, and of these the one of least ``dv^T M dv``.
-    Increments of the position follow likewise. None where a body has no mass.
+    Of all least-squares solutions those with the least ``|dp'|`` are selected, and of these the one
+    of least ``dv^T M dv``. The same applies to increments of the position. None if a body has no
+    mass.
 
     Parameters
     ----------
     model : Model
     engine : Engine
-        At the position of Cq.
+        Engine at the position of Cq.
     Cq : (rows, nv) array
-        For [R' (world), w_local, p'] of every body.
+        Jacobian for [R' (world), w_local, p'] of every body.
     asked : (rows,) array
     """
     modal = modal_velocities(model)
@@ -116,7 +118,7 @@ def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array
         Cq[:, modal] / length[:, None],
         asked / length,
     )
-    # what rigid motions cannot do is left to the modes
+    # the part that rigid motions cannot provide is left to the modes
     U, s, Vt = np.linalg.svd(weighted, full_matrices=True)
     rank = int((s > RANK).sum())
     left = U[:, rank:].T
@@ -124,7 +126,7 @@ def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array
     dp = np.zeros(int(modal.sum()))
     if np.abs(need).max(initial=0.0) > SAME * float(np.abs(asked).max(initial=0.0)):
         dp = scipy.linalg.lstsq(left @ elastic, need, cond=RANK)[0]
-    # least dv^T M dv = |L^T dv + L^-1 M_rp dp|^2 + what dp decides
+    # least dv^T M dv = |L^T dv + L^-1 M_rp dp|^2 + a term of dp only
     shift = scipy.linalg.solve_triangular(L, coupling @ dp, lower=True)
     wanted = asked - elastic @ dp + weighted @ shift
     x = Vt[:rank].T @ ((U[:, :rank].T @ wanted) / s[:rank])
@@ -135,7 +137,7 @@ def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array
 
 
 def modal_velocities(model: Model) -> NDArray[np.bool_]:
-    """Return which velocities (nv,) are modal."""
+    """Return a mask (nv,) of the modal velocities."""
     modal = np.zeros(model.nv, dtype=bool)
     for body in model.bodies:
         modal[body.iv + 6 : body.iv + 6 + body.n] = True
@@ -143,14 +145,14 @@ def modal_velocities(model: Model) -> NDArray[np.bool_]:
 
 
 def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return the Cholesky factor of M_rr and M_rp, velocities [R' (world) w (local)] and p'."""
+    """Return the Cholesky factor of M_rr and M_rp, velocities [R' (world), w (local)] and p'."""
     nr, place = int((~modal).sum()), np.cumsum(~modal) - 1
     column = np.cumsum(modal) - 1
     L, coupling = np.zeros((nr, nr)), np.zeros((nr, int(modal.sum())))
     for i, body in enumerate(model.bodies):
         M = np.array(engine.mass_matrix(i))
         A = rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])
-        M[:3] = A @ M[:3]  # R'' of the engine's matrix is resolved in the body
+        M[:3] = A @ M[:3]  # R'' of the engine's matrix is resolved in the body frame
         M[:, :3] = M[:, :3] @ A.T
         rows = slice(place[body.iv], place[body.iv] + 6)
         L[rows, rows] = np.linalg.cholesky(M[:6, :6])
@@ -161,19 +163,19 @@ def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Arr
 
 
 def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
-    """Return the model with the pose and the velocities that values and rates ask for.
+    """Return the model with the pose and velocities of given values and rates.
 
     The pose follows from ``C(q, 0) = 0`` together with the coordinates, the velocities from
-    ``Cq v = -C_t`` together with the rates: increments and changes of the given velocities with
-    the least elastic part, and of these those of least kinetic energy.
+    ``Cq v = -C_t`` together with the rates: increments and velocity changes with the least modal
+    part, and of these those of least kinetic energy.
 
     Parameters
     ----------
     model : Model
-        At the pose in which the bodies are given.
+        Model at the declared pose of the bodies.
     initials : sequence of Initial
     builder : Builder
-        Knows the coordinates of the model.
+        Builder with the coordinates of the model.
 
     Raises
     ------
@@ -184,8 +186,8 @@ def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Mode
         raise InputError(
             Problem(
                 f"initial {initials[0].name!r}",
-                f"the mechanism has {model.nv} velocities, more than {MOST}, for which no start is "
-                "sought; give the bodies their pose and velocities instead",
+                f"the mechanism has {model.nv} velocities, more than {MOST}, the limit for "
+                f"initial values of coordinates; give the bodies their pose and velocities instead",
             )
         )
     values = [s for s in initials if s.value is not None]
@@ -198,7 +200,7 @@ def started(model: Model, initials: Sequence[Initial], builder: Builder) -> Mode
 
 
 def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> Model:
-    """Return the model with one row ``s = 0`` for each coordinate, after all that hold always."""
+    """Return the model with one row ``s = 0`` per coordinate, after all permanent rows."""
     fixed = [joint for joint in model.joints if joint.lock < 0]
     row = model.permanent
     for initial in initials:
@@ -208,7 +210,7 @@ def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> M
             JointModel(initial.name, (s.a, s.b), False, (), row, (LineModel((place,), (1.0,)),))
         )
         row += 1
-    # friction and its rows do not matter for a start
+    # friction and its rows have no effect on the initial state
     return replace(
         model,
         joints=tuple(fixed),
@@ -224,7 +226,7 @@ def _with_rows(model: Model, initials: Sequence[Initial], builder: Builder) -> M
 
 
 def _without_events(model: Model) -> tuple[SignalModel, ...]:
-    """Return the signals as they are before any event."""
+    """Return the signals before any event."""
     return tuple(
         model.signals[signal.children[0]] if signal.kind == "switched" else signal
         for signal in model.signals
@@ -232,11 +234,11 @@ def _without_events(model: Model) -> tuple[SignalModel, ...]:
 
 
 def _pose(model: Model, initials: Sequence[Initial]) -> Array:
-    """Return q (nq,) with closed joints at which the coordinates have their values."""
+    """Return q (nq,) with closed joints and the given values of the coordinates."""
     engine = Engine(model, implicit=False)
     first = model.permanent - len(initials)
     goal = np.array([initial.value for initial in initials])
-    # where the given pose is rough, the joints close first
+    # close the joints first if the declared pose is rough
     begin = np.array(engine.constraints()[0][first:])
     way = goal - begin
     sizes = np.abs(way) * engine.row_metres[first:] / model.size
@@ -253,7 +255,7 @@ def _coordinate(joint: JointModel) -> int:
 
 
 def _close(model: Model, engine: Engine, first: int, aim: Array) -> bool:
-    """Close the joints with the coordinates at their aim; False where they do not."""
+    """Close the joints with the coordinates at given values; return whether this converged."""
     kinds = (model.coordinates[_coordinate(j)].kind for j in model.joints[-len(aim) :])
     angles = np.array([kind == "angle" for kind in kinds])
     metres = velocity_metres(model)
@@ -286,14 +288,14 @@ def _unreachable(
         asked, reached = f"{np.degrees(value):g} deg", f"{np.degrees(aim[which]):.3g} deg"
     return Problem(
         f"initial {initial.name!r}",
-        f"the value {asked} cannot be reached: the joints, drives and other values do not go past "
-        f"{reached} on the way from the given pose; give a value within reach, or the bodies a "
-        "pose on that side",
+        f"the value {asked} cannot be reached: on the way from the declared pose the joints, "
+        f"drives and other values stop at {reached}; give a value within reach, or a declared "
+        f"pose nearer to it",
     )
 
 
 def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
-    """Return v (nv,) that fits joints, drives and rates, the nearest to the given one."""
+    """Return v (nv,) that satisfies joints, drives and rates, nearest to the given velocities."""
     engine = Engine(model, implicit=False)
     first = model.permanent - len(initials)
     rates = np.array([initial.rate for initial in initials])
@@ -316,7 +318,7 @@ def _velocities(model: Model, initials: Sequence[Initial]) -> Array:
 def _contradictions(
     model: Model, engine: Engine, initials: Sequence[Initial], miss: Array
 ) -> Sequence[Problem]:
-    """Return which rates contradict what."""
+    """Return the rates that contradict each other or the joints."""
     share = np.linalg.norm(dependent_rows(model, engine), axis=1)
     problems = Problems()
     joints = model.joints[: -len(initials)]
@@ -328,12 +330,12 @@ def _contradictions(
         if not row:
             continue
         others = [one for one in named if one != f"the rate of '{initial.name}'"]
-        what = " and ".join([*others, *drives]) or "the joints, which let it have none"
+        what = " and ".join([*others, *drives]) or "the joints, which prevent this motion"
         problems.add(
             f"initial {initial.name!r}",
-            f"the rate {initial.rate:g} {initial.coordinate.unit}/s contradicts {what}; give as "
-            "many rates as motions are free, the others follow",
+            f"the rate {initial.rate:g} {initial.coordinate.unit}/s contradicts {what}; give only "
+            f"as many rates as there are free motions",
         )
     if not problems.found:
-        problems.add("initial rates", f"do not fit the joints by {miss.max():.3g} m/s")
+        problems.add("initial rates", f"violate the joints by {miss.max():.3g} m/s")
     return tuple(problems.found)

@@ -1,4 +1,4 @@
-"""Loop: the joints of a tree that no link is, whose rows close loops, in the engine's order."""
+"""Loops: joints outside of the spanning tree, whose rows close loops, in the engine's order."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from jousto.model.model import LinkModel, Model
 
 MOVING = {"hinge", "slide", "ball", "free"}
 MEETINGS = 8
-"""Most meetings of loops in a link, a body, up to which a tree with loops is taken by itself.
+"""Largest mean number of pairs of loops per body for which "auto" selects a tree with loops.
 
-Measured: 1 meeting a body, four-bars, 2.5 to 5 times faster than the positions of the bodies; 6,
-the Stewart platform, 1.6 to 2.2 times (benchmarks/loops.py). Chains with a rod from each body to
-the ground, whose rows are the cheapest there: 5 to 15 meetings as fast, 22 slower by a quarter.
+Measured: 1 pair per body (four-bar linkages), 2.5 to 5 times faster than the positions of the
+bodies; 6 pairs (Stewart platform), 1.6 to 2.2 times (benchmarks/loops.py). Chains with a rod from
+each body to the ground, with the cheapest rows: 5 to 15 pairs equally fast, 22 pairs 25 % slower.
 """
 
 
 class Loops(NamedTuple):
-    """The lists of jousto.h: jo_loop, jo_reach and jo_meet."""
+    """Lists jo_loop, jo_reach and jo_meet of jousto.h."""
 
     loops: list[tuple[int, int, int, int, int]]
     reaches: list[tuple[int, int]]
@@ -26,18 +26,18 @@ class Loops(NamedTuple):
 
 
 def spanning(edges: Sequence[tuple[int, int, int]]) -> list[int]:
-    """Return which joints span a tree: of those that close a loop those with most rows.
+    """Return the joints of a spanning tree: joints that close a loop and have most rows are kept.
 
     Parameters
     ----------
     edges : sequence of (int, int, int)
-        Bodies of both sides, from 0, -1 for the ground, and rows of each joint. Of joints with
-        the same number of rows the later ones are cut.
+        Bodies of both sides, from 0, -1 for the ground, and number of rows of each joint. Of joints
+        with the same number of rows the later ones are cut.
 
     Returns
     -------
     list of int
-        Places in `edges`, ascending.
+        Indices in `edges`, ascending.
 
     Examples
     --------
@@ -63,13 +63,13 @@ def spanning(edges: Sequence[tuple[int, int, int]]) -> list[int]:
 
 
 def cut_joints(model: Model, links: Iterable[LinkModel]) -> list[int]:
-    """Return the joints, couplings and drives that no link is."""
+    """Return the joints, couplings and drives that are no links of the tree."""
     taken = {place for link in links for place in (link.joint, link.drive)}
     return [k for k, joint in enumerate(model.joints) if k not in taken and joint.lock < 0]
 
 
 def loops_of(model: Model) -> Loops:
-    """Return the loops of the tree that runs, those that move one another side by side."""
+    """Return the loops of the tree, loops that share moving links grouped together."""
     links = () if model.mixed else model.links
     cut = cut_joints(model, links) if links else []
     of_body = {link.body: i for i, link in enumerate(links) if link.body >= 0}
@@ -89,20 +89,20 @@ def loops_of(model: Model) -> Loops:
 
 
 def drawback(model: Model) -> str:
-    """Return why a tree is not faster than the positions of the bodies; empty where it is.
+    """Return why a tree is not faster than the positions of the bodies; empty if it is.
 
-    Loops that have many links in common fill a dense matrix, and each of their rows runs along all
-    of the links: then sparse rows of all joints are less work.
+    Loops with many common links form a dense matrix, and each row depends on all links of its loop;
+    then the sparse rows of all joints need fewer operations.
     """
     if all(link.kind == "free" for link in model.links):
-        return "no joint leads to a body"
+        return "no joint connects a body"
     if _meet_often(model):
-        return "its loops have many bodies in common"
+        return "its loops have many common bodies"
     return ""
 
 
 def _meet_often(model: Model) -> bool:
-    """Return whether there are too many meetings, without listing them: they may be very many."""
+    """Return whether there are too many pairs of loops, without listing them."""
     links, most = model.links, MEETINGS * len(model.bodies)
     of_body = {link.body: i for i, link in enumerate(links) if link.body >= 0}
     passed, meetings = [0] * len(links), 0
@@ -111,14 +111,14 @@ def _meet_often(model: Model) -> bool:
             if not is_moving(links[link]):
                 continue
             passed[link] += 1
-            meetings += passed[link]  # with all that pass it, and with itself
+            meetings += passed[link]  # pairs with all loops through the link, and with itself
             if meetings >= most:
                 return True
     return False
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Pairs of reaches of one link, each with itself too."""
+    """Return the pairs of reaches of one link, each with itself too."""
     of_link: dict[int, list[int]] = {}
     for link, place in seen:
         of_link.setdefault(link, []).append(place)
@@ -126,7 +126,7 @@ def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
 
 
 def is_moving(link: LinkModel) -> bool:
-    """Return whether a link moves other than a drive tells it."""
+    """Return whether a link has a free motion, not only that of a drive."""
     return link.kind in MOVING and link.driven < 0
 
 
@@ -145,7 +145,7 @@ def _path(
 
 
 def _groups(links: tuple[LinkModel, ...], paths: dict[int, list[int]]) -> list[list[int]]:
-    """Return the joints by groups that share no moving link."""
+    """Return groups of the joints that share moving links."""
     roots = {k: k for k in paths}
 
     def root(k: int) -> int:

@@ -1,4 +1,4 @@
-"""Loads on modal bodies elsewhere than on interfaces, kept for the certificate to judge."""
+"""Loads on modal bodies outside of interfaces, for the load check of the certificate."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
 @described
 @dataclass(frozen=True, eq=False)
 class ModeLoad:
-    """A load that the modes of a body have to represent, since it acts on no interface.
+    """Load outside of the interfaces, which the modes of a body have to represent.
 
     Attributes
     ----------
     where : str
-        The force, or the body whose weight it is, for messages.
+        Name of the force, or of the body for its weight, for messages.
     body : str
         Name of the body.
     reduced : ReducedPart
-        Its modes.
+        Modes of the body.
     place : str
-        What acts where, for messages.
+        Description of the load and its position, for messages.
     pattern : array
         Forces on the nodes (nodes, 3), N; [node, 0 for a force or 3 for a moment] (2,); the
-        acceleration of gravity in the axes of the body (3,), m/s2; or, of a point between nodes,
-        these and six loads on each of them for three unit loads, (k, 7, 3).
+        acceleration of gravity in the axes of the body (3,), m/s2; or, for a point between nodes,
+        node numbers and six loads per node for three unit loads, (k, 7, 3).
     weight : float
-        Size of the weight, N; 0 of other loads.
+        Weight, N; 0 for other loads.
     """
 
     where: str
@@ -57,7 +57,7 @@ class ModeLoad:
 
 
 class ModeLoads(tuple[ModeLoad, ...]):
-    """Loads of one model. Copies for other processes have none: parts are large."""
+    """Loads of one model; copies for other processes are empty, since parts are large."""
 
     __slots__ = ()
 
@@ -69,7 +69,7 @@ class ModeLoads(tuple[ModeLoad, ...]):
 
 
 def mode_loads(mechanism: Mechanism) -> ModeLoads:
-    """Return the loads of a mechanism that act on modal bodies elsewhere than on interfaces."""
+    """Return the loads of a mechanism on modal bodies outside of interfaces."""
     flexible = [
         body
         for body in mechanism.bodies
@@ -94,7 +94,7 @@ def mode_loads(mechanism: Mechanism) -> ModeLoads:
 
 
 def _loads(force: object) -> Iterator[tuple[FlexibleBody, str, Array]]:
-    """Yield body, place and pattern of what a force puts on modal bodies between interfaces."""
+    """Yield body, position and pattern of the loads of a force outside of interfaces."""
     if isinstance(force, ModalLoad):
         yield force.body, f"pattern '{force.name}'", force.pattern
         return

@@ -1,4 +1,4 @@
-"""Model: a mechanism as flat arrays, everything the engine needs and nothing else."""
+"""Model: a mechanism as flat arrays, the complete input of the engine."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from jousto.reduction.fields.stress import StressModes
 @described
 @dataclass(frozen=True, eq=False)
 class BodyModel:
-    """A rigid (n = 0) or modal body.
+    """Rigid (n = 0) or modal body.
 
     The displacement field is u = u0 + Phi p in the floating frame. With
     ``N_j(p) = int u phi_j^T dm`` the engine uses ``D_j = tr(N_j) E - sym(N_j)`` (half of
@@ -51,7 +51,7 @@ class BodyModel:
     stiffening : bool
         Whether the field includes second order in p.
     alpha : float
-        Damping of the momenta, forces -alpha M v, in 1/s; of bodies without modes only.
+        Mass-proportional damping, forces -alpha M v, in 1/s; for bodies without modes only.
     """
 
     name: str
@@ -86,9 +86,9 @@ class BeamModel:
     name : str
         Name of the element.
     body : str
-        Name of the beam that it is part of.
+        Name of its beam.
     a, b : int
-        Bodies of its ends.
+        Bodies at its ends.
     data : array (80,)
         Length, ends, section stiffness, unstressed strains, damping and inertia as in jousto.h.
     """
@@ -103,11 +103,11 @@ class BeamModel:
 @described
 @dataclass(frozen=True, eq=False)
 class MarkerModel:
-    """A frame on body `body` (-1: ground); mode shapes (3, n) or None where rigid.
+    """Frame on body `body` (-1: ground); mode shapes (3, n), or None if rigid.
 
-    `turns` means that its orientation matters in every evaluation, not only for sensors; `chi`
-    (6, n, n) is its second-order translation and rotation, with stiffening. `site` is the marker
-    that was declared, which knows the part; None for one that a program adds.
+    `turns` is True if its orientation is needed in every evaluation, not only for sensors; `chi`
+    (6, n, n) is its second-order translation and rotation, with stiffening. `site` is the declared
+    marker with its part; None for a marker added by the program.
     """
 
     body: int
@@ -134,7 +134,7 @@ class CoordinateModel:
 
 @dataclass(frozen=True, eq=False)
 class LineModel:
-    """One constraint row: sum of factor times coordinate - offset - signal = 0.
+    """Constraint row: sum of factor times coordinate - offset - signal = 0.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class LineModel:
 
 @dataclass(frozen=True)
 class JointModel:
-    """Constraint rows: coincidence and perpendicular axis pairs of the first two sides, then lines.
+    """Constraint rows: coincidence and perpendicular axes of the first two sides, then lines.
 
     Attributes
     ----------
@@ -173,11 +173,11 @@ class JointModel:
     row : int
         Offset of its rows among the multipliers.
     lock : int
-        Place among the optional joints, -1 if the rows hold always.
+        Index among the optional joints, -1 for permanent rows.
     used : bool
         Whether a drive, a force, a sensor or an event needs a coordinate of the joint.
     release : int
-        The event that ends its rows, -1 for none.
+        Index of the event that removes its rows, -1 for none.
     """
 
     name: str
@@ -202,14 +202,14 @@ RATES = {"fixed": 0, "hinge": 1, "slide": 1, "ball": 3, "free": 6, "body": 6}
 
 @dataclass(frozen=True)
 class LinkModel:
-    """A link of a tree in joint coordinates, as in jousto.h; kinds "fixed", "hinge", "slide" ...
+    """Link of a tree in joint coordinates, as in jousto.h; kinds "fixed", "hinge", "slide" ...
 
     Attributes
     ----------
     modes : int
-        Modal coordinates of the body of a link of the kind "body".
+        Number of modal coordinates of a link of the kind "body".
     coordinates : tuple of int
-        Coordinates of the model that its position is, with the opposite sign if `reversed`.
+        Coordinates of the model equal to its position, with opposite sign if `reversed`.
     """
 
     kind: str
@@ -230,21 +230,21 @@ class LinkModel:
 
     @property
     def positions(self) -> int:
-        """Number of its coordinates."""
+        """Number of position coordinates."""
         return POSITIONS[self.kind] + self.modes
 
     @property
     def rates(self) -> int:
-        """Number of its rates."""
+        """Number of velocity coordinates."""
         return RATES[self.kind] + self.modes
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SignalModel:
-    """A function of time; kind and data as in jousto.h.
+    """Function of time; kind and data as in jousto.h.
 
-    `count` is the number of times of a table, the place of an input or the event of a switch.
+    `count` is the number of times of a table, the index of an input or the event of a switch.
     """
 
     kind: str
@@ -258,9 +258,9 @@ class SignalModel:
 @described
 @dataclass(frozen=True, eq=False)
 class ForceModel:
-    """What pushes; its kind is one of jousto.h: "load", "along", "modal load".
+    """Force element; its kind is one of jousto.h: "load", "along", "modal load".
 
-    `release` is the event that ends it, -1 for none; `state` is the first of its first-order
+    `release` is the event that removes it, -1 for none; `state` is the first of its first-order
     states.
     """
 
@@ -289,7 +289,7 @@ class ForceModel:
 
     @property
     def states(self) -> int:
-        """Number of its first-order states."""
+        """Number of first-order states."""
         return len(self.state_names)
 
 
@@ -298,7 +298,7 @@ class ForceModel:
 class FrictionModel:
     """Friction of a joint along one or two coordinates; data as in jousto.h.
 
-    `lock` is the optional joint that holds them while they stick, -1 with the regularised law.
+    `lock` is the optional joint that is active while they stick, -1 with the regularised law.
     """
 
     name: str
@@ -312,7 +312,7 @@ class FrictionModel:
 
 @dataclass(frozen=True)
 class EventModel:
-    """Crossing of a threshold by the sensor value at place `output`."""
+    """Threshold of the sensor value at index `output`."""
 
     name: str
     output: int
@@ -324,7 +324,7 @@ class EventModel:
 @described
 @dataclass(frozen=True, eq=False)
 class SensorModel:
-    """A measurement: kind and object as in jousto.h; count values from offset."""
+    """Sensor: kind and object as in jousto.h; `count` values from `offset`."""
 
     name: str
     kind: str
@@ -342,7 +342,7 @@ class SensorModel:
 
 @dataclass(frozen=True)
 class MeterModel:
-    """A damage meter that counts the sensor value at place `output`, times factor."""
+    """Damage meter that counts the sensor value at index `output`, times `factor`."""
 
     rule: MeterRule
     output: int
@@ -351,18 +351,18 @@ class MeterModel:
 
 @dataclass(frozen=True, eq=False)
 class FmuModel:
-    """A functional mock-up unit and where the model has what crosses.
+    """Functional mock-up unit, and the sensors and inputs of the exchange.
 
     Attributes
     ----------
     fmu : Fmu
-        As it was declared.
+        Declared unit.
     measured : dict
-        Inputs of the unit: places of sensor values.
+        Inputs of the unit and indices of their sensor values.
     given : dict
-        Inputs of the unit: values that do not change.
+        Inputs of the unit with constant values.
     set : dict
-        Outputs of the unit: names of the model's inputs that get them.
+        Outputs of the unit and the model's inputs that they set.
     """
 
     fmu: Fmu
@@ -374,10 +374,9 @@ class FmuModel:
 @described
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """What a body looks like, for pictures: nodes (nn, 3) m, elements, modes (nn, 3, n).
+    """Drawing of a body: nodes (nn, 3) m, elements, modes (nn, 3, n).
 
-    Flexible bodies may know the stress of each mode at places of theirs, and those of beams their
-    elements.
+    Flexible bodies may also have the stress of each mode at sites, and beam elements.
     """
 
     kind: str
@@ -390,7 +389,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A mechanism ready to run.
+    """Mechanism as flat arrays, ready to run.
 
     Attributes
     ----------
@@ -406,30 +405,30 @@ class Model:
     q0, v0 : arrays (nq,), (nv,)
         Consistent initial state: [R e p] and [R' w_local p'] body after body.
     shapes : tuple of Shape
-        One for each body.
+        Drawing of each body.
     size : float
-        Size of the mechanism, m; constraints are closed to 1e-12 of it.
+        Size of the mechanism, m; constraints are closed to 1e-12 times this size.
     meters : tuple
         Damage meters, sensor after sensor.
     redundant : bool
-        Rows repeat one another; the multipliers are those of least norm.
+        Whether rows are redundant; the multipliers are then those of least norm.
     beam_shapes : tuple of BeamShape
-        What results keep of each beam: its elements, nodes and the stress of its section.
+        Data of each beam in results: elements, nodes and stress of its sections.
     beams : tuple of BeamModel
         Elements of geometrically exact beams between bodies.
     mode_loads : tuple of ModeLoad
-        Loads on modal bodies elsewhere than on interfaces, which the certificate judges.
+        Loads on modal bodies outside of interfaces, for the load check of the certificate.
     symbols : sequence of SymbolShape
-        Where joints, forces, sensors and named points are, for pictures.
+        Positions of joints, forces, sensors and named points, for drawing.
     fmus : tuple of FmuModel
-        Models of other programs, which `simulate` runs beside it.
+        Models of other programs, which `simulate` runs together with the model.
     tree : tuple of LinkModel
-        Links of a rigid tree that is to run in joint coordinates, behind the bodies that run by
-        the rows of their joints and carry it; empty for what runs in q and v.
+        Links of a rigid tree in joint coordinates, after the bodies that remain in maximal
+        coordinates; empty without joint coordinates.
     tree_of : tuple
-        The bodies, markers, joints and coordinates that the links were made for.
+        Bodies, markers, joints and coordinates for which the links were computed.
     start : str
-        Where runs start that are given no state: "initial", "rest" or "vibration-free".
+        Initial state of runs that get none: "initial", "rest" or "vibration-free".
     """
 
     name: str
@@ -472,25 +471,25 @@ class Model:
 
     @property
     def parts_of_tree(self) -> tuple[Any, ...]:
-        """What the links of a tree depend on."""
+        """Objects on which the links of a tree depend."""
         parts = self.bodies, self.markers, self.joints, self.coordinates, self.frictions
         return *parts, self.elimination
 
     @property
     def links(self) -> tuple[LinkModel, ...]:
-        """The links of the tree that runs, none where the model has been changed since."""
+        """Links of the tree; empty if the model has changed since they were computed."""
         same = all(a is b for a, b in zip(self.tree_of, self.parts_of_tree, strict=False))
         return () if self.beams or not same else self.tree
 
     @property
     def mixed(self) -> bool:
-        """Whether rows of joints and joint coordinates run it together."""
+        """Whether the model has joint coordinates and rows of joints at the same time."""
         return bool(self.links) and self.links[0].kind == "body"
 
     def keeping_tree(self, of: Model) -> Model:
-        """Return this model with the tree of another one that it was made from, if that has one.
+        """Return this model with the links of another one, if that has links.
 
-        For changes that leave every link as it is: what is added acts on no joint of the tree.
+        It is for changes that do not affect any link: added objects act on no joint of the tree.
         """
         return replace(self, tree_of=self.parts_of_tree) if of.links else self
 
@@ -501,7 +500,7 @@ class Model:
 
     @property
     def nu(self) -> int:
-        """Number of their rates."""
+        """Number of joint velocities of a tree."""
         return sum(link.rates for link in self.links)
 
     @property
@@ -521,7 +520,7 @@ class Model:
 
     @cached_property
     def permanent(self) -> int:
-        """Number of constraint rows that always hold; those of sticking friction come last."""
+        """Number of permanent constraint rows; rows of sticking friction follow them."""
         return sum(joint.rows for joint in self.joints if joint.lock < 0)
 
     @property
@@ -536,7 +535,7 @@ class Model:
         used = {line.signal for joint in self.joints for line in joint.lines}
         used |= {signal for force in self.forces for signal in (force.signal, force.reference)}
         times: list[Array] = []
-        for place in range(len(self.signals) - 1, -1, -1):  # parts come before what they make
+        for place in range(len(self.signals) - 1, -1, -1):  # terms come before their sums
             if place not in used:
                 continue
             signal = self.signals[place]

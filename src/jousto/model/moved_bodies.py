@@ -1,4 +1,4 @@
-"""Bodies that were moved at the start since a drive begins elsewhere: told, not passed over."""
+"""Warning about bodies that were moved to fit drives at the start."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from jousto.model.model import Model
 
 
 def warn_moved(mechanism: Mechanism, model: Model, placed: Array) -> None:
-    """Warn about drives that begin elsewhere than their coordinates stand, and what they moved.
+    """Warn about drives whose initial value differs from the coordinate, and moved bodies.
 
-    A gap that is closed at joints without a word is none here either: 1e-6 of the size of the
+    Differences up to the tolerance for gaps at joints cause no warning: 1e-6 of the size of the
     mechanism, or rad.
 
     Parameters
     ----------
     mechanism : Mechanism
     model : Model
-        At its start.
+        Model at its initial state.
     placed : (nq,) array
-        Positions [R e p] in which the bodies are given.
+        Declared positions [R e p] of the bodies.
     """
     found = []
     for drive in drives_of(mechanism):
@@ -38,23 +38,26 @@ def warn_moved(mechanism: Mechanism, model: Model, placed: Array) -> None:
         warn(
             f"mechanism {mechanism.name!r}",
             f"{some(found, 4)}; the start fits the drives, which moved {_moved(model, placed)}; "
-            "let signals begin where bodies stand, or place the bodies where signals begin",
+            f"let signals begin at the values of the coordinates, or place the bodies at the "
+            f"beginning of the signals",
         )
 
 
 def _moved(model: Model, placed: Array) -> str:
-    """Return which bodies stand elsewhere than they were placed and how far, the farthest first."""
+    """Return the moved bodies and their displacements, the largest first."""
     ways = []
     for body in model.bodies:
         old, new = (np.asarray(q)[body.iq : body.iq + 7] for q in (placed, model.q0))
         away = float(np.linalg.norm(new[:3] - old[:3]))
         (s, x), (t, y) = (old[3], old[4:]), (new[3], new[4:])
-        vector = s * y - t * x - np.cross(x, y)  # of the quaternion from the old to the new
+        vector = (
+            s * y - t * x - np.cross(x, y)
+        )  # vector part of the quaternion from the old to the new orientation
         turned = 2.0 * float(np.arctan2(np.linalg.norm(vector), abs(s * t + x @ y)))
         far, wide = away > GAP_TOLERANCE * model.size, turned > GAP_TOLERANCE
         how = [f"by {away:.4g} m"] * far + [f"by {np.degrees(turned):.4g} degrees"] * wide
         if how:
-            # what turns alike to rounding is in the order of how far it came
+            # equal rotations (to rounding) are sorted by displacement
             most = float(f"{max(away / model.size, turned):.9g}")
             ways.append((most, away, f"'{body.name}' {' and '.join(how)}"))
     ways.sort(key=lambda way: (-way[0], -way[1]))

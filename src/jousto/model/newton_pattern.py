@@ -13,26 +13,26 @@ from numpy.typing import NDArray
 from jousto.model.elimination_order import eliminate
 from jousto.model.model import JointModel, Model
 
-PAD = 4  # rows of a block are padded to a multiple of this
-CARRIED = 6  # constraint rows that a body can carry
+PAD = 4  # rows of a block are padded to a multiple of this number
+CARRIED = 6  # largest number of constraint rows assigned to a body
 STRUCTURE = ("bodies", "joints", "forces", "beams", "markers", "coordinates")
 
 
 @dataclass(frozen=True)
 class NewtonPattern:
-    """Block pattern of ``[M^ Cq^T; Cq 0]`` and of its LU factors, fixed once per mechanism.
+    """Block pattern of ``[M^ Cq^T; Cq 0]`` and of its LU factors, computed once per mechanism.
 
-    A node is a body with the joints that carry it, so that its pivot block is regular, or the
-    joints that close a loop, which come after the bodies of the loop.
+    A node is a body with the joint towards the ground, so that its pivot block is regular, or the
+    joints that close a loop, after the bodies of the loop.
 
     Attributes
     ----------
     nodes : tuple of (int, int, int, int, int, int, int)
-        In elimination order: body (-1: joints only), unknowns, those of the body, first unknown,
-        offset of the diagonal block, first branch, branches.
+        In elimination order: body (-1: joints only), number of unknowns, number of those of the
+        body, first unknown, offset of the diagonal block, first branch, number of branches.
     branches : tuple of (int, int, int, int)
-        Blocks of a node with later ones: node, leading unknowns of it that count, offsets of the
-        blocks below the diagonal (width x size) and right of it (size x width).
+        Blocks of a node with later nodes: later node, number of its leading unknowns used, offsets
+        of the blocks below the diagonal (width x size) and right of it (size x width).
     fills : tuple of (int, int, int, int)
         Products of every node: offset and stride of the target, branches left and right.
     first : tuple of int
@@ -40,7 +40,7 @@ class NewtonPattern:
     places : tuple of (int, int)
         Node and first unknown in it of every body, then of every joint.
     reals : int
-        Size of the matrix in memory.
+        Size of the matrix in memory, count of numbers.
     """
 
     nodes: tuple[tuple[int, int, int, int, int, int, int], ...]
@@ -60,7 +60,7 @@ def padded(count: int) -> int:
 
 
 def newton_pattern(model: Model) -> NewtonPattern:
-    """Return the pattern of Newton's matrix of a model, found once for all with its structure."""
+    """Return the pattern of Newton's matrix of a model, cached for models of equal structure."""
     if model not in _KNOWN:
         alike = (other for other in _KNOWN if _same_structure(model, other))
         same = next(alike, None)
@@ -69,12 +69,12 @@ def newton_pattern(model: Model) -> NewtonPattern:
 
 
 def _same_structure(model: Model, other: Model) -> bool:
-    """Return whether a model shares all lists of another that its pattern depends on."""
+    """Return whether two models share all lists on which the pattern depends."""
     return all(getattr(model, name) is getattr(other, name) for name in STRUCTURE)
 
 
 def newton_entries(model: Model) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-    """Return place in memory, row and column of every entry, rows and columns as in [v, lam]."""
+    """Return memory index, row and column of every entry, rows and columns as in [v, lam]."""
     pattern = newton_pattern(model)
     unknown: list[list[int]] = [[0] * node[1] for node in pattern.nodes]
     items = [(b.iv, 6 + b.n) for b in model.bodies]
@@ -126,7 +126,9 @@ def _pattern(model: Model) -> NewtonPattern:
             sides += [model.coordinates[force.coordinate].a, model.coordinates[force.coordinate].b]
         cliques.append(_moving(model, [s for s in sides if s >= 0]))
     cliques += [[beam.a, beam.b] for beam in model.beams]
-    width: dict[tuple[int, int], int] = {}  # leading unknowns of the second that the first sees
+    width: dict[
+        tuple[int, int], int
+    ] = {}  # number of leading unknowns of the second node coupled with the first
     for clique in cliques:
         for x in clique:
             for y in clique:
@@ -149,9 +151,9 @@ def _storage(
     order: Sequence[int],
     below: Sequence[Sequence[tuple[int, int]]],
 ) -> NewtonPattern:
-    """Lay the blocks out in memory, in elimination order."""
+    """Assign memory to the blocks, in elimination order."""
     place = {node: c for c, node in enumerate(order)}
-    for column, node in zip(below, order, strict=True):  # what fills in
+    for column, node in zip(below, order, strict=True):  # fill-in
         touched = [i for _, i in column]
         for i in touched:
             for j in touched:
@@ -192,16 +194,16 @@ def _storage(
 
 
 def _moving(model: Model, markers: Sequence[int]) -> list[int]:
-    """Return the bodies of markers, each once, without the ground."""
+    """Return the bodies of markers without duplicates and without the ground."""
     return list(dict.fromkeys(b for b in (model.markers[k].body for k in markers) if b >= 0))
 
 
 def _tree(
     model: Model, moving: Sequence[list[int]]
 ) -> tuple[list[int], list[list[int]], list[int]]:
-    """Return the parent (-1: ground or none) of every body, the joints it carries, the loops."""
+    """Return the parent (-1: ground or none) of every body, its assigned joints, and the loops."""
     count = len(model.bodies)
-    on_body: list[list[int]] = [[] for _ in range(count + 1)]  # the last is the ground
+    on_body: list[list[int]] = [[] for _ in range(count + 1)]  # the last entry is the ground
     for j, joint in enumerate(model.joints):
         ground = any(model.markers[side].body < 0 for side in joint.sides)
         for b in [*moving[j], *([count] if ground else [])]:
@@ -228,7 +230,7 @@ def _tree(
                 carried[new[0]].append(j)
                 known[new[0]] = used[j] = True
                 queue.append(new[0])
-    for j, joint in enumerate(model.joints):  # drives and locks of the joint that carries a body
+    for j, joint in enumerate(model.joints):  # drives and locks of the joint assigned to a body
         for b in moving[j] if not used[j] else ():
             first = moving[carried[b][0]] if carried[b] else None
             rows = joint.rows + sum(model.joints[k].rows for k in carried[b])
@@ -244,7 +246,7 @@ def _carries(joint: JointModel) -> bool:
 
 
 def _path(parent: Sequence[int], bodies: Sequence[int]) -> set[int]:
-    """Return the bodies of the loop that a joint between `bodies` closes."""
+    """Return the bodies of the loop closed by a joint between `bodies`."""
     lines = []
     for b in bodies:
         line = [b]

@@ -1,4 +1,4 @@
-"""What the quantities of a model come to, for readings that are zero but for rounding."""
+"""Scales of the quantities of a model, to detect readings that are zero but for rounding."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def scales_of(model: Model) -> Scales:
 
 
 def velocity_metres(model: Model) -> Array:
-    """Return what a unit of each velocity or increment (nv,) moves a body by, m (or m/s).
+    """Return the length, m (or m/s), of a unit of each velocity or increment (nv,).
 
-    ``[R', w, p']`` count ``[1, size, 1 / sqrt(m)]``: turns on an arm of the size of the mechanism,
-    and modal coordinates, which are normalised to the mass, as the root mean square over the body.
-    With `Engine.row_metres` all that is closed, moved or compared is a length, so that a machine
-    is treated alike in every consistent system of units.
+    ``[R', w, p']`` have the lengths ``[1, size, 1 / sqrt(m)]``: rotations with an arm of the size
+    of the mechanism, and mass-normalised modal coordinates by their root mean square over the body.
+    Together with `Engine.row_metres`, all tolerances and comparisons then refer to lengths, so that
+    results do not depend on the consistent system of units.
     """
     out = np.ones(model.nv)
     first = np.array([body.iv for body in model.bodies], dtype=np.intp)
@@ -45,7 +45,7 @@ def velocity_metres(model: Model) -> Array:
 
 
 def position_metres(model: Model) -> Array:
-    """Return the same for the coordinates ``[R, e, p]`` (nq,)."""
+    """Return the length, m, of a unit of each coordinate ``[R, e, p]`` (nq,)."""
     v = velocity_metres(model)
     parts = [v[b.iv + np.r_[0:3, [3] * 4, 6 : 6 + b.n]] for b in model.bodies]
     return np.concatenate(parts)
@@ -57,9 +57,9 @@ def largest_speed(model: Model, v: NDArray[Any]) -> float:
 
 
 def speed_scale(model: Model, v: NDArray[Any], a: NDArray[Any]) -> float:
-    """Return what speeds of a mechanism come to, m/s: its own, or gained over its size.
+    """Return a typical speed of a mechanism, m/s: its own, or that gained over its size.
 
-    ``max(|v|, sqrt(|a| size))``; it is zero where nothing moves or begins to.
+    ``max(|v|, sqrt(|a| size))``; it is zero at rest without acceleration.
 
     Parameters
     ----------

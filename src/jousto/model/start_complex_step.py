@@ -1,4 +1,4 @@
-"""The start of a model whose constants are complex: derivatives of what closes its joints."""
+"""Initial state of a model with complex constants: derivatives of the closed joints."""
 
 from __future__ import annotations
 
@@ -18,41 +18,42 @@ from jousto.model.native.native import Engine
 from jousto.model.rank.redundancy import RANK, constraint_matrix
 from jousto.model.scales import largest_speed, position_metres
 
-SMALL = 1e-9  # of what is compared
+SMALL = 1e-9  # relative tolerance of comparisons
 
 
 def has_steps(model: Model) -> bool:
-    """Return whether anything in a model has a derivative."""
+    """Return whether a number of a model has a derivative."""
     return is_stepping() and real_parts(model) is not model
 
 
 def plain_model(model: Model, along: float = 0.0) -> Model:
-    """Return a model without derivatives, see `real_parts`, to run in the same core."""
+    """Return a model without derivatives, see `real_parts`, with the same core."""
     made: Model = real_parts(model, along)
     return made if made is model else made.keeping_tree(model)
 
 
 def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequence[Any]) -> Model:
-    """Return a model with the start that `finish` gives it, and the derivatives of that.
+    """Return a model with the initial state from `finish`, and the derivatives of that state.
 
     Parameters
     ----------
     model : Model
-        With complex constants.
+        Model with complex constants.
     finish : callable
-        Returns a real model with its start: closed joints, velocities that fit.
+        Function that returns a real model with its initial state: closed joints, consistent
+        velocities.
     initials : sequence of Initial
-        Coordinates whose values or rates were asked for.
+        Coordinates with given values or rates.
 
     Raises
     ------
     NotAnalytic
-        If the start is none that complex steps can follow.
+        If the initial state has no derivative by complex steps.
     """
     if not has_steps(model):
         return finish(model)
     if initials:
-        raise NotAnalytic("initial values of coordinates are sought by iterations")
+        raise NotAnalytic("initial values of coordinates are found by iterations")
     with plainly():
         plain = real_parts(model)
         given = plain.v0.copy()
@@ -61,20 +62,20 @@ def with_start(model: Model, finish: Callable[[Model], Model], initials: Sequenc
     engine.assemble()
     moved = np.abs(engine.q.real - made.q0) * position_metres(plain)
     if moved.max(initial=0.0) > SMALL * plain.size:
-        raise NotAnalytic("its joints close on another way with complex numbers")
+        raise NotAnalytic("its joints close at another position with complex numbers")
     v = engine.v
     modal = modal_velocities(plain)
     if not given.any() and np.any(v[modal]):
         v = _quiet(model, engine, np.asarray(model.v0))
     if largest_speed(plain, v.real - made.v0) > SMALL * largest_speed(plain, made.v0):
-        raise NotAnalytic("the velocities at the start are none that complex steps can follow")
+        raise NotAnalytic("the initial velocities have no derivative by complex steps")
     start: Any = (made.q0 + 1j * engine.q.imag, made.v0 + 1j * v.imag)
     sensors = made.sensors if made.redundant else model.sensors
     return replace(model, q0=start[0], v0=start[1], redundant=made.redundant, sensors=sensors)
 
 
 def _quiet(model: Model, engine: Engine, given: NDArray[Any]) -> NDArray[Any]:
-    """Return v (nv,) that fits joints and drives by rigid motions of least kinetic energy.
+    """Return v (nv,) that satisfies joints and drives by rigid motions of least kinetic energy.
 
     ``v = v0 + M^-1 G^T S^+ b`` with ``S = G M^-1 G^T``, G the columns of Cq of the rigid motions.
     """
@@ -90,7 +91,7 @@ def _quiet(model: Model, engine: Engine, given: NDArray[Any]) -> NDArray[Any]:
     for i, body in enumerate(model.bodies):
         M = np.array(engine.mass_matrix(i))[:6, :6]
         A = rotation_matrix(engine.q[body.iq + 3 : body.iq + 7])
-        M[:3] = A @ M[:3]  # R'' of the engine's matrix is resolved in the body
+        M[:3] = A @ M[:3]  # R'' of the engine's matrix is resolved in the body frame
         M[:, :3] = M[:, :3] @ A.T
         columns = slice(body.iv, body.iv + 6)
         W[:, columns] = np.linalg.solve(M, G[:, columns].T).T
@@ -107,7 +108,7 @@ def least_norm(S: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
     Raises
     ------
     NotAnalytic
-        If b is outside of what S reaches: then modes must move.
+        If b is outside of the range of S: modal velocities are then needed.
     """
     (S0, dS), (b0, db) = parts(S), parts(b)
     size = np.sqrt(np.diag(S0))
@@ -119,5 +120,5 @@ def least_norm(S: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
     scales = (np.abs(b0).max(initial=0.0), np.abs(db - dS @ y).max(initial=0.0))
     for rest, scale in zip((b0 - S0 @ y, db - dS @ y - S0 @ dy), scales, strict=True):
         if np.abs(rest).max(initial=0.0) > SMALL * scale:
-            raise NotAnalytic("the modes must move at the start, since joints and drives ask it")
+            raise NotAnalytic("joints and drives need modal velocities at the start")
     return np.asarray((y + 1j * dy) / size)

@@ -1,4 +1,4 @@
-"""Carried: rigid trees on bodies that run by the rows of their joints, such as those with modes."""
+"""Carried: rigid subtrees in joint coordinates on bodies in maximal coordinates."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from jousto.model.model import JointModel, LinkModel, Model
 
 
 def is_link(joint: JointModel) -> bool:
-    """Whether a joint holds its bodies together, not a coordinate of another joint."""
+    """Return whether a joint connects bodies and is no relation of other coordinates."""
     return joint.coincident or bool(joint.perpendicular)
 
 
 def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int, int]:
-    """Return the rigid bodies that joint coordinates can carry, each with the joint it hangs by.
+    """Return the rigid bodies for joint coordinates, each with the joint towards the ground.
 
-    Leaves are taken off the graph of joints again and again, those that hang on a rigid body or on
-    the ground. The first body on one with modes stays, and so does what more than its joint acts
-    on.
+    Leaves of the graph of joints that are connected to a rigid body or to the ground are removed
+    repeatedly. The first body on a modal body remains in maximal coordinates, and so do bodies with
+    further constraints.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def carried_bodies(model: Model, known: set[int], drives: set[int]) -> dict[int,
 
 
 def links_first(model: Model, links: tuple[LinkModel, ...]) -> Elimination:
-    """Return an order of elimination that begins with the joints that are links."""
+    """Return an elimination order that begins with the joints that are links."""
     inside = {place for link in links for place in (link.joint, link.drive)} - {-1}
     on_body = joints_on(model.joints, model.markers)
     after = {k: inside for k in range(len(model.joints)) if k not in inside}
@@ -67,7 +67,7 @@ def links_first(model: Model, links: tuple[LinkModel, ...]) -> Elimination:
 
 
 def bearers(model: Model) -> list[str]:
-    """Return the names of the bodies, or the ground, on which links begin."""
+    """Return the names of the bodies, or of the ground, on which links begin."""
     links = model.links
     found = dict.fromkeys(
         links[link.parent].body if link.parent >= 0 else -1
@@ -78,6 +78,6 @@ def bearers(model: Model) -> list[str]:
 
 
 def with_ports(model: Model, links: tuple[LinkModel, ...]) -> Model:
-    """Return the model with these links, in an order of joints that lets them be left out."""
+    """Return the model with links, in an order of joints in which they can be left out."""
     made = replace(model, tree=links, elimination=links_first(model, links))
     return replace(made, tree_of=made.parts_of_tree)

@@ -1,4 +1,4 @@
-"""SymbolShape: where joints, forces, sensors and named points of a mechanism are, for pictures."""
+"""SymbolShape: positions of joints, forces, sensors and named points, for drawing."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ GROUPS = ("joint", "force", "sensor", "marker")
 @described
 @dataclass(frozen=True, eq=False)
 class SymbolPoint:
-    """A frame on a body.
+    """Frame on a body, of a symbol.
 
     Attributes
     ----------
     body : int
-        Number of the body, -1 for the ground.
+        Index of the body, -1 for the ground.
     u0 : (3,) array
         Undeformed position in the frame of the body, of the ground in the world, m.
     axes : (3, 3) array
         Columns are its axes in the frame of the body.
     node : int
-        Node of the body that it moves with; -1 for none.
+        Node of the body whose motion it has; -1 for none.
     modes : (3, n) array or None
-        Its displacement in each mode, where it moves with no node.
+        Displacement in each mode, if it is at no node.
     """
 
     body: int
@@ -41,25 +41,25 @@ class SymbolPoint:
 @described
 @dataclass(frozen=True, eq=False)
 class SymbolShape:
-    """What is drawn for a joint, coupling, force, friction or sensor; or a named point.
+    """Symbol of a joint, coupling, force, friction, sensor or named point.
 
     Attributes
     ----------
     name : str
     kind : str
-        The word of its class in model files, or a finer one: "motor", "damper".
+        Kind in model files, or a more specific one: "motor", "damper".
     group : str
         One of `GROUPS`.
     points : tuple of SymbolPoint
-        What it joins, or where it is.
+        Connected points, or its position.
     axis : (3,) array or None
-        Its direction, in the frame of the body of the first point, or in the world if `fixed`.
+        Direction, in the frame of the body of the first point, or in the world if `fixed`.
     fixed : bool
         Whether the axis keeps its direction in the world.
     text : str
-        One line about it.
+        Description in one line.
     sensor : str
-        Name of the sensor; empty for what is none.
+        Name of the sensor; empty for other symbols.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Tree: which mechanisms run in joint coordinates, and their links in the engine's order."""
+"""Tree: mechanisms that can run in joint coordinates, and their links in the engine's order."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from jousto.model.model import JointModel, LinkModel, Model
 from jousto.model.subtrees import bearers, carried_bodies, is_link, with_ports
 
 PORTS = 4
-"""Fewest bodies that joint coordinates carry beside flexible ones for "auto" to take them.
+"""Smallest number of carried bodies for "auto" to select joint coordinates beside flexible ones.
 
-What a body feels of those that it carries costs about as much as the rows of one of them: 2 are
-carried 1.1 times faster, 5 and 9 1.5 and 2 times (benchmarks/ports.py).
+The reaction of a subtree on its carrier costs about as much as the rows of one body: 2 carried
+bodies are 1.1 times faster, 5 and 9 bodies 1.5 and 2 times (benchmarks/ports.py).
 """
 
 JOINT = "joint coordinates"
 BODIES = "positions of the bodies"
 PARALLEL = {(0, 2), (1, 2)}
 NO_TURN = {(0, 2), (1, 2), (0, 1)}
-# links by whether the origins are kept together, x and y held in the axes of a, and the pairs of
-# axes that stay perpendicular
+# links by: whether the origins coincide, x and y are fixed in the axes of a, and the pairs of
+# perpendicular axes
 LINKS = {
     (True, False, frozenset(PARALLEL)): "hinge",
     (True, False, frozenset(NO_TURN)): "fixed",
@@ -38,25 +38,25 @@ LINKS = {
     (False, True, frozenset(NO_TURN)): "slide",
     (False, True, frozenset(PARALLEL)): "cylindrical",
 }
-ALIGNED = 0.5  # least cosine between axes of a and b that a joint keeps together
-JUMP = 1e-9  # of the values and rates of a signal: what counts as continuous
+ALIGNED = 0.5  # smallest cosine between axes of a and b that a joint keeps parallel
+JUMP = 1e-9  # largest jump of values and rates of a signal that counts as continuous, relative
 KINDS = "revolute, prismatic, cylindrical, universal, spherical and fixed"
-# axes of the angles of a universal joint in columns: (z, x, y) and (y, x, -z)
+# axes of the two angles of a universal joint in columns: (z, x, y) and (y, x, -z)
 Z_FIRST = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 Y_FIRST_BACK = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 class _Unfit(Exception):
-    """Why a mechanism cannot run in joint coordinates."""
+    """Error of a mechanism that cannot run in joint coordinates, with the reason."""
 
 
 def with_core(model: Model, core: str) -> Model:
-    """Return the model with the core that runs it: "auto", "joint" or "maximal".
+    """Return the model with its solver core: "auto", "joint" or "maximal".
 
     Raises
     ------
     InputError
-        If it cannot run in joint coordinates but is to.
+        If joint coordinates are requested but impossible.
     """
     if problem := word_problem("core", core, CORES):
         raise InputError(Problem(f"mechanism {model.name!r}", problem))
@@ -68,7 +68,7 @@ def with_core(model: Model, core: str) -> Model:
     except _Unfit as reason:
         if core == "joint":
             where = f"mechanism {model.name!r}"
-            remedy = "take core='maximal', or leave core out"
+            remedy = "use core='maximal', or leave core out"
             raise InputError(
                 Problem(where, f"cannot run in joint coordinates: {reason}; {remedy}")
             ) from None
@@ -76,7 +76,7 @@ def with_core(model: Model, core: str) -> Model:
 
 
 def core_of(model: Model) -> str:
-    """Return which core runs a model and, if it is not the joint coordinates, why not."""
+    """Return the core of a model and, if it is not joint coordinates, the reason."""
     if model.mixed:
         carried, where = _carried(model), ", ".join(bearers(model))
         kept = len(model.bodies) - carried
@@ -90,24 +90,24 @@ def core_of(model: Model) -> str:
         reason = _drawback(_treed(model))
     except _Unfit as unfit:
         reason = str(unfit)
-    return BODIES + (f": {reason}" if reason else ", as asked for")
+    return BODIES + (f": {reason}" if reason else ", as requested")
 
 
 def _drawback(made: Model) -> str:
-    """Return why joint coordinates are not faster; empty where they are."""
+    """Return why joint coordinates are not faster; empty if they are."""
     if not made.mixed:
         return drawback(made)
     count = _carried(made)
-    return f"joint coordinates for {count} of them gain little" if count < PORTS else ""
+    return f"joint coordinates for {count} of them save little" if count < PORTS else ""
 
 
 def _carried(model: Model) -> int:
-    """How many bodies joint coordinates carry beside those that run by rows."""
+    """Return the number of bodies in joint coordinates besides those in maximal coordinates."""
     return len(model.bodies) - sum(link.kind == "body" for link in model.links)
 
 
 def _treed(model: Model) -> Model:
-    """Return the model with its links, _Unfit if it has none."""
+    """Return the model with its links; _Unfit if it has none."""
     if any(body.n for body in model.bodies):
         return with_ports(model, _Tree(model).ports())
     return replace(model, tree=_Tree(model).links(), tree_of=model.parts_of_tree)
@@ -118,8 +118,10 @@ class _Tree:
     model: Model
     made: list[LinkModel] = field(default_factory=list)
     of_body: dict[int, int] = field(default_factory=dict)
-    drives: dict[int, int] = field(default_factory=dict)  # joint of the drive by coordinate
-    kinds: dict[str, str] = field(default_factory=dict)  # of the joints that can be links, by name
+    drives: dict[int, int] = field(default_factory=dict)  # joint of the drive, by coordinate
+    kinds: dict[str, str] = field(
+        default_factory=dict
+    )  # kinds of the joints that can be links, by name
 
     def links(self) -> tuple[LinkModel, ...]:
         """Return the links, parents first; _Unfit if there are none."""
@@ -143,7 +145,7 @@ class _Tree:
         return tuple(self.made)
 
     def ports(self) -> tuple[LinkModel, ...]:
-        """Return the links of rigid trees behind the bodies that stay; _Unfit if there are none."""
+        """Return the links of rigid subtrees, after the other bodies; _Unfit if there are none."""
         m = self.model
         if m.beams:
             raise _Unfit(f"'{m.beams[0].body}' is an exact beam")
@@ -164,7 +166,9 @@ class _Tree:
             if not strange:
                 return links
             drives -= strange
-        raise _Unfit(f"body '{soft}' is flexible, and no rigid body hangs on another one alone")
+        raise _Unfit(
+            f"body '{soft}' is flexible, and no rigid body is connected to another rigid body only"
+        )
 
     def _on_bodies(self, carried: dict[int, int], drives: set[int]) -> tuple[LinkModel, ...]:
         joints = self.model.joints
@@ -185,7 +189,7 @@ class _Tree:
         return tuple(self.made)
 
     def _note_locks(self) -> None:
-        """Say which links a friction may hold."""
+        """Store for each link the friction that can lock it."""
         users: dict[int, list[int]] = {}  # links by their coordinates
         for i, link in enumerate(self.made):
             for coordinate in link.coordinates:
@@ -220,10 +224,10 @@ class _Tree:
         return self.model.markers[a].body, self.model.markers[b].body
 
     def _joints(self) -> list[int]:
-        """Return the joints that become links; note the drives of coordinates.
+        """Return the joints that become links; store the drives of coordinates.
 
-        Where joints close a loop those with the fewest rows are left out, and with all that is no
-        link their rows stay, see loop_joints.py.
+        Of the joints of a loop the one with the fewest rows is left out; its rows, and those of
+        couplings, remain, see loop_joints.py.
         """
         joints = self.model.joints
         known: list[int] = []
@@ -244,13 +248,13 @@ class _Tree:
         return True
 
     def _drives(self, joint: JointModel) -> bool:
-        """Whether it prescribes one coordinate, whose speed does not jump."""
+        """Return whether a drive prescribes one coordinate, with a continuous speed."""
         line = joint.lines[0]
         single = len(joint.lines) == 1 and len(line.coordinates) == 1
         return single and line.signal >= 0 and self._smooth(line.signal)
 
     def _smooth(self, place: int) -> bool:
-        """Whether value and rate of a signal are continuous."""
+        """Return whether value and rate of a signal are continuous."""
         signal = self.model.signals[place]
         if signal.kind in ("sum", "product"):
             return all(self._smooth(child) for child in signal.children)
@@ -259,14 +263,14 @@ class _Tree:
         return signal.kind in ("constant", "harmonic", "speed")
 
     def _grow(self, start: int, near: dict[int, list[int]]) -> None:
-        """Add all bodies that hang on a body, or on the ground, branch after branch."""
+        """Add all bodies connected to a body, or to the ground, branch by branch."""
         waiting = [(k, start) for k in reversed(near.get(start, []))]
         while waiting:
             k, parent = waiting.pop()
             a, b = self._ends(k)
             body = b if a == parent else a
             if body in self.of_body or body < 0:
-                continue  # the joint that it came by
+                continue  # the joint towards the parent
             self._hang(k, parent, body, body == a)
             waiting += [(j, body) for j in reversed(near[body]) if j != k]
 
@@ -276,7 +280,7 @@ class _Tree:
         outer, inner = joint.sides[::-1] if reversed_ else joint.sides
         above = self.of_body[parent] if parent >= 0 else -1
         if above >= 0 and self.made[above].kind == "fixed":
-            # what hangs on a fixed body hangs on what that is fixed to
+            # children of a fixed body are attached to the parent of that body
             above = self.made[above].parent
         link = {"kind": kind, "parent": above, "body": body, "outer": outer, "inner": inner}
         link |= {"joint": k, "reversed": int(reversed_)}
@@ -290,9 +294,9 @@ class _Tree:
         self.of_body[body] = len(self.made) - 1
 
     def _add(self, joint: JointModel | None, whole: str, link: dict[str, Any]) -> None:
-        """Append a link of these fields with its places and the coordinates that are its own.
+        """Append a link with given fields, its indices and its own coordinates.
 
-        `whole` is the kind of the joint, of which a link may be the first or the second half.
+        `whole` is the kind of the joint; a link may be its first or its second half.
         """
         if self.made:
             last = self.made[-1]
@@ -306,7 +310,7 @@ class _Tree:
         self.made.append(LinkModel(**link))
 
     def _own(self, link: dict[str, Any], joint: JointModel, kind: str) -> tuple[int, ...]:
-        """Coordinates that the position of a link is, up to the sign."""
+        """Return the coordinates equal to the position of a link, up to the sign."""
         a, b = joint.sides[:2]
         pairs = {"hinge": ("angle", a, b), "slide": ("along", a, b)}
         found = []
@@ -324,12 +328,12 @@ class _Tree:
 
     @cached_property
     def first_line(self) -> list[int]:
-        """Lines of the joints before each one."""
+        """Number of lines of the joints before each joint."""
         return [0, *accumulate(len(joint.lines) for joint in self.model.joints)]
 
     @cached_property
     def between(self) -> dict[tuple[int, int], list[int]]:
-        """Coordinates by the two bodies that they are between."""
+        """Coordinates by their two bodies."""
         found: dict[tuple[int, int], list[int]] = {}
         for i, c in enumerate(self.model.coordinates):
             found.setdefault(self._pair(c.a, c.b), []).append(i)
@@ -340,7 +344,7 @@ class _Tree:
         return (one, other) if one <= other else (other, one)
 
     def _crossed(self, link: dict[str, Any], joint: JointModel, place: int) -> bool:
-        """Whether an angle is that of the first or the second hinge of a universal joint."""
+        """Return whether an angle is that of the first or second hinge of a universal joint."""
         a, b = joint.sides[:2]
         c = self.model.coordinates[place]
         if link["body"] < 0:
@@ -348,7 +352,7 @@ class _Tree:
         return self._turned(c.a, b, Y_FIRST_BACK) and self._turned(c.b, a, Z_FIRST)
 
     def _turned(self, place: int, origin: int, axes: Array) -> bool:
-        """Whether a marker is another one with reordered axes."""
+        """Return whether a marker equals another one with reordered axes."""
         one, other = self.model.markers[place], self.model.markers[origin]
         return (
             one.body == other.body
@@ -357,7 +361,7 @@ class _Tree:
         )
 
     def _kind(self, place: int) -> str:
-        """Return what a joint is as links, _Unfit where it is none of them."""
+        """Return the kind of a joint as links; _Unfit if it has none."""
         joint = self.model.joints[place]
         rows, sliding = set(joint.perpendicular), self._slides(joint)
         kind = LINKS.get((joint.coincident, sliding, frozenset(rows)))
@@ -371,7 +375,7 @@ class _Tree:
         return kind
 
     def _slides(self, joint: JointModel) -> bool:
-        """Whether the lines of a joint hold x and y of b in the axes of a at zero."""
+        """Return whether the lines of a joint fix x and y of b in the axes of a."""
         held = set()
         for line in joint.lines:
             c = self.model.coordinates[line.coordinates[0]]
@@ -396,7 +400,7 @@ class _Tree:
 
 
 def _smooth_pieces(data: Array, count: int, degree: int) -> bool:
-    """Whether polynomials go on where they meet, and rest at both ends."""
+    """Return whether polynomials are continuous at their ends, with zero rate at both ends."""
     t, c = data[:count], data[count:].reshape(-1, degree + 1)
     width = np.diff(t)[:, None]
     powers = width ** np.arange(degree + 1)

@@ -1,4 +1,4 @@
-"""Parts: what a flexible body is made of, before it is reduced."""
+"""Parts: flexible components with nodes, elements, mass and stiffness, before reduction."""
 
 from jousto.base.lazy_exports import open_room
 

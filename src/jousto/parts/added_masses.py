@@ -1,4 +1,4 @@
-"""Rigid masses on the nodes of a solid part, whose nodes do not turn."""
+"""Rigid masses on nodes of a solid part, which have no rotations."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def attached_points(
 ) -> MassPoints | None:
     """Return point masses on nodes of three degrees of freedom, or None if there are none.
 
-    A mass on one node moves with it. A mass on several nodes moves with their mean and turns with
-    the rotation that fits their displacements best: with ``r`` from their mean position,
-    ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. It does not stiffen them.
+    A mass on one node has the translation of the node. A mass on several nodes has their mean
+    translation and the rotation that fits their displacements best: with ``r`` from their mean
+    position, ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. The mass adds no stiffness.
     """
     ndof = 3 * len(nodes)
     position, arm, heavy = [], [], []
@@ -40,20 +40,19 @@ def attached_points(
                 problems.add(at, str(error.args[0]))
                 continue
             if not 0 <= members[0] < len(nodes):
-                problems.add(at, f"no such node, must be in 0..{len(nodes) - 1}")
+                problems.add(at, f"the node does not exist, must be in 0..{len(nodes) - 1}")
                 continue
-        if mass.mass < np.finfo(float).tiny:  # none, or one that loses its digits
+        if mass.mass < np.finfo(float).tiny:  # no mass, or one below the smallest normal number
             if np.any(mass.inertia != 0.0):
-                problems.add(at, f"has an inertia, but a mass of {mass.mass:g} kg; give it one")
+                problems.add(at, f"has an inertia, but a mass of {mass.mass:g} kg; give a mass")
             continue
         spread = _averages(nodes[members])
         rigid = bool(np.any(mass.inertia != 0.0) or np.any(mass.offset != 0.0))
         if rigid and spread is None:
             problems.add(
                 at,
-                "has an inertia or an offset, but its nodes cannot turn it (nodes of solids have no"
-                " rotation of their own): name a node set with three nodes or more that are not in"
-                " a line",
+                "has an inertia or an offset, which needs a rotation that nodes of solids do "
+                "not have; give a node set of at least three nodes that are not on a line",
             )
             continue
         columns = (3 * members[:, None] + np.arange(3)).ravel()
@@ -73,7 +72,7 @@ def attached_points(
 
 
 def _averages(x: Array) -> Array | None:
-    """Return the rotation (3, 3 m) that fits displacements best; None if it is not determined."""
+    """Return the rotation (3, 3 m) that fits displacements best; None if it is undetermined."""
     if len(x) < 3:
         return None
     r = x - x.mean(axis=0)

@@ -1,4 +1,4 @@
-"""What a part is made of: beams, a mesh with its materials, or matrices of another program."""
+"""Input of a part: beams, a mesh with its materials, or matrices of another program."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from jousto.base.fields import AnyField
 
 
 class Dictionary(AnyField):
-    """Values by name."""
+    """Field of values by name."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the mapping."""
+        """Return the mapping, or report that the value is none."""
         if not isinstance(value, Mapping):
             problems.add(where, f"{self.name} is {value!r}, must be a dictionary")
         return value
 
 
 class PartForm(Declared, section="parts"):
-    """What a part is made of."""
+    """Base of the inputs from which a part is built."""
 
     kind = "part"
 
@@ -30,4 +30,4 @@ class PartForm(Declared, section="parts"):
         raise NotImplementedError
 
     def judge(self, part: Any) -> None:
-        """Raise InputError where the part that was made of it cannot be used."""
+        """Raise InputError if the part built from this input cannot be used."""

@@ -1,4 +1,4 @@
-"""Geometry: nodes, named sets and outer faces of a part, as loads and interfaces see it."""
+"""Geometry of a part: nodes, named sets and outer faces, for loads and interfaces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jousto.base.arrays import Array, Ints
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Geometry:
-    """What a `Part` is without its matrices; see there."""
+    """Geometry of a `Part`, without its matrices; see there."""
 
     name: str
     nodes: Array

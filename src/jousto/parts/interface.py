@@ -1,4 +1,4 @@
-"""Interfaces: surfaces of a part tied to one node that translates and turns."""
+"""Interfaces: surfaces of a part that are tied to a reference node with six motions."""
 
 from __future__ import annotations
 
@@ -21,47 +21,49 @@ from jousto.mesh.sets import read_integers
 from jousto.parts.geometry import Geometry
 
 LOOSE, NARROW = 1e-8, 1e-3
-"""Least ratio of the weakest to the strongest of the six motions of the tied nodes."""
+"""Smallest allowed ratio of the weakest to the strongest of the six motions of the tied nodes."""
 
 
 class Own(Field[str, str]):
-    """The name of an interface; those of nodes are kept for them."""
+    """Field of the name of an interface; names of nodes such as "node7" are reserved."""
 
     form = "text"
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the name."""
+        """Return the name, or report that it cannot be used."""
         if not isinstance(value, str) or not value:
             problems.add(where, f"its name is {value!r}, must be a word")
         elif re.fullmatch(r"node\d+", value):
-            problems.add(where, "this name is kept for the node of that number; take another")
+            problems.add(
+                where, "this name is reserved for the node of that number; choose another name"
+            )
         return value
 
 
 class Tied(Field[Any, Any]):
-    """Nodes of a part, in one of several ways; they are found where the part is known."""
+    """Field of nodes given in one of several ways; the part converts them to indices."""
 
     form = "pick"
     noun = "str, array_like of int, Hole or pick"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return what was given; of a hole its nodes."""
+        """Return the value unchanged; a hole becomes its nodes."""
         return value.nodes if isinstance(value, Hole) else value
 
 
 class Interface(Declared):
-    """Where a part meets its neighbours: nodes tied to a reference node of six motions.
+    """Connection of a part to its neighbours: nodes tied to a reference node with six motions.
 
-    Solids have nodes that only translate. A joint or a torque needs one that turns, and a pin
-    touches a whole bore, not a point. The reference node q = [u, theta] is tied to the nodes at
-    ``s_i`` from it in one of two ways:
+    Nodes of solids have translations only. A joint or a torque needs rotations, and a pin touches a
+    whole bore instead of a point. The reference node q = [u, theta] is tied to the nodes at ``s_i``
+    from it in one of two ways:
 
-    * rigid (RBE2): the nodes follow it, ``u_i = u + theta x s_i``. Stiffens the surface: for bolted
-      flanges, pressed pins, and bodies much stiffer than the part.
+    * rigid (RBE2): the nodes follow it, ``u_i = u + theta x s_i``. This stiffens the surface; use
+    it for bolted flanges, pressed pins, and neighbours much stiffer than the part.
     * average (RBE3): it follows the nodes, ``q = (sum w_i R_i^T R_i)^-1 sum w_i R_i^T u_i`` with
-      ``R_i = [E, -s_i~]``. Adds no stiffness; forces spread as an even and linear traction: for
-      bores with play, soft bushings and loads.
+      ``R_i = [E, -s_i~]``. This adds no stiffness, and forces become a constant plus linear
+      traction; use it for bores with clearance, soft bushings and loads.
 
     Raises
     ------
@@ -74,29 +76,29 @@ class Interface(Declared):
     <Interface 'pin': average of 'bore'>
     """
 
-    name: Own = field("Name of the interface; the reduced part has its reference node under it")
+    name: Own = field("Name of the interface and of its reference node in the reduced part")
     nodes: Tied = field(
         "Name of a node set, node indices, a hole of the mesh (``mesh.holes()``), ``InBox``, "
-        "``InCylinder``, ``InSphere``, ``OnPlane``, ``Nearest``, or faces as rows of node indices "
-        "(nf, k), corners first, then the middles of the sides; in files a set, a list of sets, or "
-        "a pick such as {hole: ...}"
+        "``InCylinder``, ``InSphere``, ``OnPlane``, ``Nearest``, or faces as rows of node "
+        "indices (nf, k), corners first, then mid-side nodes; in files a set, a list of sets, "
+        "or a pick such as {hole: ...}"
     )
     kind: Choice = field(  # type: ignore[misc]
-        "rigid (RBE2): a stiff flange; average (RBE3): a pin with play",
+        "rigid (RBE2) for a stiff flange; average (RBE3) for a pin with clearance",
         words=("rigid", "average"),
         wanted="'rigid' (the nodes follow the reference node) or 'average' (it follows the nodes)",
         default="rigid",
     )
     at: OptionalValues = field(
-        "Reference point, part frame. If not given: the middle of the axis if the nodes lie on a "
+        "Reference point, part frame. None for the middle of the axis if the nodes lie on a "
         "cylinder, else their centroid",
         unit="m",
         shape=(3,),
         default=None,
     )
     weights: OptionalValues = field(
-        "Weights of the nodes in the order of `nodes`, for averages. If not given: by area "
-        "(``int N N^T dA``) where the faces are known, else equal",
+        "Weights of the nodes in the order of `nodes`, for averages. None for weights by area "
+        "(``int N N^T dA``) if the faces are known, else equal weights",
         shape=(None,),
         file=False,
         default=None,
@@ -104,11 +106,11 @@ class Interface(Declared):
     together = ("kind", "weights")
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages."""
+        """Return the prefix of messages."""
         return f"interface {self.name!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note weights that cannot be used."""
+        """Report weights that cannot be used."""
         if self.weights is None:
             return
         if self.kind == "rigid":
@@ -127,7 +129,7 @@ class Interface(Declared):
 
 @dataclass(frozen=True, eq=False)
 class Tie:
-    """An interface of a part with its nodes and reference point found.
+    """Interface of a part with the indices of its nodes and its reference point.
 
     Parameters
     ----------
@@ -141,14 +143,13 @@ class Tie:
         Motion of each node when the reference node moves rigidly with ``[u, theta]``, d its
         degrees of freedom.
     averaging : (6, k d) ndarray
-        Motion ``[u, theta]`` of the reference node from the nodes' displacements; of a rigid
-        motion it is exact. Its transpose are the nodal forces of a force and a moment on the
-        reference node.
+        Motion ``[u, theta]`` of the reference node from the nodes' displacements; exact for rigid
+        motions. Its transpose gives the nodal forces of a force and a moment on the reference node.
     conditioning : float
         Weakest of the six motions of the nodes relative to the strongest: 1 for a sphere, 0 for
         nodes on a line, small for a reference point far from the nodes.
     by_area : bool
-        Whether nodes weigh by their share of the surface.
+        Whether the weights of the nodes are their shares of the surface.
     """
 
     name: str
@@ -161,7 +162,7 @@ class Tie:
     by_area: bool
 
     def __repr__(self) -> str:
-        # rounded: a coordinate of 1e-18 is zero
+        # rounded, so that a coordinate of 1e-18 is shown as zero
         at = ", ".join(f"{round(x, 12) + 0.0:.6g}" for x in self.at)
         return f"<Tie {self.name!r}: {self.kind}, {len(self.nodes)} nodes about ({at}) m>"
 
@@ -175,7 +176,7 @@ class Tie:
 def resolve(
     problems: Problems, where: str, part: Geometry, interfaces: Sequence[Interface]
 ) -> tuple[Tie, ...]:
-    """Return the ties of a part, or note everything that is wrong with its interfaces."""
+    """Return the ties of a part, or report all problems of its interfaces."""
     nodes, node_sets, d = part.nodes, part.node_sets, part.dofs_per_node
     ties: list[Tie] = []
     owner: dict[int, str] = {}
@@ -190,15 +191,13 @@ def resolve(
             continue
         own = node_sets.get(interface.name)
         if own is not None and set(own) != set(found[0].tolist()):
-            problems.add(
-                label, "has the name of a node set that it is not made of; take another name"
-            )
+            problems.add(label, "has the name of a node set with other nodes; choose another name")
         shared = next((int(i) for i in found[0] if int(i) in owner), None)
         if shared is not None:
             problems.add(
                 label,
-                f"node{shared + 1} is tied to interface '{owner[shared]}' already; make the picks"
-                " smaller so that they share no node",
+                f"node{shared + 1} is tied to interface '{owner[shared]}' already; make the picks "
+                f"smaller, so that no node is in two interfaces",
             )
             continue
         owner |= {int(i): interface.name for i in found[0]}
@@ -212,7 +211,7 @@ def resolve(
 def _nodes(
     problems: Problems, label: str, interface: Interface, part: Geometry
 ) -> tuple[Ints, tuple[Ints, ...]] | None:
-    """Return the nodes of an interface, in the order given, and its faces if it names those."""
+    """Return the nodes of an interface, and its faces if it is given by faces."""
     value, nodes, node_sets = interface.nodes, part.nodes, part.node_sets
     if isinstance(value, str):
         if value not in node_sets:
@@ -226,8 +225,8 @@ def _nodes(
             box = " to ".join("(" + ", ".join(f"{x:.4g}" for x in p) + ")" for p in (low, high))
             problems.add(
                 label,
-                f"no node lies there; the nodes fill {box} m. Is the pick in metres and in the"
-                " part's frame?",
+                f"the pick contains no node; the nodes lie in {box} m. Check that the pick is in "
+                f"m and in the frame of the part",
             )
             return None
         return found, ()
@@ -242,11 +241,11 @@ def _nodes(
         return None
     outside = array[(array < 0) | (array >= len(nodes))]
     if len(outside):
-        problems.add(label, f"names node {outside[0]}, must be an index in 0..{len(nodes) - 1}")
+        problems.add(label, f"contains node {outside[0]}, must be an index in 0..{len(nodes) - 1}")
         return None
     if array.ndim == 1:
         if len(np.unique(array)) < len(array):
-            problems.add(label, "names a node twice")
+            problems.add(label, "contains a node twice; leave one out")
             return None
         return array, ()
     if array.shape[1] not in KINDS:
@@ -269,7 +268,7 @@ def _tie(
     index = found[order]
     k, x = len(index), nodes[index]
 
-    # weights: given, by area, equal
+    # weights: given, by area, or equal
     by_area = False
     if interface.weights is not None:
         if len(interface.weights) != k:
@@ -284,7 +283,7 @@ def _tie(
         by_area = True
         weights = np.asarray(share.sum(axis=1))
 
-    # the reference point
+    # reference point
     at = interface.at
     if at is None:
         at = cylinder_middle(x)
@@ -299,7 +298,7 @@ def _tie(
     if by_area:
         assert share is not None
         weighted[:, :3] = (share @ following[:, :3].reshape(k, 18)).reshape(k, 3, 6)
-    # rotations of rigidly tied nodes count as much as translations at the distance of the others
+    # scale rotations of rigid ties by the distance of the other nodes
     size = float(np.sqrt(weights @ np.einsum("ka,ka->k", s, s) / weights.sum()))
     if d == 6:
         following[:, 3:, 3:] = np.eye(3)
@@ -315,16 +314,16 @@ def _tie(
         what = "one point" if np.ptp(x, axis=0).max() == 0.0 else "one line"
         problems.add(
             label,
-            f"its {k} node{'s'[: k != 1]} lie{'s'[: k == 1]} on {what}, so that a rotation about it"
-            f" is not tied; {remedy} reduction",
+            f"its {k} node{'s'[: k != 1]} lie{'s'[: k == 1]} on {what}, so that the rotation "
+            f"about it is undetermined; {remedy} reduction",
         )
         return None
     if conditioning < NARROW:
         warn(
             label,
             f"the {k} tied nodes lie almost on a line or far from the reference point (least motion"
-            f" {conditioning:.1e} of the largest): moments there strain the part without bounds;"
-            " pick a wider surface or move the reference point",
+            f" {conditioning:.1e} of the largest): moments there cause very large strains; pick a "
+            f"wider surface or move the reference point",
         )
     averaging = scale[:, None] * np.linalg.solve(
         scale[:, None] * G * scale, scale[:, None] * weighted.reshape(k * d, 6).T

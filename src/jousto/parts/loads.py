@@ -1,4 +1,4 @@
-"""Static loads on a part as nodal forces: pressures, tractions, weights, spin, forces."""
+"""Static loads on a part as nodal forces: pressures, tractions, weights, rotation, forces."""
 
 from __future__ import annotations
 
@@ -22,69 +22,72 @@ SURFACE = "str, array_like of int or pick"
 
 
 class Load(Declared):
-    """A load; `Part.load` checks its values with those of all others."""
+    """Base of the loads; `Part.load` checks the values of all loads together."""
 
     def __post_init__(self) -> None:
-        """Keep the values as they are."""
+        """Store the values without checks."""
 
 
 class Pressure(Load):
-    """A pressure on a surface of a solid, against its outward normal."""
+    """Pressure on a surface of a solid, against its outward normal."""
 
     on: AnyField = field(
-        "Surface or node set, node indices or a pick such as ``InCylinder``: the outer faces whose "
-        "nodes are all among these",
+        "Surface or node set, node indices or a pick such as ``InCylinder``: it selects the "
+        "outer faces with all their nodes in the set",
         noun=SURFACE,
     )
     pressure: Number = field("Negative pulls", unit="Pa", wanted="a finite number")
 
 
 class Traction(Load):
-    """An even force per area on a surface of a solid."""
+    """Constant force per area on a surface of a solid."""
 
-    on: AnyField = field("As for :class:`Pressure`", noun=SURFACE)
+    on: AnyField = field("Surface; see :class:`Pressure`", noun=SURFACE)
     traction: Vector = field("Part frame", unit="Pa")
 
 
 class SurfaceLoad(Load):
-    """A force and a moment spread over a surface of a solid.
+    """Force and moment distributed over a surface of a solid.
 
     The traction is ``a + b x (x - c)``, with a and b such that its resultants are the force and the
     moment about the surface's centroid c.
     """
 
-    on: AnyField = field("As for :class:`Pressure`", noun=SURFACE)
+    on: AnyField = field("Surface; see :class:`Pressure`", noun=SURFACE)
     force: Vector = field("Part frame", unit="N", default=ZERO)
     moment: Vector = field(
-        "About the centroid of the surface, part frame", unit="N m", default=ZERO
+        "Moment about the centroid of the surface, part frame", unit="N m", default=ZERO
     )
 
 
 class NodalForce(Load):
-    """A force, and a moment where nodes can turn, shared equally by nodes."""
+    """Force, and moment if nodes have rotations, shared equally by nodes."""
 
     on: AnyField = field(
         "Node set, node indices or a pick", noun="str, int, array_like of int or pick"
     )
-    force: Vector = field("Of all nodes together, part frame", unit="N", default=ZERO)
+    force: Vector = field("Total force of all nodes, part frame", unit="N", default=ZERO)
     moment: Vector = field(
-        "Part frame; for parts of six degrees of freedom per node", unit="N m", default=ZERO
+        "Total moment, part frame; for parts of six degrees of freedom per node",
+        unit="N m",
+        default=ZERO,
     )
 
 
 class Weight(Load):
-    """The weight of the part's mass in a field such as gravity."""
+    """Weight of the mass of the part in a field such as gravity."""
 
     acceleration: Vector = field(
-        "Part frame: ``(0, 0, -9.81)`` pulls downwards along z", unit="m/s^2"
+        "Acceleration of gravity, part frame: ``(0, 0, -9.81)`` acts downwards along z",
+        unit="m/s^2",
     )
 
 
 class Spin(Load):
-    """The centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``."""
+    """Centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``."""
 
     velocity: Vector = field("Angular velocity w, part frame", unit="rad/s")
-    centre: Vector = field("A point c of the axis, part frame", unit="m", default=ZERO)
+    centre: Vector = field("Point c on the axis, part frame", unit="m", default=ZERO)
 
 
 def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Array:
@@ -135,7 +138,7 @@ def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Array:
 
 
 def _inertial(part: Geometry, M: Sparse, field: Array) -> Array:
-    """Return ``int rho field`` of an affine field of accelerations (nn, 3) as nodal forces."""
+    """Return ``int rho field`` as nodal forces for an affine acceleration field (nn, 3)."""
     a = np.zeros((len(part.nodes), part.dofs_per_node))
     a[:, :3] = field
     return times(M, a.reshape(-1)).reshape(a.shape)
@@ -149,7 +152,7 @@ def _on_nodes(
         if total.shape[1] == 3:
             problems.add(
                 label,
-                "has a moment, but nodes of solids do not turn: use SurfaceLoad on a surface",
+                "has a moment, but nodes of solids have no rotations: use SurfaceLoad on a surface",
             )
         else:
             np.add.at(total[:, 3:], nodes, known["moment"] / len(nodes))
@@ -173,14 +176,14 @@ def _spread(
     t = np.broadcast_to(known["force"] / area, part.nodes.shape)
     if np.any(known["moment"] != 0.0):
         if np.linalg.eigvalsh(J)[0] < 1e-10 * np.trace(J):
-            problems.add(label, "has a moment, but the faces lie on a line")
+            problems.add(label, "has a moment, but the faces lie on a line; pick a wider surface")
             return
         t = t + np.cross(np.linalg.solve(J, known["moment"]), r)
     total[:, :3] += times(A, t)
 
 
 def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints | None:
-    """Return the nodes of a set, of indices or of a pick, or note what is wrong."""
+    """Return the nodes of a set, of indices or of a pick, or report what is wrong."""
     if isinstance(on, str):
         if on not in part.node_sets:
             problems.add(label, f"no surface or node set '{on}'{suggest(on, part.node_sets)}")
@@ -189,7 +192,7 @@ def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints 
     if isinstance(on, Pick):
         found = np.asarray(on.of(part.nodes), dtype=np.int64)
         if not len(found):
-            problems.add(label, "no node lies where it picks; is the pick in metres?")
+            problems.add(label, "the pick contains no node; check that it is in m")
             return None
         return found
     array = read_integers(on)
@@ -206,15 +209,16 @@ def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints 
 def _faces(
     problems: Problems, label: str, part: Geometry, on: Any, nodes: Ints
 ) -> list[Ints] | None:
-    """Return the outer faces of a named surface, or those all of whose nodes are among these."""
+    """Return the outer faces of a named surface, or those with all nodes among the given ones."""
     if not part.faces:
         problems.add(
-            label, "needs a surface, but the part has no outer faces: only Part.solid has them"
+            label,
+            "needs a surface, but the part has no outer faces; only parts of solids have them",
         )
         return None
     named = part.surfaces.get(on) if isinstance(on, str) else None
     if named is not None:
-        # rows of the outer faces, which are turned outwards
+        # rows of the outer faces, which have outward normals
         keys = {tuple(sorted(row)) for group in named for row in group.tolist()}
         masks = [[tuple(sorted(row)) in keys for row in group.tolist()] for group in part.faces]
         chosen = [g[np.array(m, dtype=bool)] for g, m in zip(part.faces, masks, strict=True)]

@@ -1,4 +1,4 @@
-"""The mass of a part as points: the one description from which M and all inertia integrals come."""
+"""Mass of a part as points: the one description from which M and all inertia integrals follow."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from jousto.base.object_repr import described
 
 
 class NodeField(Field["int | str", "int | str"]):
-    """A node, or the name of a set; it is found where the part is known."""
+    """Field of a node or of the name of a set; the part converts it to indices."""
 
     form = "text"
     noun = "int or str"
 
 
 class Tensor(Field[ArrayLike | None, Array]):
-    """Moments of inertia or an inertia tensor, None for none."""
+    """Field of moments of inertia or of an inertia tensor; None for none."""
 
     form = "inertia"
     noun = "(3,) or (3, 3) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a tensor that a body can have."""
+        """Return the inertia tensor (3, 3), or report that it is unphysical."""
         J = np.zeros(3) if value is None else value
         J = problems.array(where, "inertia", J, (3,) if np.ndim(J) == 1 else (3, 3))
         if J is None:
@@ -45,31 +45,31 @@ class Tensor(Field[ArrayLike | None, Array]):
             moments = ", ".join(f"{x:.6g}" for x in np.linalg.eigvalsh(J))
             problems.add(
                 where,
-                f"principal moments of inertia are {moments} kg m^2; they must not be negative"
-                " and none may exceed the sum of the two others",
+                f"principal moments of inertia are {moments} kg m^2; they must not be negative, "
+                f"and none may exceed the sum of the other two",
             )
         return read_only(J)
 
 
 class Arm(Field[ArrayLike | None, Array]):
-    """A vector (3,), None for none."""
+    """Field of a vector (3,); None for none."""
 
     form = "vector"
     noun = "(3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a read-only array."""
+        """Return a read-only array, or report what is wrong."""
         return problems.array(where, self.name, np.zeros(3) if value is None else value, (3,))
 
 
 class PointMass(Declared):
-    """A rigid mass fixed to a node.
+    """Rigid mass fixed to a node.
 
     Raises
     ------
     InputError
-        If a value is not finite, the mass is negative or the inertia is not that of a body
-        (symmetric, no moment above the sum of the two others).
+        If a value is not finite, the mass is negative, or the inertia is unphysical (not symmetric,
+        or a moment above the sum of the other two).
 
     Examples
     --------
@@ -82,16 +82,18 @@ class PointMass(Declared):
     )
     mass: Number = field("Mass", unit="kg", least=0, wanted="zero or positive")
     inertia: Tensor = field(
-        "About its own centre, part axes: three moments or a 3 x 3 tensor",
+        "Inertia about the centre of the mass, part axes: three moments or a 3 x 3 tensor",
         unit="kg m^2",
         default=(0.0, 0.0, 0.0),
     )
     offset: Arm = field(
-        "From the node to the centre of the mass, part frame", unit="m", default=(0.0, 0.0, 0.0)
+        "Vector from the node to the centre of the mass, part frame",
+        unit="m",
+        default=(0.0, 0.0, 0.0),
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages."""
+        """Return the prefix of messages."""
         return f"point mass at node {self.node!r}"
 
 
@@ -111,7 +113,7 @@ def inertia_tensor(G: Array) -> Array:
 @described
 @dataclass(frozen=True, eq=False)
 class MassPoints:
-    """The mass of a part as k points that move and turn with the nodes.
+    """Mass of a part as k points that translate and rotate with the nodes.
 
     The particles of point i lie at ``position_i + s`` and move, for nodal displacements d, by
     ``N_i d + (N_rot_i d) cross s``, where ``int s dm = 0`` and ``int s s^T dm = second_moment_i``.
@@ -129,8 +131,8 @@ class MassPoints:
     N_rot : (3 k, ndof) sparse array
         Rotation vectors of the points from nodal displacements, part axes.
     arm : (k, 3) ndarray, optional
-        Rigid arm from what the point turns with (a node) to its centre in m, part frame; zero if
-        not given. N has its first-order effect already.
+        Rigid arm from the node of the point to its centre in m, part frame; zero if not given. N
+        contains its first-order effect.
     """
 
     mass: Array
@@ -173,7 +175,7 @@ class MassPoints:
 
 
 def rigid_points(node: Ints, mass: Array, offset: Array, moment: Array, nodes: Array) -> MassPoints:
-    """Merge masses that are fixed to nodes into one mass point per node.
+    """Return one mass point per node from masses that are fixed to nodes.
 
     Parameters
     ----------
@@ -222,7 +224,7 @@ def rigid_points(node: Ints, mass: Array, offset: Array, moment: Array, nodes: A
 
 
 def joined(parts: Sequence[MassPoints]) -> MassPoints:
-    """Return all mass points of several descriptions over the same degrees of freedom."""
+    """Return the mass points of several descriptions over the same degrees of freedom."""
     if len(parts) == 1:
         return parts[0]
     return MassPoints(

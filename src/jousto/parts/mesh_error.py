@@ -1,4 +1,4 @@
-"""Discretisation error of solids, estimated from the stress that elements leave at odds."""
+"""Discretisation error of solids, estimated from stress jumps between elements."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
 
 BLOCK_BYTES = 32 << 20
-"""Memory of the stress at the points of a block of elements."""
+"""Memory of the stress at the points of a block of elements, bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class MeshError:
         return np.asarray(np.sqrt(share))
 
     def worst(self, field: int = 0) -> int:
-        """Return the index of the element with the largest share in the error of a field."""
+        """Return the index of the element with the largest share of the error of a field."""
         return int(np.argmax(self.squares[:, field]))
 
     def __repr__(self) -> str:
@@ -68,8 +68,9 @@ class MeshError:
 def mesh_error(part: Part, d: Array) -> MeshError:
     """Return the estimated discretisation error of displacements of a part of solids.
 
-    The stress ``s*`` at the nodes, see `SolidStress`, interpolated by the shape functions, stands
-    for the exact one: ``|e|^2 = int (s* - s) C^-1 (s* - s) dV`` (O. C. Zienkiewicz and J. Z. Zhu,
+    The stress ``s*`` at the nodes, see `SolidStress`, interpolated by the shape functions,
+    approximates the exact stress: ``|e|^2 = int (s* - s) C^-1 (s* - s) dV`` (O. C. Zienkiewicz and
+    J. Z. Zhu,
     *Int. J. Num. Meth. Eng.* 24 (1987) 337-357).
 
     Parameters
@@ -77,12 +78,12 @@ def mesh_error(part: Part, d: Array) -> MeshError:
     part : Part
         Of solids.
     d : (ndof, n) or (ndof,) array_like
-        Nodal displacements in m, such as modes or static answers.
+        Nodal displacements in m, such as modes or static solutions.
 
     Raises
     ------
     InputError
-        If the part is not made of solids, or d has another length.
+        If the part does not consist of solids, or d has another length.
 
     Examples
     --------
@@ -105,11 +106,13 @@ def mesh_error(part: Part, d: Array) -> MeshError:
 
 
 def _checked(part: Part, d: Array) -> tuple[SolidModel, Array]:
-    """Return the elements of a part and displacements (ndof, n)."""
+    """Return the solid elements of a part, and displacements (ndof, n)."""
     where = f"part '{part.name}'"
     model = part.solids
     if model is None:
-        raise InputError(Problem(where, "has no mesh error: only parts of solids have one"))
+        raise InputError(
+            Problem(where, "has no mesh error; it is defined for parts of solids only")
+        )
     x = np.asarray(d, dtype=np.float64)
     if x.ndim not in (1, 2) or len(x) != 3 * len(model.nodes):
         message = f"displacements have shape {x.shape}, must be ({3 * len(model.nodes)}, n)"
@@ -149,9 +152,9 @@ def _group_error(
 def place_errors(part: Part, d: Array) -> Array:
     """Return the estimated error of the stress at every node of a part of solids, (ns, n) in Pa.
 
-    By how much the elements around a node disagree: the root mean square of the von Mises stress
-    of ``s_e - s*``, with the stress s_e that each of them alone continues to the node and the
-    stress s* of the node, see `SolidStress`. Sites as those of ``part.stress``.
+    The error is the root mean square, over the elements around a node, of the von Mises stress of
+    ``s_e - s*``, where s_e is the stress extrapolated from one element and s* the stress of the
+    node, see `SolidStress`. The sites are those of ``part.stress``.
 
     Parameters
     ----------
@@ -163,7 +166,7 @@ def place_errors(part: Part, d: Array) -> Array:
     Raises
     ------
     InputError
-        As `mesh_error`.
+        See `mesh_error`.
     """
     model, X = _checked(part, d)
     stress = SolidStress.everywhere(model)

@@ -40,7 +40,7 @@ from jousto.parts.solids.surface import surface_stress
 
 
 def part_of(form: PartForm) -> Part:
-    """Return the part that is made of beams, a mesh or matrices."""
+    """Return the part built from beams, a mesh or matrices."""
     return Part.of(form)
 
 
@@ -48,7 +48,7 @@ def part_of(form: PartForm) -> Part:
 class Part(Geometry):
     """A flexible component before reduction, in its own part frame, free of supports.
 
-    Made by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`from_deck`, :meth:`solid`,
+    Created by :meth:`beam`, :meth:`frame`, :meth:`from_members`, :meth:`from_deck`, :meth:`solid`,
     :meth:`from_matrices` or :meth:`from_file`.
 
     Parameters
@@ -75,16 +75,16 @@ class Part(Geometry):
     interfaces : sequence of Interface
         Surfaces tied to one node of six motions each.
     faces : sequence of (nf, k) ndarray of int
-        Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then the
-        middles of the sides: averages over a surface weigh by area where they are known.
+        Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then
+        mid-side nodes; used for area weights of averages over a surface.
     surfaces : mapping of str to sequence of (nf, k) ndarray of int
-        Named faces in the same form; an interface on a node set of that name takes these.
+        Named faces in the same form; an interface on a node set of that name uses these faces.
     solids : SolidModel, optional
         The solid elements with their materials.
     mesh : Mesh, optional
         The mesh of the solids.
     attached : MassPoints, optional
-        Rigid masses that stand in M beside the consistent mass of solids.
+        Rigid masses that M contains in addition to the consistent mass of solids.
     outlines : Outlines, optional
         Outer edges of the sections of beams, for drawing.
     """
@@ -144,13 +144,13 @@ class Part(Geometry):
 
     @classmethod
     def of(cls, form: PartForm) -> Part:
-        """Return the part that is made of beams, a mesh or matrices."""
+        """Return the part built from beams, a mesh or matrices."""
         part = cls(**form.assembled())
         form.judge(part)
         return part
 
     def with_interfaces(self, *interfaces: Interface) -> Part:
-        """Return the part with these interfaces in place of those it has.
+        """Return the part with the given interfaces in place of the present ones.
 
         Parameters
         ----------
@@ -159,7 +159,8 @@ class Part(Geometry):
         Raises
         ------
         InputError
-            If an interface has no nodes, shares some with another, or does not tie six motions.
+            If an interface has no nodes, shares nodes with another, or does not determine six
+            motions.
 
         Examples
         --------
@@ -172,9 +173,9 @@ class Part(Geometry):
 
     @property
     def ties(self) -> tuple[Tie, ...]:
-        """The interfaces with their nodes, reference points and averages found."""
+        """Interfaces with the indices of their nodes, reference points and averages."""
         known: tuple[Tie, ...] | None = self.__dict__.get("_ties")
-        if known is None:  # made of other parts, number by number: not by the constructor
+        if known is None:  # created from other parts field by field, without the constructor
             known = resolve(Problems(), f"part '{self.name}'", self, self.interfaces)
             object.__setattr__(self, "_ties", known)
         return known
@@ -202,9 +203,9 @@ class Part(Geometry):
     def geometric_stiffness(self, d: Any) -> Sparse:
         """Return the geometric stiffness Kg (ndof, ndof) of the stress of a static deformation.
 
-        Under a static load f with the displacements d, ``K d = f``, a further small displacement x
-        meets the stiffness K + Kg: tension stiffens a beam, compression softens it. The part
-        buckles under c f for the least c with ``det(K + c Kg) = 0`` (on the free degrees of
+        Under a static load f with the displacements d, ``K d = f``, the stiffness for a further
+        small displacement x is K + Kg: tension stiffens a beam, compression softens it. The part
+        buckles under c f for the smallest c with ``det(K + c Kg) = 0`` (on the free degrees of
         freedom). For beams, Kg contains the stretch of the elements, ``N int v'^2 + w'^2 + (Iy +
         Iz)/A rx'^2 dx``, the rotation of bending and twisting moments, and rigid arms; for solids
         it is ``x^T Kg x = int s : (grad x^T grad x) dV``.
@@ -222,7 +223,7 @@ class Part(Geometry):
         Raises
         ------
         InputError
-            If the part is made neither of beams nor of solids, or d has another shape.
+            If the part consists neither of beams nor of solids, or d has another shape.
 
         Examples
         --------
@@ -243,9 +244,9 @@ class Part(Geometry):
         if self.second_order is None:
             problems.add(
                 where,
-                "has no geometric stiffness: it comes from matrices, only parts made of beams"
-                " (Part.beam, Part.frame, Part.from_members) or solids (Part.solid) know their"
-                " stress",
+                "has no geometric stiffness, because it was built from matrices; only parts of "
+                "beams (Part.beam, Part.frame, Part.from_members) or solids (Part.solid) have "
+                "stress data",
             )
         u = problems.array(where, "displacements", d, (self.K.shape[0],))
         problems.raise_if_any()
@@ -253,7 +254,7 @@ class Part(Geometry):
         return self.second_order.geometric_stiffness(u)
 
     def load(self, *loads: Load) -> Array:
-        """Return static loads as nodal forces, ready for ``K d = f``.
+        """Return static loads as nodal forces, the right-hand side of ``K d = f``.
 
         Work-equivalent forces of the shape functions: ``f_a = int N_a t dA`` and ``M a``.
 
@@ -270,8 +271,8 @@ class Part(Geometry):
         Raises
         ------
         InputError
-            With everything that is wrong: sets that do not exist, nodes that hold no face, moments
-            on nodes that do not turn.
+            With all problems: sets that do not exist, nodes without a complete face, moments on
+            nodes without rotations.
 
         Examples
         --------
@@ -286,38 +287,38 @@ class Part(Geometry):
 
     @cached_property
     def surface_normals(self) -> Array:
-        """Outward unit normals at the nodes of the surface of solids, (nn, 3), part frame.
+        """Outward unit normals at the surface nodes of solids, (nn, 3), part frame.
 
-        Means over the faces around a node, weighed by area; zero at nodes inside and for parts
-        whose outer faces are not known. Normal stress and shear stress on a free surface are zero:
+        The normals are means over the faces around a node, weighted by area; zero at inner nodes
+        and for parts without known outer faces. On a free surface normal and shear stress vanish:
         ``s n = 0``.
         """
         return read_only(node_normals(self.nodes, self.faces))
 
     def surface_stress(self, on: Any = None) -> StressOperator:
-        """Return the stress at the nodes of free surfaces of a solid: where no load acts.
+        """Return the stress at the nodes of free surfaces of a solid, where no load acts.
 
-        It follows from the strain of the outer faces, as strain gauges measure it, and from
-        ``s n = 0``; nothing is continued from inside the elements as in `stress`. With quadratic
-        elements it meets peaks at holes, fillets and notches several times closer. Wrong where
-        something presses on the surface, by about that pressure.
+        The stress follows from the strain of the outer faces, as measured by strain gauges, and
+        from ``s n = 0``, without extrapolation from inside the elements as in `stress`. With
+        quadratic elements the error of peaks at holes, fillets and notches is several times
+        smaller. Where a pressure acts on the surface, the error is about that pressure.
 
         Parameters
         ----------
         on : str, array_like of int or pick, optional
-            Node set, node indices or a pick: the outer faces whose nodes are all among these. If
-            not given: all outer faces but those of interfaces.
+            Node set, node indices or a pick: it selects the outer faces with all their nodes in the
+            set. None for all outer faces except those of interfaces.
 
         Returns
         -------
         StressOperator
-            Sites ``n12`` by the numbers of the nodes in the mesh, part axes. ``part.with_stress``
-            lets a reduction use it.
+            Sites ``n12`` by the numbers of the nodes in the mesh, part axes. Give it to
+            ``part.with_stress`` to use it in a reduction.
 
         Raises
         ------
         InputError
-            If the part is not made of solids, or no face lies there.
+            If the part does not consist of solids, or no face is selected.
 
         Examples
         --------
@@ -326,7 +327,7 @@ class Part(Geometry):
         return surface_stress(self, self.solids, [tie.nodes for tie in self.ties], on)
 
     def with_stress(self, stress: StressOperator | SolidStress | None) -> Part:
-        """Return the part with another stress operator: fewer sites, a free surface, or none."""
+        """Return the part with another stress operator: fewer sites, a free surface, or None."""
         return replace(self, stress=stress)
 
     @property

@@ -1,10 +1,10 @@
-"""Derivatives of reduced parts: what complex steps make of the modes, by real factorisations.
+"""Derivatives of reduced parts by complex numbers, with real factorisations.
 
 The modes X are Ritz vectors of a subspace, ``X = Y Q`` with ``Y = [R, T c]``: rigid motions R and
-the basis T of the method. At the point itself Q picks columns; its derivative is that of a
-diagonal eigenproblem. T needs its derivative outside of the subspace only: of constraint modes by
-``K_II dPhi = -(dK T)_I``, of vibration modes by Nelson's method (AIAA J. 14, 1976), bordered by all
-modes that are kept, so that equal frequencies among them do no harm.
+the basis T of the method. At the undisturbed point Q selects columns; its derivative is that of a
+diagonal eigenproblem. Only the part of dT outside of the subspace is needed: for constraint modes
+by ``K_II dPhi = -(dK T)_I``, for vibration modes by Nelson's method (AIAA J. 14, 1976), bordered by
+all kept modes, so that equal frequencies among them cause no singularity.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.stages import Run
 
 SPANNED = 1e-6
-"""Share of a mode that the basis may miss."""
+"""Largest part of a mode outside of the basis / size of the mode."""
 
 
 class Matrices:
@@ -39,7 +39,7 @@ class Matrices:
     Parameters
     ----------
     part : Part
-        With complex numbers.
+        Part with complex numbers.
     """
 
     def __init__(self, part: Part) -> None:
@@ -56,19 +56,19 @@ def stepped_modes(part: Part, plain: Part, kept: ReducedPart, method: Method) ->
     Parameters
     ----------
     part, plain : Part
-        With complex numbers, and without.
+        Part with complex numbers, and with their real parts.
     kept : ReducedPart
         The reduction of `plain`.
     method : CraigBampton or FreeFree
-        Its method.
+        Method of that reduction.
 
     Raises
     ------
     NotAnalytic
-        Surfaces are tied, residual loads are given, or motions have no mass.
+        If surfaces are tied, residual loads are given, or motions have no mass.
     """
     if isinstance(method, ShapeFunctions):
-        raise NotAnalytic("shape functions are reduced by")
+        raise NotAnalytic("the method is shape functions")
     if part.ties:
         raise NotAnalytic("surfaces of the part are tied to nodes")
     if method.residuals:
@@ -79,9 +79,9 @@ def stepped_modes(part: Part, plain: Part, kept: ReducedPart, method: Method) ->
     square = np.asarray(kept.stiffness)
     given = Matrices(part)
     if np.abs(X.T @ (given.M @ X) - np.eye(kept.n)).max() > SPANNED:
-        raise NotAnalytic("some modes move no mass")
+        raise NotAnalytic("some modes have no mass")
     T, dT = _basis(plain, given, method, X, square)
-    # X = T c + R a; rows scaled so that rotations and translations are alike
+    # X = T c + R a; rows scaled so that rotations and translations are comparable
     both, slopes = np.concatenate([T, given.R], axis=1), np.concatenate([dT, given.dR], axis=1)
     rows = np.sqrt(np.maximum(given.K.diagonal(), 1e-12 * given.K.diagonal().max()))[:, None]
     size = np.linalg.norm(rows * both, axis=0)
@@ -89,7 +89,7 @@ def stepped_modes(part: Part, plain: Part, kept: ReducedPart, method: Method) ->
     if np.linalg.norm(rows * (both @ c - X)) > SPANNED * np.linalg.norm(rows * X):
         raise NotAnalytic("the modes are not those of the method's basis")
     dX = slopes @ c
-    # within equal frequencies the shapes along which these part
+    # among equal frequencies: the shapes that separate under the perturbation
     for one in clusters(1.0 / square):
         if one.stop - one.start > 1:
             dK, dM = _small(given, X[:, one], dX[:, one])
@@ -124,7 +124,7 @@ def _ritz(given: Matrices, X: Array, dX: Array, square: Array) -> tuple[Any, Any
 def _basis(
     plain: Part, given: Matrices, method: Method, X: Array, square: Array
 ) -> tuple[Array, Array]:
-    """Return a basis of the modes and its derivative outside of what it spans."""
+    """Return a basis of the modes and its derivative outside of the span of the basis."""
     if not isinstance(method, CraigBampton):
         if method.interfaces:
             raise NotAnalytic("the reduction has attachment modes")

@@ -1,4 +1,4 @@
-"""Content: what a reduced part is made of and its files keep, checked."""
+"""Content: data of a reduced part, as in its files, with checks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a `ReducedPart` is before it is used; see there."""
+    """Data of a `ReducedPart`, checked; see there."""
 
     name: str
     nodes: Array
@@ -59,9 +59,9 @@ class Content:
             if turning.ndim != 1 or np.any(np.diff(turning) <= 0):
                 problems.add(where, "rotation_nodes are not node numbers in ascending order")
             elif len(turning) and not (0 <= turning[0] and turning[-1] < nn):
-                problems.add(where, f"rotation_nodes name nodes outside 0..{nn - 1}")
+                problems.add(where, f"rotation_nodes refer to nodes outside 0..{nn - 1}")
             if rotations is None:
-                problems.add(where, "rotation_nodes are given without rotations")
+                problems.add(where, "rotation_nodes are given without rotations; leave them out")
             turning.setflags(write=False)
         if rotations is not None:
             count = nn if turning is None else len(turning)
@@ -71,38 +71,38 @@ class Content:
         if f is not None and n and f.min() <= 0.0:
             problems.add(where, f"a frequency is {f.min():g} Hz, must be positive")
         if self.invariants.n != n:
-            problems.add(where, f"invariants are of {self.invariants.n} modes, frequencies of {n}")
+            problems.add(where, f"invariants have {self.invariants.n} modes, frequencies {n}")
         if self.stress is not None and self.stress.modes.shape[2] != n:
-            problems.add(where, f"stress is of {self.stress.modes.shape[2]} modes, must be {n}")
+            problems.add(where, f"stress has {self.stress.modes.shape[2]} modes, must have {n}")
         if self.stiffening is not None:
             found = self.stiffening.translations.shape
             if found != (nn, 3, n, n):
-                problems.add(where, f"stiffening is of {found[0]} nodes and {found[3]} modes")
+                problems.add(where, f"stiffening has {found[0]} nodes and {found[3]} modes")
 
         # node numbers of elements and sets
         elements = np.array(self.elements, dtype=np.intp)
         if elements.ndim != 2:
             problems.add(where, f"elements has shape {elements.shape}, must be (any, any)")
         elif elements.size and not (0 <= elements.min() and elements.max() < nn):
-            problems.add(where, f"elements name nodes outside 0..{nn - 1}")
+            problems.add(where, f"elements refer to nodes outside 0..{nn - 1}")
         if self.beams is not None and elements.shape != (len(self.beams), 2):
             problems.add(where, f"beams are {len(self.beams)}, elements {elements.shape}")
         if self.outlines is not None and self.outlines.which.shape != (len(elements),):
             problems.add(
                 where,
-                f"outlines are of {len(self.outlines.which)} elements, there are {len(elements)}",
+                f"outlines have {len(self.outlines.which)} elements, the part has {len(elements)}",
             )
         faces = tuple(np.array(face, dtype=np.intp) for face in self.faces)
         for face in faces:
             if face.ndim != 2 or face.shape[1] not in (3, 4, 6, 8):
                 problems.add(where, f"faces have shape {face.shape}, must be (any, 3, 4, 6 or 8)")
             elif face.size and not (0 <= face.min() and face.max() < nn):
-                problems.add(where, f"faces name nodes outside 0..{nn - 1}")
+                problems.add(where, f"faces refer to nodes outside 0..{nn - 1}")
             face.setflags(write=False)
         sets = {str(k): tuple(int(i) for i in v) for k, v in self.node_sets.items()}
         for key, members in sets.items():
             if any(not 0 <= i < nn for i in members):
-                problems.add(where, f"node set '{key}' names nodes outside 0..{nn - 1}")
+                problems.add(where, f"node set '{key}' refers to nodes outside 0..{nn - 1}")
         for key in self.interfaces:
             if key not in sets:
                 problems.add(where, f"interface '{key}' is not a node set{suggest(key, sets)}")

@@ -1,4 +1,4 @@
-"""Modal damping: the diagonal D of ``-K p - D p'``."""
+"""Modal damping: the diagonal D of the modal forces ``-K p - D p'``."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from jousto.base.errors import InputError, Problem, warn
 from jousto.base.fields import field
 from jousto.base.numbers import Number
 
-# per cent are never more; what is held so firmly does not move
+# largest damping ratio; larger values are no percentages and leave no motion
 MOST = 100.0
 
 
 class Rayleigh(Declared, section="damping", tag="rayleigh", by_value=True):
     """Damping proportional to mass and stiffness, ``D = alpha M + beta K``.
 
-    Mode j gets ``D_j = alpha + beta omega_j^2``, that is the damping ratio
+    Mode j has ``D_j = alpha + beta omega_j^2``, that is the damping ratio
     ``alpha / (2 omega_j) + beta omega_j / 2``.
 
     Raises
     ------
     InputError
-        A coefficient that is negative or not finite.
+        If a coefficient is negative or not finite.
 
     Examples
     --------
@@ -42,7 +42,7 @@ class Rayleigh(Declared, section="damping", tag="rayleigh", by_value=True):
 
     @classmethod
     def from_ratios(cls, first: tuple[float, float], second: tuple[float, float]) -> Rayleigh:
-        """Return the damping that has given ratios at two frequencies.
+        """Return the damping with given ratios at two frequencies.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ class Rayleigh(Declared, section="damping", tag="rayleigh", by_value=True):
         Raises
         ------
         InputError
-            Frequencies that are equal or not positive, or ratios that need a negative coefficient.
+            If the frequencies are equal or not positive, or a coefficient would be negative.
         """
         (f1, z1), (f2, z2) = first, second
         if not (f1 > 0.0 and f2 > 0.0 and f1 != f2):
@@ -64,7 +64,7 @@ class Rayleigh(Declared, section="damping", tag="rayleigh", by_value=True):
 
 
 Damping = float | Sequence[float] | Array | Rayleigh
-"""One ratio for all modes, a ratio for each mode, or Rayleigh damping."""
+"""One damping ratio for all modes, one ratio per mode, or Rayleigh damping."""
 
 
 def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
@@ -73,7 +73,7 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
     Parameters
     ----------
     spec : float, sequence of float or Rayleigh
-        Damping ratio (1 is critical) of all modes, of each mode, or Rayleigh damping.
+        Damping ratio (1 is critical) of all modes, one ratio per mode, or Rayleigh damping.
     frequencies : (n,) array
         Undamped frequencies, Hz.
 
@@ -85,7 +85,7 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
     Raises
     ------
     InputError
-        Ratios that are negative, not finite, or not as many as there are modes.
+        If ratios are negative, not finite, or not one per mode.
 
     Examples
     --------
@@ -105,9 +105,7 @@ def modal_damping(spec: Damping, frequencies: Sequence[float] | Array) -> Array:
         if zeta.ndim > 1 or (zeta.ndim == 1 and zeta.shape != f.shape):
             shape = zeta.shape
             message = f"{shape[0]} ratios for {len(f)} modes" if zeta.ndim == 1 else f"{shape}"
-            raise InputError(
-                Problem("damping", f"{message}: give one ratio or one for each of the modes")
-            )
+            raise InputError(Problem("damping", f"{message}: give one ratio, or one per mode"))
         bad = np.flatnonzero(~(np.isfinite(zeta) & (zeta >= 0.0)))
         if len(bad):
             value = zeta.flat[bad[0]]

@@ -1,4 +1,4 @@
-"""Points of a flexible body that are no nodes: how they follow the nodes around them."""
+"""Points of a flexible body between nodes, with motions interpolated from the nodes."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 ARM = 0.1
-"""Longest rigid arm from the axis of a beam to a point, over the size of the part."""
+"""Longest rigid arm from the axis of a beam to a point / size of the part."""
 
 AROUND = 40
-"""Nodes around a point of a solid that it follows."""
+"""Number of nodes around a point of a solid for the interpolation."""
 
 DEPENDENT = 1e-6
-"""Share of a polynomial over the nodes that is none of those before it: below, it is left out."""
+"""Smallest part of a polynomial that is independent of the previous ones; others are left out."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """The nodes that a point follows: ``[u; theta] = sum_k W_k [u_k; theta_k]``.
+    """Interpolation of a point from nodes: ``[u; theta] = sum_k W_k [u_k; theta_k]``.
 
     Attributes
     ----------
     nodes : (k,) int array
-        Their numbers, from 0.
+        Indices of the nodes, from 0.
     weights : (6, k, 6) array
         Translation and rotation of the point from those of the nodes, part frame, m and rad.
     arm : (3,) array
-        Rigid arm to the point from where the nodes are interpolated, part frame, m.
+        Rigid arm from the interpolated point to the point, part frame, m.
     """
 
     nodes: Ints
@@ -53,7 +53,7 @@ class Followed:
         return np.asarray(np.einsum("akb,kbn->an", self.weights, moved))
 
     def second_order(self, reduced: ReducedPart) -> Array:
-        """Return its second-order translation and rotation (6, n, n), see `Stiffening`."""
+        """Return second-order translation and rotation of the point (6, n, n), see `Stiffening`."""
         field = reduced.stiffening
         assert field is not None
         nodal = np.concatenate(
@@ -66,16 +66,16 @@ class Followed:
 
 
 def followed(reduced: ReducedPart, point: Array) -> Followed:
-    """Return the nodes that a point of a part follows.
+    """Return the interpolation of a point of a part from its nodes.
 
-    In beams the point follows the section beside it: translation and rotation of the section are
-    those of the shape functions of the element, and a point off the axis is on a rigid arm. In
-    other parts it follows the nodes around it: a polynomial of the second degree (of what the
-    nodes can tell, at least of the first) is fitted to their translations with weights that fall
-    with the distance, ``w = (1 - d^2/R^2)^2 / d^2``; its value and half its curl at the point are
-    translation and rotation (Lancaster and Salkauskas, *Math. Comp.* 37, 1981). Rigid motions and
-    even strain are met exactly, so that forces on the point reach the nodes with their resultant
-    and their moment.
+    In beams the point moves with the nearest section: translation and rotation follow from the
+    shape functions of the element, with a rigid arm to points off the axis. In other parts a
+    polynomial of second degree (or of the terms that the nodes determine, at least the linear ones)
+    is fitted to the translations of the surrounding nodes, with weights ``w = (1 - d^2/R^2)^2 /
+    d^2`` of the distance d; its value and half of its curl at the point are translation and
+    rotation (Lancaster and Salkauskas, *Math. Comp.* 37, 1981). Rigid motions and constant strain
+    are reproduced exactly, so that forces on the point reach the nodes with the same resultant and
+    moment.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def followed(reduced: ReducedPart, point: Array) -> Followed:
     Raises
     ------
     InputError
-        The point is outside of the part, or its nodes do not tell how it turns.
+        If the point is outside of the part, or its nodes do not determine the rotation.
     """
     if reduced.beams is not None and len(reduced.beams):
         return _of_beam(reduced, reduced.beams, point)
@@ -130,7 +130,7 @@ def _of_solid(reduced: ReducedPart, point: Array) -> Followed:
     _check_inside(reduced, point)
     known = np.arange(len(reduced.nodes))
     if reduced.faces and reduced.rotation_nodes is not None:
-        # the reference nodes of interfaces are no nodes of the solid
+        # the reference nodes of interfaces do not belong to the solid
         known = np.setdiff1d(known, reduced.rotation_nodes)
     x = np.real(reduced.nodes[known])
     tree, count = cKDTree(x), min(AROUND, len(x))
@@ -144,8 +144,8 @@ def _of_solid(reduced: ReducedPart, point: Array) -> Followed:
             break
         if count == len(x):
             message = (
-                "cannot follow the nodes of the part, which lie in one plane or line and do not "
-                'tell how it turns; use a node, body["node7"]'
+                "cannot be interpolated: the nodes of the part lie in one plane or line and do "
+                'not determine its rotation; use a node, body["node7"]'
             )
             raise _refused(reduced, point, message)
         count = min(2 * count, len(x))
@@ -169,7 +169,7 @@ def _polynomials(r: Array, R: float) -> Array:
 
 
 def _independent(P: Array) -> list[int]:
-    """Return the columns that are no sums of those before them."""
+    """Return the columns that are linearly independent of the previous ones."""
     kept: list[int] = []
     Q = np.zeros((len(P), 0))
     for j, column in enumerate(np.real(P).T):
@@ -185,8 +185,9 @@ def _independent(P: Array) -> list[int]:
 def _check_inside(reduced: ReducedPart, point: Array) -> None:
     x, at = np.real(reduced.nodes), np.real(point)
     hint = (
-        "; are its coordinates in metres and in the part's frame? A point in a bore or beside the "
-        "part needs an Interface, which ties the nodes around it to a node of its own"
+        "; check that its coordinates are in m and in the frame of the part A point in a bore "
+        "or beside the part needs an Interface, which ties the nodes around it to a node of its"
+        " own"
     )
     if not reduced.faces:
         low, high = x.min(axis=0), x.max(axis=0)
@@ -200,23 +201,24 @@ def _check_inside(reduced: ReducedPart, point: Array) -> None:
     distance = _distances(T)
     nearest = int(distance.argmin())
     longest = float(np.linalg.norm(T[nearest] - np.roll(T[nearest], 1, axis=0), axis=1).max())
-    # the sides of curved faces are straight here
+    # curved faces are treated as flat here
     if distance[nearest] > 0.25 * longest and _turns(T) < 0.5:
         message = f"lies {distance[nearest]:.4g} m outside of the surface of the part{hint}"
         raise _refused(reduced, point, message)
 
 
 def _triangles(face: Ints) -> Ints:
-    """Return the corners (nt, 3) of faces of 3, 4, 6 or 8 nodes in triangles."""
+    """Return the triangles (nt, 3, 3) of faces of 3, 4, 6 or 8 nodes by their corners."""
     if face.shape[1] in (3, 6):
         return np.asarray(face[:, :3])
     return np.concatenate([face[:, [0, 1, 2]], face[:, [0, 2, 3]]])
 
 
 def _turns(T: Array) -> float:
-    """Return how often a closed surface (nt, 3, 3) goes around the origin: 1 inside, 0 outside.
+    """Return the winding number of a closed surface (nt, 3, 3) about the origin (1: inside).
 
-    Sum of the solid angles: van Oosterom and Strackee, *IEEE Trans. Biomed. Eng.* 30 (1983).
+    It is the sum of the solid angles / 4 pi: van Oosterom and Strackee, *IEEE Trans. Biomed. Eng.*
+    30 (1983).
     """
     a, b, c = T.transpose(1, 0, 2)
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))

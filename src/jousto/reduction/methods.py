@@ -1,4 +1,4 @@
-"""Which modes describe the elastic motion: the options of `reduce`."""
+"""Methods of reduction: which modes describe the elastic motion."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from jousto.reduction.shapes.functions import Functions
 
 
 class Places(Field["str | Iterable[str]", "tuple[str, ...]"]):
-    """Names of interfaces or node sets, or a single one."""
+    """Field of names of interfaces or node sets, or of a single name."""
 
     form = "texts"
     noun = "tuple of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the names; note what is none, and what is named twice."""
+        """Return the names; report wrong ones and duplicates."""
         if not isinstance(value, Iterable):
             problems.add(where, f"{self.name} is {value!r}, must be names")
             return ()
@@ -38,35 +38,35 @@ class Places(Field["str | Iterable[str]", "tuple[str, ...]"]):
 
 
 class Residuals(Field[Any, "tuple[Any, ...]"]):
-    """Loads whose static response is exact, and stress sites."""
+    """Field of residual loads, whose static response is exact, and of stress sites."""
 
     form = "residuals"
     noun = "sequence of (ndof,) or (ndof, m) arrays and str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the residuals as a tuple, or report wrong ones."""
         return read_residuals(where, value, problems)
 
 
 class Limit(OptionalNumber):
-    """The highest frequency kept, Hz."""
+    """Field of the highest kept frequency, Hz."""
 
     def __init__(self, text: str = "", **common: Any) -> None:
         super().__init__(text, unit="Hz", above=0, wanted="positive, in Hz", plain=True, **common)
 
 
 class Reduction(Declared, section="reductions", by_value=True):
-    """A choice of modes, up to a number, a frequency or both."""
+    """Base of the methods: a choice of modes by number, by frequency or by both."""
 
     frame: FrameField = field(
-        "How the frame follows the body: a node, the chord of two nodes, or the mean axes if not "
-        "given",
+        "Reference condition of the body frame: a node, the chord of two nodes, or None for the"
+        " mean axes",
         default=None,
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note that no limit is given, or a frame that modes of the mesh do not have."""
+        """Report a missing limit, and a frame that is not defined for modes of the mesh."""
         if isinstance(self.frame, AsGiven):
             problems.add(where, "frame is AsGiven(), which only ShapeFunctions(...) have", "frame")
         if all(getattr(self, key) is None for key in ("modes", "frequency_limit")):
@@ -74,21 +74,21 @@ class Reduction(Declared, section="reductions", by_value=True):
 
 
 class CraigBampton(Reduction, tag="craig-bampton"):
-    """Fixed-interface modes plus constraint modes of the interface nodes.
+    """Fixed-interface modes and constraint modes of the interface nodes.
 
-    ``T = [E 0; Phi_C Phi_N]`` (Rantalainen 2007, eqs. 3.24-3.31), then orthonormalised and freed
-    of the rigid-body modes (eqs. 3.32-3.36). One interface node of six degrees of freedom adds
-    six constraint modes; the six rigid-body modes are taken away, so that
-    ``n = modes + 6 * len(interfaces) - 6``. Of these, motions that move no mass
-    stand at 10,000 times the lowest frequency, as the static shapes that they are.
+    ``T = [E 0; Phi_C Phi_N]`` (Rantalainen 2007, eqs. 3.24-3.31), then orthonormalised without the
+    rigid-body modes (eqs. 3.32-3.36). Each interface node with six degrees of freedom adds six
+    constraint modes; the six rigid-body modes are removed, so that ``n = modes + 6 *
+    len(interfaces) - 6``. Modes without mass get 10,000 times the lowest frequency, since they are
+    static shapes.
 
-    Residual vectors ``(K_II^-1 - Phi_N W^-2 Phi_N^T) f`` add what the fixed-interface modes leave
-    out of a static response: one more mode for each load or stress component.
+    Residual vectors ``(K_II^-1 - Phi_N W^-2 Phi_N^T) f`` add the part of a static response outside
+    of the fixed-interface modes: one more mode per load or stress component.
 
     Raises
     ------
     InputError
-        Neither limit given, or a limit or residual that cannot be used.
+        If no limit is given, or a limit or residual cannot be used.
 
     Examples
     --------
@@ -97,27 +97,28 @@ class CraigBampton(Reduction, tag="craig-bampton"):
     """
 
     interfaces: Places = field(
-        "Where joints and forces act: interfaces of the part, or node sets, of which every node is "
-        "an interface node then. All interfaces of the part if none is named",
+        "Interfaces or node sets where joints and forces act; every node of a node set becomes "
+        "an interface node. Empty for all interfaces of the part",
         default=(),
     )
     modes: OptionalWhole = field(
-        "Number of fixed-interface modes, the lowest are taken; 0 is static condensation",
+        "Number of fixed-interface modes, lowest first; 0 for static condensation",
         least=0,
         default=None,
     )
     frequency_limit: Limit = field(
-        "Highest fixed-interface frequency kept. With `modes` as well, both limits hold",
+        "Highest frequency of the fixed-interface modes. With `modes`, both limits apply",
         default=None,
     )
     residuals: Residuals = field(
-        "Nodal load patterns in the part's degrees of freedom, any unit: the static response to "
-        "them is exact. Names of stress sites: their static stress is exact under all loads",
+        "Nodal load patterns in the degrees of freedom of the part, any unit, whose static "
+        "response becomes exact; or names of stress sites, whose static stress becomes exact "
+        "under all loads",
         default=(),
     )
     inertia_relief: Flag = field(
-        "Whether the response to the six rigid accelerations is added too: weight and slow "
-        "acceleration then act on the part as on its mesh",
+        "Whether the responses to the six rigid accelerations are added: the deformation under "
+        "weight and slow acceleration then equals that of the mesh",
         default=False,
     )
 
@@ -132,16 +133,16 @@ class CraigBampton(Reduction, tag="craig-bampton"):
 
 
 class FreeFree(Reduction, tag="free-free"):
-    """Free-free elastic modes of the whole part: no interface.
+    """Free-free elastic modes of the whole part, without interfaces.
 
-    Good for a part without supports; near a joint they converge slower than `CraigBampton`,
-    unless attachment modes are added: what the modes leave out of the response to unit forces and
-    moments on the interfaces of the accelerated part (MacNeal 1971, Rubin 1975).
+    Suitable for a part without supports. Near a joint they converge slower than `CraigBampton`,
+    unless attachment modes are added: the residual response of the accelerated part to unit forces
+    and moments on the interfaces (MacNeal 1971, Rubin 1975).
 
     Raises
     ------
     InputError
-        Neither limit given, or a limit or residual that cannot be used.
+        If no limit is given, or a limit or residual cannot be used.
 
     Examples
     --------
@@ -150,18 +151,18 @@ class FreeFree(Reduction, tag="free-free"):
     """
 
     modes: OptionalWhole = field(
-        "Number of elastic modes, the lowest are taken. The rigid-body modes do not count",
+        "Number of elastic modes, lowest first, without the rigid-body modes",
         least=0,
         default=None,
     )
     frequency_limit: Limit = field(
-        "Highest frequency kept. With `modes` as well, both limits hold", default=None
+        "Highest frequency of the modes. With `modes`, both limits apply", default=None
     )
-    interfaces: Places = field("Interfaces or node sets that get attachment modes", default=())
-    residuals: Residuals = field("Load patterns and stress sites as in `CraigBampton`", default=())
+    interfaces: Places = field("Interfaces or node sets with attachment modes", default=())
+    residuals: Residuals = field("Load patterns and stress sites, see `CraigBampton`", default=())
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note that there would be no mode."""
+        """Report a method without modes."""
         super().consistent(problems, where)
         if self.modes == 0 and not self.residuals and not self.interfaces:
             problems.add(where, "modes is 0, must be at least 1", "modes")
@@ -174,23 +175,23 @@ class FreeFree(Reduction, tag="free-free"):
 
 
 class ShapeFunctions(Reduction, tag="shape-functions"):
-    """Functions of position instead of modes of the mesh: Ritz' method.
+    """Shape functions of position in place of modes of the mesh (Ritz method).
 
     ``u = T q`` with the functions' values T at the nodes; mass and stiffness are
-    ``T^T M T`` and ``T^T K T`` of the part's own matrices. Rigid motions are taken out, which the
-    frame carries, and what is left is made orthonormal, so that the modes of the part are the best
-    that the functions can do. With interfaces or residuals come their static responses, as in
-    `FreeFree`.
+    ``T^T M T`` and ``T^T K T`` of the part's own matrices. Rigid motions are removed, since they
+    are those of the frame, and the rest is orthonormalised; the results are the best approximations
+    of the modes of the part by these functions. Interfaces and residuals add their static
+    responses, as in `FreeFree`.
 
-    A callable gets the positions of all nodes (nn, 3) in m and returns translations (nn, 3), any
-    unit; in parts of beams also translations and rotations (nn, 6). Without them nodes of beams
-    turn such that the strain energy is least. Columns are displacements (ndof,) or (ndof, m) in the
-    part's degrees of freedom.
+    A callable has the positions of all nodes (nn, 3) in m as argument and returns translations (nn,
+    3), any unit; for parts of beams it may return translations and rotations (nn, 6). Missing
+    rotations of beam nodes are those of minimal strain energy. Columns are displacements (ndof,) or
+    (ndof, m) in the part's degrees of freedom.
 
     Raises
     ------
     InputError
-        No function, or what is none.
+        If there is no function, or an argument is none.
 
     Examples
     --------
@@ -209,19 +210,19 @@ class ShapeFunctions(Reduction, tag="shape-functions"):
         "Families of functions (beam eigenfunctions, polynomials, splines); in Python also "
         "functions of position and columns over the nodes"
     )
-    interfaces: Places = field("Interfaces or node sets that get attachment modes", default=())
+    interfaces: Places = field("Interfaces or node sets with attachment modes", default=())
     modes: OptionalWhole = field(
-        "Number of modes of the functions kept, the lowest are taken; all if not given",
+        "Number of modes, lowest first; None for all",
         least=1,
         default=None,
     )
     frequency_limit: Limit = field(
-        "Highest frequency of these kept. With `modes` as well, both limits hold", default=None
+        "Highest frequency of the modes. With `modes`, both limits apply", default=None
     )
-    residuals: Residuals = field("Load patterns and stress sites as in `CraigBampton`", default=())
+    residuals: Residuals = field("Load patterns and stress sites, see `CraigBampton`", default=())
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Nothing: without limits all are kept."""
+        """Accept missing limits: all modes are kept."""
 
     def __repr__(self) -> str:
         more = "".join(

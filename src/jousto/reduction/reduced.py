@@ -1,4 +1,4 @@
-"""The reduced part: everything the simulation of a flexible body needs, and nothing of the mesh."""
+"""Reduced part: the data for the simulation of a flexible body, without the mesh."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from jousto.reduction.content import Content
 from jousto.reduction.modes.rigid import length_scale, rigid_modes
 
 SID = (".sid", ".sid_fem")
-"""Endings of standard input data."""
+"""File endings of standard input data."""
 RIGID = 1e-9
-"""Deformation of the interfaces in a mode over their motion below which they move as one body."""
+"""Largest deformation of interfaces that move as one rigid body / their motion in a mode."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReducedPart(Content):
-    """A flexible body described by n modes in its floating frame.
+    """Flexible body described by n modes in its floating frame.
 
-    The frame is that of the part's nodes. Modes are mass-normalised, so that the modal mass matrix
-    is the identity and the modal stiffness is ``diag((2 pi f)^2)``. Made by `reduce`.
+    The frame is that of the node positions. Modes are mass-normalised, so that the modal mass
+    matrix is the identity and the modal stiffness is ``diag((2 pi f)^2)``. Created by `reduce`.
 
     Parameters
     ----------
@@ -44,37 +44,37 @@ class ReducedPart(Content):
     modes : (nn, 3, n) array
         Nodal translation of each mode, part frame, kg^-0.5.
     rotations : (nr, 3, n) array or None
-        Rotation of the nodes that turn in each mode, kg^-0.5/m; None where none does.
+        Rotation of nodes in each mode, kg^-0.5/m; None if no node has rotations.
     frequencies : (n,) array
         Hz.
     invariants : Invariants
         Mass integrals.
     stress : StressModes or None
-        Stress of each mode at the places of the part.
+        Stress of each mode at the stress sites.
     interfaces : tuple of str
-        Node sets whose static deformation the modes hold exactly.
+        Node sets for which the modes contain the static deformation exactly.
     provenance : mapping of str to str
         Method, versions and hash of the input.
     stiffening : Stiffening or None
-        Second-order displacements: what makes forces along the body stiffen or soften it.
+        Second-order displacements, by which forces stiffen or soften the body.
     rotation_nodes : (nr,) int array or None
-        Which nodes turn, ascending: the reference nodes of the interfaces of a solid. None if all
-        do (or none does).
+        Nodes with rotations, ascending: the reference nodes of the interfaces of a solid. None if
+        all nodes or no nodes have rotations.
     faces : tuple of (nf, k) int array
-        Outer faces of a solid by kind, k = 3, 4, 6 or 8 nodes, corners first, then the middles of
-        the sides, normals outwards: where strain gauges stick. Empty for beams.
+        Outer faces of a solid by kind, k = 3, 4, 6 or 8 nodes, corners first, then mid-side nodes,
+        normals outwards, for strain gauges. Empty for beams.
     beams : BeamElements or None
-        Axes, lengths and shear of the elements of beams: what points between the nodes need.
+        Axes, lengths and shear parameters of beam elements, for points between the nodes.
     outlines : Outlines or None
         Outer edges of the sections of beams, for drawing.
     source : Part or None
-        The part that was reduced, if it is not large (30,000 degrees of freedom): `compile` asks
-        it what loads do that the modes leave out. Not saved.
+        The part before reduction, if it has at most 30,000 degrees of freedom, for the response to
+        loads outside of the modes. Not saved.
 
     Raises
     ------
     InputError
-        Arrays that do not belong together or are not finite; all problems at once.
+        With all arrays that are inconsistent or not finite.
     """
 
     def __repr__(self) -> str:
@@ -94,17 +94,17 @@ class ReducedPart(Content):
 
     @property
     def named_nodes(self) -> dict[str, Array]:
-        """Undeformed positions (3,), m, of the nodes that have a set of their own."""
+        """Undeformed positions (3,), m, of the nodes that have a node set of their own."""
         return {key: self.nodes[m[0]] for key, m in self.node_sets.items() if len(m) == 1}
 
     @explained
     def node(self, name: str) -> int:
-        """Return the number of the node with this name, from 0.
+        """Return the index (from 0) of the node with a name.
 
         Raises
         ------
         InputError
-            No such node set, or one with several nodes.
+            If there is no such node set, or it has several nodes.
         """
         members = self.node_sets.get(name)
         where = f"reduced part '{self.name}'"
@@ -121,12 +121,12 @@ class ReducedPart(Content):
         return members[0]
 
     def rotation(self, node: int) -> Array | None:
-        """Return the rotation of a node in each mode (3, n), kg^-0.5/m; None if it does not turn.
+        """Return the rotation of a node in each mode (3, n), kg^-0.5/m; None if it has none.
 
         Parameters
         ----------
         node : int
-            Node number, from 0.
+            Index of the node, from 0.
         """
         if self.rotations is None:
             return None
@@ -139,15 +139,15 @@ class ReducedPart(Content):
 
     @property
     def static_shares(self) -> Array:
-        """Share of the strain energy of each mode that is static, (n,), from 0 to 1.
+        """Static part of the strain energy of each mode, (n,), from 0 to 1.
 
-        The strain energy of a mode is that of the static shape in which loads on the interfaces
-        alone move these as the mode does (constraint or attachment modes), and that of a vibration
-        with the interfaces held; the two are orthogonal. Modes whose share is above a half are
-        corrections: they are there for the interfaces' deformation, not for their frequencies. With
-        U the motion of the interfaces in the modes, freed of rigid motion, and the singular vectors
-        V of ``U diag(1/omega)``, the shares are the squares of the rows of V, summed: in
-        all as many as the interfaces deform independently, 6 (i - 1) for i interface nodes.
+        A mode is the sum of a static shape, caused by loads on the interfaces that produce the
+        interface motion of the mode (constraint or attachment modes), and of a vibration with fixed
+        interfaces; their strain energies add. Modes with a static part above one half describe the
+        deformation of the interfaces; their frequencies have no physical meaning. With U the motion
+        of the interfaces in the modes without rigid motion, and the singular vectors V of ``U
+        diag(1/omega)``, the parts are the sums of squares of the rows of V. Their total is the
+        number of independent deformations of the interfaces, 6 (i - 1) for i interface nodes.
         """
         length = length_scale(self.nodes)
         moved, rigid = [np.zeros((0, self.n))], [np.zeros((0, 6))]
@@ -161,7 +161,7 @@ class ReducedPart(Content):
         U, R = np.vstack(moved) / np.sqrt(self.stiffness), np.vstack(rigid)
         if not len(U):
             return np.zeros(self.n)
-        # rotations of the rigid motion over the length: the columns are of one size
+        # rotations of the rigid motion / length, so that the columns are of equal size
         scaled = R / np.repeat([1.0, length], 3)
         deformed = U - scaled @ np.linalg.lstsq(scaled, U, rcond=RIGID)[0]
         _, size, V = np.linalg.svd(deformed, full_matrices=False)
@@ -169,21 +169,21 @@ class ReducedPart(Content):
         return np.asarray(np.sum(V[found] ** 2, axis=0))
 
     def keep(self, indices: Sequence[int] | NDArray[Any]) -> ReducedPart:
-        """Return the part with only these modes, in the order given.
+        """Return the part with selected modes, in the given order.
 
         Parameters
         ----------
         indices : sequence of int, or boolean array (n,)
-            Modes to keep, from 0, each once.
+            Indices of the modes, from 0, without duplicates.
 
         Raises
         ------
         InputError
-            No mode, a mode that does not exist, or one named twice.
+            If there is no mode, or a mode does not exist or occurs twice.
 
         Examples
         --------
-        ``rod.keep(rod.in_plane("xy"))`` leaves the modes of plane motion.
+        ``rod.keep(rod.in_plane("xy"))`` returns the modes of plane motion.
         """
         where = f"reduced part '{self.name}'"
         array = np.asarray(indices)
@@ -222,7 +222,7 @@ class ReducedPart(Content):
         )
 
     def in_plane(self, plane: str, *, tolerance: float = 1e-3) -> tuple[int, ...]:
-        """Return the numbers of the modes that move in a coordinate plane only.
+        """Return the indices of the modes that move in a coordinate plane only.
 
         A mode is in the plane if its translations out of it and its rotations about axes in it
         stay below the tolerance (root mean square over the nodes, rotations times body size).
@@ -232,12 +232,12 @@ class ReducedPart(Content):
         plane : str
             ``"xy"``, ``"yz"`` or ``"xz"`` of the part frame.
         tolerance : float
-            Largest part of the motion out of the plane.
+            Largest motion out of the plane / motion.
 
         Raises
         ------
         InputError
-            No such plane.
+            If there is no such plane.
         """
         normals = {"xy": 2, "yx": 2, "yz": 0, "zy": 0, "xz": 1, "zx": 1}
         if plane not in normals:
@@ -260,12 +260,14 @@ class ReducedPart(Content):
         return tuple(int(j) for j in np.flatnonzero(outside <= tolerance**2 * total))
 
     def save(self, path: str | Path) -> None:
-        """Write the part to an HDF5 file; an older file is replaced only when all is written.
+        """Write the part to an HDF5 file.
+
+        An existing file is replaced when the new one is complete.
 
         Raises
         ------
         InputError
-            The file cannot be written there.
+            If the file cannot be written.
         """
         from jousto.reduction.files.storage import save  # HDF5 is slow to import
 
@@ -275,7 +277,7 @@ class ReducedPart(Content):
     def load(cls, path: str | Path) -> ReducedPart:
         """Read a part written by `save`, or standard input data of another program.
 
-        Standard input data (``.sid``, ``.SID_FEM``) hold nodes, modes and mass integrals, no
+        Standard input data (``.sid``, ``.SID_FEM``) contain nodes, modes and mass integrals, but no
         stress; node sets are ``node1``, ... by the numbers of the file. Modes that are not
         orthonormal become those of ``Ke x = omega^2 Me x``; damping ratios of the modes are in
         ``provenance["damping ratios"]``.
@@ -283,12 +285,13 @@ class ReducedPart(Content):
         Raises
         ------
         InputError
-            No such file, not a reduced part, another version of the format, or damaged.
+            If the file does not exist, is no reduced part, has another version of the format, or is
+            damaged.
 
         Warns
         -----
         JoustoWarning
-            What of standard input data is left out.
+            With the content of standard input data that is left out.
         """
         if Path(path).suffix.lower() in SID:
             from jousto.reduction.files.sid import load_sid
@@ -301,7 +304,7 @@ class ReducedPart(Content):
 
 @functools.cache
 def _version(package: str) -> str:
-    # its file is read from disk
+    # read from a file of the package
     try:
         return importlib.metadata.version(package)
     except importlib.metadata.PackageNotFoundError:
@@ -309,5 +312,5 @@ def _version(package: str) -> str:
 
 
 def package_versions() -> dict[str, str]:
-    """Return the versions that a result depends on, for its provenance."""
+    """Return the versions of packages on which a result depends, for its provenance."""
     return {package: _version(package) for package in ("jousto", "numpy", "scipy")}

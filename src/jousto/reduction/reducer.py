@@ -1,4 +1,4 @@
-"""From a finite element part to a few modes: `reduce`."""
+"""`reduce`: from a finite element part to a few modes."""
 
 from __future__ import annotations
 
@@ -63,16 +63,16 @@ ORTHONORMALITY = 1e-10
 """Largest deviation of the modal mass matrix from the identity."""
 
 REMEMBERED = 30_000
-"""Degrees of freedom up to which a reduced part remembers the part that it was made of."""
+"""Degrees of freedom up to which a reduced part contains the part before reduction."""
 
 STRESS_BLOCK = 8
-"""Modes whose stress is computed at a time."""
+"""Number of modes per block of the stress computation."""
 
 CONTENT = "with the error of the mesh"
-"""What reduced parts hold that older ones do not: those are computed again."""
+"""Content that older cached parts lack, so that they are computed again."""
 
 HASH_BLOCK = 1 << 20
-"""Numbers that are hashed at a time."""
+"""Count of numbers per block of the hash."""
 
 
 def reduce(
@@ -87,37 +87,35 @@ def reduce(
 ) -> ReducedPart:
     """Reduce a part to its elastic modes, orthonormal and free of rigid-body motion.
 
-    Craig-Bampton: ``T = [E 0; Phi_C Phi_N]``, the rigid motions R are taken out of T by the
-    projection ``P = E - R (R^T M R)^-1 R^T M``, and what is left is orthonormalised (Rantalainen
-    2007, eqs. 3.24-3.36, where the rigid modes are found by their frequency instead).
+    Craig-Bampton: ``T = [E 0; Phi_C Phi_N]``, the rigid motions R are removed from T by the
+    projection ``P = E - R (R^T M R)^-1 R^T M``, and the rest is orthonormalised (Rantalainen 2007,
+    eqs. 3.24-3.36, where the rigid modes are identified by their frequency instead).
 
     Parameters
     ----------
     part : Part
         The free part.
-    method : CraigBampton, FreeFree or ShapeFunctions
-        Which modes.
+    method : CraigBampton, FreeFree or ShapeFunctions Choice of the modes.
     stiffening : bool
-        Whether forces along the body stiffen or soften it: for blades, shafts and arms that spin
-        fast, and members near buckling. Parts made of beams or of solids only. Off by default:
-        without it the body is the linear one of other programs, and costs less.
+        Whether forces stiffen or soften the body (geometric stiffness): for fast rotating blades,
+        shafts and arms, and members near buckling. For parts of beams or solids only. Off by
+        default; the body is then linear as in other programs, and cheaper.
     residual_stress : bool or mapping of str to (ndof,) array
-        Whether the stress that the modes leave out is kept for `stress_field`: that of the
-        inertia of the motion and of loads by name, ``{"tip": part.load(...)}``, between the
-        interfaces. It makes stress of few modes as good as that of the mesh where loads change
-        slowly, at the price of one more factorisation.
+        Whether the stress outside of the modes is computed for `stress_field`: of inertia forces
+        and of loads by name, ``{"tip": part.load(...)}``, between the interfaces. For slowly
+        changing loads the stress of few modes then equals that of the mesh, at the cost of one more
+        factorisation.
     solver : str, optional
-        Library that factorises the stiffness matrix, see `solvers`; the best that is installed if
-        not given. What is kept of another library is not taken if one is named.
+        Library that factorises the stiffness matrix, see `solvers`; None for the best installed
+        one. With a given library, cached results of other libraries are not used.
     cache : ReductionCache, path or bool, optional
-        Where the result is kept for the next time, and the stages of a reduction that may be
-        killed: asked for again, it continues after the last stage that was finished. True is the
-        user's cache folder, False keeps nothing; by default parts of 30,000 degrees of freedom and
-        more are kept.
+        Cache of the result and of finished stages, after which an interrupted reduction continues.
+        True for the cache folder of the user, False for no cache; by default parts of 30,000
+        degrees of freedom and more are cached.
     progress : bool or function, optional
-        True shows a bar for each stage, False none; a function is called with (stage, part of it
-        that is done, from 0 to 1). By default parts of 30,000 degrees of freedom and more show
-        bars on a terminal and in a notebook.
+        True shows a bar for each stage, False none; a function is called with (stage, finished
+        fraction of it, 0 to 1). By default parts of 30,000 degrees of freedom and more show bars on
+        a terminal and in a notebook.
 
     Returns
     -------
@@ -127,9 +125,10 @@ def reduce(
     Raises
     ------
     InputError
-        The stiffness matrix is not free or lets the held body move, all mass lies on a line, an
-        interface is unknown or does not hold the body, there are fewer modes than asked for, the
-        solver is unknown or missing, or stiffening is asked of a part that comes from matrices.
+        If the stiffness matrix has supports or further free motions, all mass lies on a line, an
+        interface is unknown or does not stop all rigid motions, there are fewer modes than
+        requested, the solver is unknown or missing, or stiffening is requested for a part from
+        matrices.
     """
     body: object = part
     if not isinstance(body, Part):
@@ -164,9 +163,9 @@ def _stepped(
 ) -> ReducedPart:
     """Return the reduction of a part with derivatives; `kept` is that of its real parts."""
     if options["residual_stress"]:
-        raise NotAnalytic("the stress that modes leave out is kept")
+        raise NotAnalytic("the stress outside of the modes is computed")
     if method.frame is not None:
-        raise NotAnalytic("the frame does not follow the mean axes")
+        raise NotAnalytic("the frame is not that of the mean axes")
     X, frequencies = stepped_modes(part, plain, kept, method)
     made = _assemble(part, X, frequencies, kept.interfaces, repr(method), Run())
     if options["stiffening"]:
@@ -182,7 +181,7 @@ def _kept(
     chosen: ReductionCache | None,
     progress: Any,
 ) -> ReducedPart:
-    """Return the reduced part, from the cache if it is there."""
+    """Return the reduced part, from the cache if it contains the part."""
     where = f"part '{part.name}'"
     stiffening, solver = options[:2]
     if progress is None:
@@ -202,7 +201,7 @@ def _kept(
 
 
 def remembered(reduced: ReducedPart, part: Part) -> ReducedPart:
-    """Return the reduced part with the part it was made of, unless that is large."""
+    """Return the reduced part with a reference to the part before reduction, unless it is large."""
     return replace(reduced, source=part if part.K.shape[0] <= REMEMBERED else None)
 
 
@@ -212,7 +211,7 @@ def _entry(
     try:
         return cache.entry(content_key(part, method, *options, CONTENT, package_versions()))
     except NotHashable as error:
-        logging.getLogger(__name__).info("the reduction is not kept: it depends on a %s", error)
+        logging.getLogger(__name__).info("the reduction is not cached: it depends on a %s", error)
         return None
 
 
@@ -266,7 +265,7 @@ def _modes(
     else:
         basis = whole_part_basis(part, K, run)
         wanted, limit, stage = method.modes, method.frequency_limit, "free-free modes"
-    # the basis is held at six degrees of freedom; the rigid motion that adds is taken out again
+    # the basis is fixed at six degrees of freedom; remove the rigid motion that this adds
     # (P^T M P = M P, so that lower needs no projection)
     elastic = replace(basis, lift=lambda y: rigid.remove(basis.lift(y)))
     with run.stage(stage) as report:
@@ -301,7 +300,7 @@ def _modes(
                 mu, X = _unique(part, mu, X, M)
         if not len(mu):
             message = (
-                "the method leaves no elastic mode: ask for more modes, or use a RigidBody with "
+                "the method has no elastic mode: ask for more modes, or use a RigidBody with "
                 "the mass and inertia of the part"
             )
             raise eigen.MissingModesError(Problem(where, message))
@@ -309,14 +308,14 @@ def _modes(
         mu = np.where(moving, mu, eigen.STAND_IN * mu[0])
         X = X / np.sqrt(mu)
         _check_orthonormal(X[:, moving], M, where)
-        # what stands in for no mass comes among the others, whose order stays
+        # static shapes without mass come among the modes, which keep their order
         after = np.sum(mu[moving] > eigen.STAND_IN * mu[0]) - 0.5
         order = np.argsort(np.where(moving, np.arange(len(mu)), after), kind="stable")
     return mu[order], X[:, order]
 
 
 def _spanned(Y: Array) -> eigen.Flexibility:
-    """Return the body of vectors of unit stiffness."""
+    """Return the body spanned by vectors of unit stiffness."""
     n = Y.shape[1]
     return eigen.Flexibility(n, lambda y: Y @ y, lambda f: Y.T @ f, np.eye(n), None)
 
@@ -324,7 +323,7 @@ def _spanned(Y: Array) -> eigen.Flexibility:
 def _selected(
     part: Part, mu: Array, X: Array, method: FreeFree | ShapeFunctions
 ) -> tuple[Array, Array]:
-    """Return the modes that a method keeps of those that it has."""
+    """Return the modes selected by the limits of a method."""
     if method.modes is None and method.frequency_limit is None:
         return mu, X
     kind = "free-free" if isinstance(method, FreeFree) else "shape functions'"
@@ -333,7 +332,7 @@ def _selected(
 
 
 def _unique(part: Part, mu: Array, X: Array, M: sp.csr_array) -> tuple[Array, Array]:
-    """Return modes whose signs and, at equal frequencies, shapes do not depend on the solver."""
+    """Return modes with signs and, at equal frequencies, shapes independent of the solver."""
     d, length = part.dofs_per_node, length_scale(part.nodes)
     k = int(np.sum(mu > 0.0))
     moving, modes = eigen.canonical(mu[:k], X[:, :k], M, d, length)
@@ -345,7 +344,7 @@ def _unique(part: Part, mu: Array, X: Array, M: sp.csr_array) -> tuple[Array, Ar
 
 def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
     error = np.abs(X.T @ (M @ X) - np.eye(X.shape[1]))
-    # modes that move hardly any mass: products of large numbers that cancel
+    # modes with almost no mass: products of large numbers cancel
     rounding = 100.0 * np.finfo(float).eps * (np.abs(X).T @ (abs(M) @ np.abs(X)))
     if not np.all(error < ORTHONORMALITY + rounding):
         message = (
@@ -357,15 +356,15 @@ def _check_orthonormal(X: Array, M: sp.csr_array, where: str) -> None:
 
 @explained
 def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedPart:
-    """Return a reduced part with given mode shapes, such as a printed table.
+    """Return a reduced part with given mode shapes, such as those of a printed table.
 
-    The modal mass matrix is taken as the identity whatever the digits of the table; degrees of
-    freedom that are not known may be zero.
+    The modal mass matrix is taken as the identity, independent of the digits of the table; unknown
+    degrees of freedom may be zero.
 
     Parameters
     ----------
     part : Part
-        Where nodes, mass and stress come from.
+        Part with nodes, mass and stress.
     modes : (ndof, n) array
         Mode shapes, mass-normalised, in the part's order of degrees of freedom.
     frequencies : (n,) array
@@ -374,12 +373,12 @@ def from_modes(part: Part, modes: ArrayLike, frequencies: ArrayLike) -> ReducedP
     Raises
     ------
     InputError
-        Wrong shapes or values.
+        If shapes or values are wrong.
 
     Warns
     -----
     JoustoWarning
-        The modes are not mass-orthonormal within 1e-3.
+        If the modes are not mass-orthonormal within 1e-3.
     """
     where = f"part '{part.name}'"
     problems = Problems()
@@ -417,7 +416,7 @@ def _assemble(
     rotations = vectors[:, 3:] if part.dofs_per_node == 6 else None
     turning = None
     if part.ties:
-        # the reference nodes follow the nodes they are tied to
+        # the reference nodes move with the nodes tied to them
         q = np.stack([tie.averaging @ X[tie.dofs] for tie in part.ties])
         nodes = np.concatenate([nodes, [tie.at for tie in part.ties]])
         modes = np.concatenate([modes, q[:, :3]])
@@ -446,7 +445,7 @@ def _assemble(
 
 
 def _sets(part: Part) -> dict[str, tuple[int, ...]]:
-    """Return the node sets with the reference node of each tie under its name."""
+    """Return the node sets and, by the name of each tie, its reference node."""
     sets = dict(part.node_sets)
     for number, tie in enumerate(part.ties):
         sets.setdefault(f"{tie.name}.nodes", tuple(int(i) for i in tie.nodes))
@@ -457,8 +456,8 @@ def _sets(part: Part) -> dict[str, tuple[int, ...]]:
 def invariants(part: Part, X: ArrayLike) -> Invariants:
     """Return the inertia invariants of mode shapes (ndof, n) of a part.
 
-    Mass points are used where the part has them, else bilinear forms of its mass matrix; rigid
-    masses attached to a consistent mass matrix are points again.
+    Mass points are used if the part has them, else bilinear forms of its mass matrix; rigid masses
+    attached to a consistent mass matrix are treated as points.
     """
     modes = floats(X)
     if part.mass_points is not None:
@@ -477,7 +476,7 @@ def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes |
     s = part.stress
     modes = np.empty((len(s.sites), 6, X.shape[1]), X.dtype)
     with run.stage("stress modes") as report:
-        # a few modes at a time: what elements need in between stays small
+        # a few modes at a time, to limit the memory of element arrays
         for k in range(0, X.shape[1], STRESS_BLOCK):
             some = slice(k, k + STRESS_BLOCK)
             modes[:, :, some] = s.evaluate(X[:, some])
@@ -485,7 +484,7 @@ def _stress(part: Part, X: Array, frequencies: Array, run: Run) -> StressModes |
     scatter = None
     if isinstance(s, SolidStress) and not np.iscomplexobj(X):
         with run.stage("error of the mesh"):
-            # shapes of low frequency are the larger ones, p = f / W2
+            # modes of low frequency have the larger amplitudes, p = f / W2
             scatter = place_scatter(s, X, modes, (frequencies / frequencies.min()) ** -2.0)
     return StressModes(
         tuple(s.sites), s.positions, s.axes, modes, s.elasticity, s.compliance, scatter=scatter
@@ -500,7 +499,7 @@ def _provenance(part: Part, method: str, run: Run) -> dict[str, str]:
 
 
 def content_hash(part: Part) -> str:
-    """Return a hash of what a reduction depends on: nodes, M, K and ties."""
+    """Return a hash of the input of a reduction: nodes, M, K and ties."""
     digest = hashlib.sha256()
     digest.update(f"{part.dofs_per_node}".encode())
     digest.update(np.ascontiguousarray(part.nodes, dtype="<f8").tobytes())
@@ -509,7 +508,7 @@ def content_hash(part: Part) -> str:
         if not csr.has_canonical_format:
             csr = csr.copy()
             csr.sum_duplicates()
-        # in pieces: large matrices are not copied as a whole
+        # block by block, to avoid copies of large matrices
         for array, kind in ((csr.indptr, "<i8"), (csr.indices, "<i8"), (csr.data, "<f8")):
             for start in range(0, len(array), HASH_BLOCK):
                 digest.update(array[start : start + HASH_BLOCK].astype(kind).data)

@@ -1,4 +1,4 @@
-"""One reduction on its way: its stages, the solver, and what is kept of it in case it is killed."""
+"""Progress of one reduction: its stages, solver, and stored results in case of interruption."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from jousto.reduction.sparse import factor
 from jousto.reduction.sparse.memory import machine_memory
 
 Report = Callable[[str, float], None]
-"""Function of (stage, part of it that is done, from 0 to 1)."""
+"""Function of (stage, finished fraction of it, 0 to 1)."""
 
 
 class Keeper(Protocol):
-    """Where results of stages are kept, such as an entry of the cache."""
+    """Storage of the results of stages, such as an entry of the cache."""
 
     def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
-        """Return the arrays of a stage, or None if they are not there."""
+        """Return the arrays of a stage, or None if there are none."""
 
     def write(self, stage: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Write the arrays of a stage."""
 
 
 class Run:
-    """What the stages of a reduction share.
+    """Data shared by the stages of a reduction.
 
     Parameters
     ----------
     solver : str, optional
-        Library that factorises; the best if not given.
+        Library of the factorisation; None for the best one.
     report : callable, optional
-        Called with the stage and how much of it is done.
+        Function called with the stage and its finished fraction.
     entry : Entry, optional
-        Where results of stages are kept.
+        Storage of the results of stages.
     """
 
     def __init__(
@@ -51,13 +51,16 @@ class Run:
         self._entry = entry
 
     def _use(self, names: str) -> None:
-        """Note the libraries used, each once: a reduction may go on with another one."""
+        """Record the libraries used, each once: a continued reduction may use another one."""
         known = [*self.used.split(", "), *names.split(", ")]
         self.used = ", ".join(name for name in dict.fromkeys(known) if name)
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
-        """Report the beginning and the end of a stage; yields a function of (name, done)."""
+        """Report the beginning and the end of a stage.
+
+        Yield a function of (name, finished fraction).
+        """
         report = self.report or (lambda stage, done: None)
         report(name, 0.0)
         yield report
@@ -70,7 +73,7 @@ class Run:
         dof_name: Callable[[int], str],
         points: Array | None = None,
     ) -> factor.Solver:
-        """Factorise a stiffness matrix as a stage of its own; see `factor.factorise`."""
+        """Factorise a stiffness matrix as a separate stage; see `factor.factorise`."""
         with self.stage("factorisation"):
             solve = factor.factorise(
                 K, where, dof_name, points, solver=self.solver, limit=machine_memory()
@@ -79,23 +82,23 @@ class Run:
         return solve
 
     def found(self, stage: str) -> dict[str, Array] | None:
-        """Return what a killed reduction left of this stage, or None."""
+        """Return the result of an interrupted reduction for this stage, or None."""
         kept = None if self._entry is None else self._entry.read(stage)
         if kept is not None and "solver" in kept:
             self._use(str(kept.pop("solver")))
         return kept
 
     def keep(self, stage: str, **arrays: Array) -> None:
-        """Keep the result of a stage until the reduction is finished."""
+        """Store the result of a stage until the reduction is finished."""
         if self._entry is not None:
             self._entry.write(stage, {**arrays, "solver": np.array(self.used)})
 
 
 @contextmanager
 def reporter(progress: bool | Report | None) -> Iterator[Report | None]:
-    """Yield the function that reports stages.
+    """Yield the function that reports progress.
 
-    `progress` is True for bars (see `bars`), a function of your own, or None for silence.
+    `progress` is True for bars (see `bars`), a function of the user, or None for no report.
     """
     if callable(progress):
         yield progress

@@ -1,4 +1,4 @@
-"""The nodes at which the stress of a reduced part is known."""
+"""Nodes of the stress sites of a reduced part."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _KNOWN: WeakKeyDictionary[ReducedPart, StressModes] = WeakKeyDictionary()
 
 
 def located(reduced: ReducedPart) -> StressModes | None:
-    """Return the stress modes of a part with the node and the node sets of every place."""
+    """Return the stress modes of a part with the node and the node sets of every site."""
     stress = reduced.stress
     if stress is None or stress.nodes is not None:
         return stress
@@ -43,9 +43,9 @@ def _located(reduced: ReducedPart, stress: StressModes) -> StressModes:
 
 
 def _nodes(reduced: ReducedPart, stress: StressModes) -> NDArray[np.int64]:
-    """Return the node of every place, -1 if it has none."""
+    """Return the node of every site, -1 if it has none."""
     if reduced.elements.ndim == 2 and reduced.elements.shape[1] == 2:
-        # points of sections stand around the nodes at the ends of beam elements
+        # section points surround the nodes at the ends of beam elements
         found = np.full(len(stress.labels), -1, dtype=np.int64)
         for i, label in enumerate(stress.labels):
             match = re.fullmatch(r"e(\d+)\.([ab])\..*", label)

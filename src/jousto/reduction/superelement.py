@@ -1,4 +1,4 @@
-"""Superelements: matrices that another program condensed already."""
+"""Superelements: matrices condensed by another program."""
 
 from __future__ import annotations
 
@@ -25,25 +25,26 @@ if TYPE_CHECKING:
 
 
 DENSE_UP_TO = 6000
-"""Rows above which matrices are not taken for condensed ones."""
+"""Largest number of rows of condensed matrices."""
 
 FREE = 1e-6
-"""Largest force of a rigid motion, relative to the bound by the energies that cancel in it."""
+"""Largest force of a rigid motion / bound from the energies that cancel in it."""
 
 MASSLESS = 1e-13
-"""Least ``(w_1 / w)^2`` of motions that count as modes; the others move no mass."""
+"""Smallest ``(w_1 / w)^2`` of motions that count as modes; the others have no mass."""
 
 
 class Condensed(Declared):
-    """A reduced part of a condensed model: what the other program kept, orthonormal.
+    """Reduced part from a condensed model of another program, with orthonormal modes.
 
-    The rows may be nodes with three or six directions and modal coordinates, as Guyan's and
-    Craig and Bampton's methods leave them. With the rigid motions R, ``R^T M R = E``, the modes
-    are those of ``K x = w^2 M x`` with ``R^T M x = 0``.
+    The rows may be nodes with three or six directions, and modal coordinates, as after Guyan or
+    Craig-Bampton reduction. With the rigid motions R, ``R^T M R = E``, the modes are those of ``K x
+    = w^2 M x`` with ``R^T M x = 0``.
 
-    Mass, centre, inertia, momentum and energy of the modes follow from the matrices exactly. How
-    the inertia tensor changes as the body deforms does not (they do not tell where between the
-    nodes the mass is) and is left out: a share of deflection over length of the inertia.
+    Mass, centre, inertia, momentum and energy of the modes follow from the matrices exactly. The
+    change of the inertia tensor with deformation does not, since the matrices do not contain the
+    distribution of mass between the nodes; it is left out, an error of the order (deflection /
+    length) of the inertia.
 
     Node sets of the reduced part are ``n17`` for the node with the number 17 in the other program
     and those of the mesh. Without limits the static response to loads on the nodes is that of the
@@ -52,26 +53,30 @@ class Condensed(Declared):
     Raises
     ------
     InputError
-        The matrices are held or too large, K has more than the six rigid motions free, M has no
-        mass or is indefinite, or no node has three translations.
+        If the matrices have supports or are too large, K has more free motions than the six rigid
+        ones, M has no mass or is indefinite, or no node has three translations.
 
     Warns
     -----
     JoustoWarning
-        Nodes that lack a translation are left out.
+        If nodes without all three translations are left out.
     """
 
     matrices: AnyField = field("From `read_matrices`", noun="Matrices", file=False)
     modes: AnyField = field(
-        "Keep the lowest; all if not given", form="count", noun="int", default=None, kw_only=True
+        "Number of modes, lowest first; None for all",
+        form="count",
+        noun="int",
+        default=None,
+        kw_only=True,
     )
     frequency_limit: OptionalNumber = field(
-        "Keep what is below; all if not given", unit="Hz", default=None, kw_only=True
+        "Highest frequency of the modes; None for all", unit="Hz", default=None, kw_only=True
     )
 
     @property
     def made(self) -> ReducedPart:
-        """The reduced part."""
+        """Reduced part."""
         return _reduced(self.matrices, self.modes, self.frequency_limit)
 
 
@@ -86,8 +91,8 @@ def _reduced(matrices: Matrices, modes: int | None, frequency_limit: float | Non
     n = len(rows)
     if n > DENSE_UP_TO:
         message = (
-            f"{n} rows are no condensed model (at most {DENSE_UP_TO}); make a Part of them"
-            " (Part.from_file) and reduce it"
+            f"{n} rows are too many for a condensed model (at most {DENSE_UP_TO}); build a Part "
+            f"(Part.from_file) and reduce it"
         )
         raise InputError(Problem(where, message))
     K = sp.csr_array(matrices.K)[rows][:, rows].toarray()
@@ -99,7 +104,7 @@ def _reduced(matrices: Matrices, modes: int | None, frequency_limit: float | Non
     position = np.zeros((n, 3))
     position[nodal] = matrices.nodes[index[nodal]]
 
-    # rigid motions leave modal coordinates at rest
+    # modal coordinates are zero in rigid motions
     G = np.zeros((n, 6))
     for row in np.flatnonzero(nodal):
         G[row] = _rigid_row(position[row], int(dofs[row, 1]))
@@ -148,12 +153,12 @@ def _check_symmetric(where: str, K: Array, M: Array) -> None:
         if not np.all(np.isfinite(matrix)):
             problems.add(where, f"{letter} has values that are not finite numbers")
         elif np.abs(matrix - matrix.T).max() > 1e-8 * np.abs(matrix).max():
-            problems.add(where, f"{letter} is not symmetric; are all rows of one triangle there?")
+            problems.add(where, f"{letter} is not symmetric; check that one triangle is complete")
     problems.raise_if_any()
 
 
 def _check_free(where: str, K: Array, G: Array, nodes: Array, dofs: NDArray[np.int64]) -> None:
-    """Raise if a rigid motion meets forces: supports, other axes, or wrong positions."""
+    """Raise InputError if a rigid motion causes forces: supports, other axes, wrong positions."""
     scaled = G.copy()
     centre = nodes.mean(axis=0)
     for a in range(3):
@@ -174,9 +179,9 @@ def _check_free(where: str, K: Array, G: Array, nodes: Array, dofs: NDArray[np.i
         Problem(
             where,
             f"K is not free: a rigid {kind} ({axis}) leaves a force at {label},"
-            f" {ratio[row, column]:.1e} of what is possible. Was it condensed with supports, are"
-            " displacements given in axes of their own, or do the positions belong to another"
-            " model or unit?",
+            f" {ratio[row, column]:.1e} of the upper bound. Condense the part without supports, "
+            f"with displacements in basic axes, and check that the positions belong to this model "
+            f"and are in the right unit",
         )
     )
 
@@ -186,7 +191,9 @@ def _orthonormal(where: str, G: Array, M: Array, nodes: Array) -> Array:
     A = G.T @ M @ G
     m = float(np.trace(A[:3, :3])) / 3.0
     if not m > 0.0:
-        raise InputError(Problem(where, f"M holds no mass: {m:g} kg; is it the mass matrix?"))
+        raise InputError(
+            Problem(where, f"M contains no mass: {m:g} kg; check that it is the mass matrix")
+        )
     if np.abs(A[:3, :3] - m * np.eye(3)).max() > 1e-6 * m:
         x, y, z = np.diag(A)[:3]
         message = (
@@ -197,7 +204,7 @@ def _orthonormal(where: str, G: Array, M: Array, nodes: Array) -> Array:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(A), 1e-30))
     values, vectors = np.linalg.eigh(scale[:, None] * A * scale)
     if values[0] < 1e-13 * values[-1]:
-        message = "all mass lies on a line or point: the spin of the body would be undetermined"
+        message = "all mass lies on a line or point: the rotation of the body would be undetermined"
         raise InputError(Problem(where, message))
     return np.asarray((G * scale) @ (vectors / np.sqrt(values)))
 
@@ -254,8 +261,8 @@ def _elastic(
 
 
 def _with_massless(X: Array, frequencies: Array, Z: Array, K: Array) -> tuple[Array, Array]:
-    """Return the modes and the static shapes of what moves no mass, Z less its rigid motions."""
-    energy, turn = np.linalg.eigh(Z.T @ (K @ Z))  # 0 of rigid motions, 1 of others
+    """Return the modes and the static shapes without mass, Z minus its rigid motions."""
+    energy, turn = np.linalg.eigh(Z.T @ (K @ Z))  # 0 for rigid motions, 1 for others
     still = Z @ turn[:, energy > 0.5]
     still = still @ np.linalg.eigh(still.T @ still)[1]
     fast = frequencies[0] / np.sqrt(STAND_IN)
@@ -266,10 +273,10 @@ def _with_massless(X: Array, frequencies: Array, Z: Array, K: Array) -> tuple[Ar
 
 
 def _invariants(M: Array, G: Array, X: Array) -> Invariants:
-    """Return the mass integrals; what the matrices do not tell is left out.
+    """Return the mass integrals; those that the matrices do not determine are left out.
 
-    ``int u0 phi^T dm`` is known in its antisymmetric part, the angular momentum, and
-    ``int phi_j phi_k^T dm`` in its trace, the modal mass, which is shared among the axes.
+    ``int u0 phi^T dm`` has a known antisymmetric part, the angular momentum, and ``int phi_j
+    phi_k^T dm`` a known trace, the modal mass, which is distributed equally over the axes.
     """
     A = G.T @ M @ G
     A = 0.5 * (A + A.T)
@@ -287,14 +294,14 @@ def _invariants(M: Array, G: Array, X: Array) -> Invariants:
 
 
 def _marker_nodes(where: str, dofs: NDArray[np.int64], index: Index) -> tuple[Index, Index]:
-    """Return the rows of nodes with all translations, and of those that turn as well."""
+    """Return the rows of nodes with all translations, and of those with all rotations."""
     have: dict[int, set[int]] = {}
     for i, (_, c) in zip(index, dofs, strict=True):
         if c:
             have.setdefault(int(i), set()).add(int(c))
     complete = sorted(i for i, found in have.items() if found >= {1, 2, 3})
     if not complete:
-        message = "no node has its three translations: joints and forces could act nowhere"
+        message = "no node has all three translations, which joints and forces need"
         raise InputError(Problem(where, message))
     if len(complete) < len(have):
         lost = len(have) - len(complete)

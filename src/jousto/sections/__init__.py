@@ -1,4 +1,4 @@
-"""Cross sections of beams: areas, moments, stiffness, and the points where stress is wanted."""
+"""Cross sections of beams: areas, second moments, stiffness, and stress points."""
 
 from jousto.base.lazy_exports import open_room
 

@@ -1,4 +1,4 @@
-"""Stress at points of a section from its six resultants, and the section's outline."""
+"""Stress at points of a section from its six resultants, and the outline of a section."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.sections.section import ROUND, Circle, Rectangle, Section, Tube
 
 
 class StressPoint(Declared):
-    """A point of a beam's section whose stress follows from the six resultants.
+    """Point of a beam section with its stress per unit resultant.
 
     ``[s11 s22 s33 s12 s23 s13] = rows [N Qy Qz Mx My Mz]``, with the resultants about the
     section's reference axis and in the axes of the section.
@@ -23,7 +23,7 @@ class StressPoint(Declared):
     Raises
     ------
     InputError
-        If the rows are not 6 x 6 finite numbers or the position is none.
+        If the rows are not 6 x 6 finite numbers, or the position is not finite.
 
     Examples
     --------
@@ -38,7 +38,8 @@ class StressPoint(Declared):
     y: Number = field("Position along y, section axes", unit="m")
     z: Number = field("Position along z, section axes", unit="m")
     rows: Values = field(
-        "Pa per N (first three columns) and per N m (last three), such as a section analysis gives",
+        "Stress in Pa per N (first three columns) and per N m (last three), for example from a "
+        "section analysis",
         shape=(6, 6),
     )
 
@@ -53,18 +54,19 @@ def stress_points(
     ``s11 = N/A + My z/Iy - Mz y/Iz`` with the moments about the centroid, and the shear stresses
     of `SectionPoint` with the torque about the shear centre.
 
-    Round sections have 24 points around: the four of the section and ``deg15``, ``deg30`` ... by
-    their angle about x, from ``left`` (0) over ``top`` (90). At worst the largest bending stress
-    lies 7.5 degrees from the next of them, which misses ``1 - cos(7.5 deg)`` of it, 0.9 %.
+    Round sections have 24 points on the circumference: the four of the section and ``deg15``,
+    ``deg30`` ... by their angle about x, from ``left`` (0) over ``top`` (90). The largest bending
+    stress is at most 7.5 degrees from a point, an error of ``1 - cos(7.5 deg)`` = 0.9 %.
 
     Parameters
     ----------
     section : Section
-        With its axes through the centroid.
+        Section with its axes through the centroid.
     centroid : (2,) tuple
-        The centroid in the axes of the beam, m: the resultants are those about the beam's axis.
+        Position of the centroid in the axes of the beam, m; the resultants refer to the axis of the
+        beam.
     shear_center : (2,) tuple, optional
-        The shear centre, m; the centroid if not given.
+        Position of the shear centre, m; None for the centroid.
 
     Examples
     --------
@@ -88,10 +90,10 @@ def stress_points(
 
 
 def section_outline(section: Any, centroid: tuple[float, float] = (0.0, 0.0)) -> Array:
-    """Return the outer edge of a section (k, 2), counterclockwise seen from ahead, m.
+    """Return the outline of a section (k, 2), m, counterclockwise seen against x.
 
-    Of sections whose shape is not known: the rectangle with the same radii of gyration, or the
-    points of a section that is given by its stiffness.
+    For sections of unknown shape it is the rectangle with the same radii of gyration, or the points
+    of a section given by its stiffness.
 
     Examples
     --------

@@ -19,15 +19,16 @@ def _web_shear_coefficient(
 
     Strain energy of the shear flow q(s) = V Q(s) / I along the middle lines,
     ``1/k = A / I^2 int (Q/t)^2 t ds``; it equals Cowper (1966) with nu = 0.
-    ``height`` and ``width`` are those of the middle lines; ``webs`` their number and thickness.
+    ``height`` and ``width`` are those of the middle lines; ``webs`` is number and thickness of the
+    webs.
     """
     number, web = webs
     area = number * web * height + 2.0 * flange * width
     inertia = number * web * height**3 / 12.0 + 0.5 * flange * width * height**2
 
-    # four half flanges, Q = flange height/2 s from the free end or the symmetry plane
+    # four half flanges: Q = flange height/2 s from the free end or the symmetry plane
     energy = flange * height**2 * (0.5 * width) ** 3 / 3.0
-    # the webs, Q = corner + web/2 (height^2/4 - z^2)
+    # webs: Q = corner + web/2 (height^2/4 - z^2)
     corner = 0.5 * height * flange * width / number
     h = 0.5 * height
     energy += (number / web) * (
@@ -39,13 +40,14 @@ def _web_shear_coefficient(
 
 
 class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
-    """Doubly symmetric I section; the web stands along z.
+    """Doubly symmetric I section with the web along z.
 
-    Area and second moments are exact for the outline, root fillets included. Torsion constant
-    with the junction term of ArcelorMittal, *Sections and Merchant Bars* (2019), notations and
+    Area and second moments are exact for the outline, root fillets included. The torsion constant
+    has the junction term of ArcelorMittal, *Sections and Merchant Bars* (2019), notations and
     formulae: ``2/3 (b - 0.63 tf) tf^3 + 1/3 (h - 2 tf) tw^3 + 2 (tw/tf) (0.145 + 0.1 r/tf) D^4``,
-    ``D = ((r + tw/2)^2 + (r + tf)^2 - r^2) / (2 r + tf)``. Shear coefficient along z by the
-    strain energy of the thin-walled section (Cowper 1966, nu = 0), along y 5/6 of the flanges.
+    ``D = ((r + tw/2)^2 + (r + tf)^2 - r^2) / (2 r + tf)``. The shear coefficient along z follows
+    from the strain energy of the thin-walled section (Cowper 1966, nu = 0); along y it is 5/6 of
+    the flanges.
 
     Raises
     ------
@@ -75,7 +77,7 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note plates that do not fit."""
+        """Report flanges and webs that do not fit."""
         if 2.0 * (self.flange + self.fillet) >= self.height:
             problems.add(
                 where,
@@ -98,7 +100,7 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
 
     @property
     def _fillet_moments(self) -> tuple[float, float, float]:
-        """Area, distance of the centroid from the plates, own second moment of one fillet."""
+        """Area, distance of the centroid from the plates, and own second moment of one fillet."""
         r = self.fillet
         area = (1.0 - 0.25 * math.pi) * r**2
         distance = r * (10.0 - 3.0 * math.pi) / (12.0 - 3.0 * math.pi)
@@ -131,19 +133,19 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
 
     @property
     def ky(self) -> float:
-        """Shear coefficient along y, of the two flanges."""
+        """Shear coefficient along y, from the two flanges."""
         return (5.0 / 6.0) * 2.0 * self.width * self.flange / self.A
 
     @property
     def kz(self) -> float:
-        """Shear coefficient along z, mostly of the web."""
+        """Shear coefficient along z, mostly from the web."""
         return _web_shear_coefficient(
             self.height - self.flange, self.width, (1, self.web), self.flange
         )
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Flange tips and middles outside, both faces of the web at its ends and at mid-height."""
+        """Stress points: flange tips and outer middles, faces of the web at ends and mid-height."""
         h, b, tw, tf = self.height, self.width, self.web, self.flange
         flow = b * tf * 0.5 * (h - tf)
         v_end = flow / (self.Iy * tw)
@@ -176,7 +178,7 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
 class Box(Declared, section="sections", tag="box", by_value=True):
     """Rectangular hollow section with sharp corners.
 
-    Torsion by Bredt's formula with the wall's own share, as in EN 10210-2:2006:
+    Torsion by Bredt's formula plus the Saint-Venant torsion of the walls, as in EN 10210-2:2006:
     ``J = 4 Am^2 / oint ds/t + 1/3 oint t^3 ds``. Shear coefficients by the strain energy of the
     thin-walled section (Cowper 1966, nu = 0).
 
@@ -196,14 +198,14 @@ class Box(Declared, section="sections", tag="box", by_value=True):
     height: Positive = field("Outer size along z", unit="m")
     web: Positive = field("Thickness of the two walls along z", unit="m", kw_only=True)
     flange: OptionalPositive = field(
-        "Thickness of the two walls along y; as the web if not given",
+        "Thickness of the two walls along y; None for that of the webs",
         unit="m",
         default=None,
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note walls that do not fit."""
+        """Report walls that do not fit."""
         for wall, size, names in (
             (self.web, self.width, ("webs", "width")),
             (self._tf, self.height, ("flanges", "height")),
@@ -260,7 +262,7 @@ class Box(Declared, section="sections", tag="box", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Middles of the walls outside and the outer corners (shear of the webs' ends)."""
+        """Stress points: outer middles of the walls and outer corners (shear at web ends)."""
         y, z, tw, tf = 0.5 * self.width, 0.5 * self.height, self.web, self._tf
         b, h = self._inner
         # first moments at mid-wall and at the ends of the webs
@@ -271,7 +273,7 @@ class Box(Declared, section="sections", tag="box", by_value=True):
         v_corner = q_z / (self.Iy * tw)
         v_across = tw * (y - 0.5 * tw) * 0.5 * h / (self.Iz * tw)
 
-        # Bredt's flow and the wall's own linear part at the outer face
+        # Bredt's shear flow plus the linear part in the wall at the outer face
         flow = 2.0 * (y - 0.5 * tw) * 2.0 * (z - 0.5 * tf)
         bredt = 2.0 * flow / (2.0 * (2.0 * y - tw) / tf + 2.0 * (2.0 * z - tf) / tw)
         t_web, t_flange = (bredt / tw + tw) / self.J, (bredt / tf + tf) / self.J

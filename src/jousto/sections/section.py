@@ -1,11 +1,11 @@
-"""Cross sections: stiffness constants, and the stress data of named section points.
+"""Cross sections: stiffness constants, and stress data at named section points.
 
-Axes of a section: y to the left and z up when looking along the member (x forward), through the
+Section axes: y to the left and z up when looking along the member (x forward), through the
 centroid and along the principal axes. ``Iy`` is the second moment for bending about y, in the
 xz plane.
 
 The shear coefficients are those of Cowper, *J. Appl. Mech.* 33 (1966) 335-340, for nu = 0,
-where they agree with the strain-energy definition and belong to the section alone. Give
+where they agree with the strain-energy definition and depend on the section only. Use
 ``Timoshenko(ky=, kz=)`` or a :class:`GeneralSection` to use others.
 """
 
@@ -29,30 +29,30 @@ NO_SHEAR: Shear = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 ROUND = 24
-"""Points around a round section."""
+"""Number of points on the circumference of a round section."""
 
 
 class ShearField(Field[Shear, Shear]):
-    """Two rows of three numbers, kept as tuples."""
+    """Field of two rows of three numbers, stored as tuples."""
 
     form = "array"
     shape = (2, 3)
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the rows."""
+        """Return the rows, or report wrong ones."""
         found = problems.array(where, self.label, value, self.shape)
         return None if found is None else tuple(map(tuple, found.tolist()))
 
 
 class SectionPoint(Declared, by_value=True):
-    """A point of a section where stress is recovered."""
+    """Point of a section where stress is recovered."""
 
     name: Label = field("Unique within the section")
     y: Number = field("Position along y, section axes", unit="m")
     z: Number = field("Position along z, section axes", unit="m")
     shear: ShearField = field(
-        "Rows s12 (= xy) and s13 (= xz); columns the stress for a unit shear force Vy and Vz in "
-        "1/m^2 and for a unit torque in 1/m^3",
+        "Rows s12 (= xy) and s13 (= xz); columns are the stress per unit shear force Vy and Vz,"
+        " 1/m^2, and per unit torque, 1/m^3",
         default=NO_SHEAR,
     )
 
@@ -61,7 +61,7 @@ class SectionPoint(Declared, by_value=True):
 
 @runtime_checkable
 class Section(Protocol):
-    """What a beam needs to know of its section; any object with these properties will do.
+    """Protocol of a beam section: any object with these properties is one.
 
     Attributes
     ----------
@@ -73,8 +73,7 @@ class Section(Protocol):
         Saint-Venant torsion constant in m^4.
     ky, kz : float or None
         Shear coefficients: the shear areas are ky A along y and kz A along z.
-    points : tuple of SectionPoint
-        Where stress is recovered.
+    points : tuple of SectionPoint Points where stress is recovered.
     """
 
     @property
@@ -109,12 +108,12 @@ class Section(Protocol):
 
     @property
     def points(self) -> Any:
-        """Where stress is recovered."""
+        """Points where stress is recovered."""
         ...
 
 
 def is_section(value: object) -> TypeGuard[Section]:
-    """Return whether a value has the properties of a section, without computing those of ours."""
+    """Return whether a value has the properties of a section, without computing known ones."""
     kind: Any = type(value)
     return _has_properties(kind) or isinstance(value, Section)
 
@@ -180,11 +179,11 @@ class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
         return 5.0 / 6.0
 
     def torsion_shear(self) -> tuple[float, float]:
-        """Return the shear at the middle of the long and of the short sides for a unit torque.
+        """Return the shear stress at the middle of the long and short sides for a unit torque.
 
-        In 1/m^3: the largest shear stress is the first number times the torque. From the stress
-        function of Timoshenko and Goodier, art. 109; its series for the short side is summed with
-        Catalan's constant, so that both converge exponentially.
+        The values are in 1/m^3; the largest shear stress is the first value times the torque. They
+        follow from the stress function of Timoshenko and Goodier, art. 109; its series for the
+        short side is summed with Catalan's constant, so that both converge exponentially.
         """
         long, short = max(self.width, self.height), min(self.width, self.height)
         n = np.arange(1, 60, 2)
@@ -199,7 +198,7 @@ class Rectangle(Declared, section="sections", tag="rectangle", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Corners, middles of the sides and centre."""
+        """Stress points: corners, middles of the sides and centre."""
         y, z, vy, vz = 0.5 * self.width, 0.5 * self.height, 1.5 / self.A, 1.5 / self.A
         at_long, at_short = self.torsion_shear()
         at_top, at_left = (at_long, at_short) if y >= z else (at_short, at_long)
@@ -237,7 +236,7 @@ class Tube(Declared, section="sections", tag="tube", by_value=True):
     wall: Positive = field("Thickness of the wall", unit="m")
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a wall that does not fit."""
+        """Report a wall that does not fit."""
         if self.wall > 0.5 * self.outer_diameter:
             problems.add(
                 where,
@@ -284,9 +283,9 @@ class Tube(Declared, section="sections", tag="tube", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """24 points around: top, bottom, left, right, ``deg15`` ... by their angle from left."""
+        """24 stress points around: top, bottom, left, right, ``deg15`` ... by angle from left."""
         ro, ri = self._radii
-        # first moment of the half section over the cut's width 2 wall
+        # first moment of the half section / width 2 wall of the cut
         v = (ro**2 + ro * ri + ri**2) / (3.0 * self.Iy)
         return _around(ro, v, ro / self.J)
 
@@ -341,7 +340,7 @@ class Circle(Declared, section="sections", tag="circle", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """24 points around, as of `Tube`, and the centre."""
+        """24 stress points around, see `Tube`, and the centre."""
         v = 4.0 / (3.0 * self.A)
         radius = 0.5 * self.diameter
         return (
@@ -376,16 +375,16 @@ class GeneralSection(Declared, section="sections", tag="general", by_value=True)
     )
     kz: OptionalPositive = field("Shear coefficient along z", default=None, kw_only=True)
     points: Items[SectionPoint] = field(
-        "Where stress is recovered; none by default", default=(), kw_only=True
+        "Points where stress is recovered", default=(), kw_only=True
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a torsion constant that no section has, and points of one name."""
+        """Report an impossible torsion constant, and points with the same name."""
         if self.J > (self.Iy + self.Iz) * (1.0 + 1e-9):
             problems.add(
                 where,
-                f"torsion constant J = {self.J:g} m^4 is above Iy + Iz = {self.Iy + self.Iz:g} m^4,"
-                " which no section can reach",
+                f"torsion constant J = {self.J:g} m^4 is above Iy + Iz = {self.Iy + self.Iz:g} "
+                f"m^4, the upper bound of any section",
             )
         names = [p.name for p in self.points]
         for name in sorted({n for n in names if names.count(n) > 1}):
@@ -395,10 +394,10 @@ class GeneralSection(Declared, section="sections", tag="general", by_value=True)
 
 
 def _around(radius: float, v: float, t: float) -> tuple[SectionPoint, ...]:
-    """Return the points around a round section; at worst bending stands 7.5 degrees from one.
+    """Return the points around a round section; bending is at most 7.5 degrees from a point.
 
-    Shear runs along the edge: ``V v cos(a)`` at the angle a from the plane of bending's neutral
-    line, by Jourawski, and ``T t`` of torsion.
+    Shear stress is tangential: ``V v cos(a)`` at the angle a from the neutral axis of bending, by
+    Jourawski, and ``T t`` from torsion.
     """
     four = {0: "left", 90: "top", 180: "right", 270: "bottom"}
     found = {}

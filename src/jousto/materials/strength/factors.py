@@ -1,4 +1,4 @@
-"""What makes a part weaker than its smooth specimen: surface, size, kind of load, reliability."""
+"""Strength factors of a part relative to a smooth specimen: surface, size, load, reliability."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import scipy
 from jousto.base.arguments import explained
 from jousto.base.errors import Problems, suggest
 
-# FKM guideline (6th ed.), table 4.3.4: a_R and the least tensile strength R_m,N,min in MPa
+# FKM guideline (6th ed.), table 4.3.4: a_R and the smallest tensile strength R_m,N,min in MPa
 ROUGHNESS: dict[str, tuple[float, float]] = {
     "steel": (0.22, 400.0),
     "cast-steel": (0.20, 400.0),
@@ -49,7 +49,7 @@ def roughness_factor(Rz: float, S_u: float, kind: str = "steel") -> float:
     Parameters
     ----------
     Rz : float
-        Mean roughness depth, m: 10e-6 is 10 um. Rolling skin counts as 200 um.
+        Mean roughness depth, m: 10e-6 is 10 um. Use 200 um for a rolling skin.
     S_u : float
         Tensile strength, Pa.
     kind : str
@@ -85,9 +85,9 @@ def roughness_factor(Rz: float, S_u: float, kind: str = "steel") -> float:
 def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
     """Return Marin's surface factor ``a S_u^b`` (Shigley, table 6-2), at most 1.
 
-    The 11th edition (Budynas and Nisbett 2020) fits other curves to the tests than the 9th:
-    machined surfaces have 10 % less at 400 MPa and 4 % less at 1600 MPa, forged ones 17 % less
-    and 16 % more.
+    The 11th edition (Budynas and Nisbett 2020) has other fits to the tests than the 9th: the
+    factors of machined surfaces are 10 % smaller at 400 MPa and 4 % smaller at 1600 MPa, those of
+    forged surfaces 17 % smaller and 16 % larger.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
     S_u : float
         Tensile strength, Pa.
     edition : {11, 9}
-        Edition of the book whose table is taken.
+        Edition of the book with the table.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
     problems = Problems()
     if edition not in FINISHES:
         known = ", ".join(str(x) for x in sorted(FINISHES))
-        problems.add(where, f"edition is {edition!r}; tables of these are known: {known}")
+        problems.add(where, f"edition is {edition!r}, must be one of {known}")
     known_finishes = FINISHES[max(FINISHES)]
     if finish not in known_finishes:
         problems.add(where, f"no finish {finish!r}{suggest(finish, known_finishes)}")
@@ -125,15 +125,15 @@ def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
 
 
 def size_factor(diameter: float) -> float:
-    """Return Marin's size factor of a round bar that bends or twists (Shigley, eq. 6-20).
+    """Return Marin's size factor of a round bar in bending or torsion (Shigley, eq. 6-20).
 
     ``1.24 d^-0.107`` for d = 2.79 to 51 mm, ``1.51 d^-0.157`` to 254 mm, 1 below.
 
     Parameters
     ----------
     diameter : float
-        Of a rotating bar, m. Bars that do not rotate have 0.37 d, rectangles
-        0.808 sqrt(h b) (table 6-3). Axial load has no size effect: leave the factor out.
+        Diameter of a rotating bar, m. For bars that do not rotate use 0.37 d, for rectangles 0.808
+        sqrt(h b) (table 6-3). Axial load has no size effect: leave the factor out.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def size_factor(diameter: float) -> float:
 
 @explained
 def load_factor(load: str) -> float:
-    """Return the factor of the kind of load on limits from rotating bending (Shigley, eq. 6-26).
+    """Return the load factor relative to rotating bending (Shigley, eq. 6-26).
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def load_factor(load: str) -> float:
 
 
 def reliability_factor(survival: float, variation: float = 0.08) -> float:
-    """Return ``1 - variation z``: a normal scatter of the endurance limit (Shigley, eq. 6-29).
+    """Return ``1 - variation z`` for a normal scatter of the endurance limit (Shigley, eq. 6-29).
 
     For the log-normal scatter of tests see `SN.at_survival`.
 
@@ -186,12 +186,12 @@ def reliability_factor(survival: float, variation: float = 0.08) -> float:
     survival : float
         Probability of survival, 0.5 to below 1.
     variation : float
-        Standard deviation over mean of the endurance limit, 8 % for steels.
+        Standard deviation / mean of the endurance limit, 8 % for steels.
 
     Raises
     ------
     InputError
-        If the factor would not be positive, or the probability is not one.
+        If the factor would not be positive, or the probability is out of range.
 
     Examples
     --------
@@ -206,7 +206,11 @@ def reliability_factor(survival: float, variation: float = 0.08) -> float:
     problems.raise_if_any()
     factor = 1.0 - variation * float(scipy.special.ndtri(survival))
     if factor <= 0.0:
-        problems.add(where, f"the factor is {factor:g}: a normal scatter cannot say so much")
+        problems.add(
+            where,
+            f"the factor is {factor:g}, must be positive: a normal scatter does "
+            f"not apply to this survival",
+        )
     problems.raise_if_any()
     return factor
 

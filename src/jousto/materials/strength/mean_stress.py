@@ -1,4 +1,4 @@
-"""Mean stress: the fully reversed amplitude that does the same damage as a cycle."""
+"""Mean stress corrections: the fully reversed amplitude with the same damage as a cycle."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from jousto.materials.strength.sn import Strength, check_unit
 
 
 class MeanStress(Declared, ABC, section="mean stress", by_value=True):
-    """A mean stress correction."""
+    """Base of the mean stress corrections."""
 
     @abstractmethod
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude (...,) in Pa of cycles with amplitude and mean in Pa.
+        """Return the equivalent amplitude (...,), Pa, of cycles with amplitude and mean, Pa.
 
-        It is inf where the mean alone breaks the part.
+        It is inf if the mean stress alone exceeds the strength.
         """
 
     @property
     @abstractmethod
     def law(self) -> tuple[str, dict[str, float]]:
-        """Name and values of the law, for other code: those of a ``jo_meter`` in jousto.h."""
+        """Name and parameters of the law for the engine: those of a ``jo_meter`` in jousto.h."""
 
     @property
     def name(self) -> str:
-        """Name for tables."""
+        """Name, for tables."""
         return str(self)
 
 
@@ -41,7 +41,7 @@ def _pair(amplitude: ArrayLike, mean: ArrayLike) -> tuple[Array, Array]:
 
 
 def _line(S_a: Array, S_m: Array, S_u: float, credit: bool) -> Array:
-    """Return S_a / (1 - S_m / S_u), inf where the mean reaches S_u."""
+    """Return S_a / (1 - S_m / S_u), inf if the mean reaches S_u."""
     S_m = S_m if credit else np.maximum(S_m, 0.0)
     rest = 1.0 - S_m / S_u
     return np.where(rest > 0.0, S_a / np.where(rest > 0.0, rest, 1.0), np.inf)
@@ -58,17 +58,17 @@ class Goodman(MeanStress, tag="goodman"):
 
     S_u: Strength = field("Tensile strength", unit="Pa")
     credit: Flag = field(
-        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        "Whether compressive means increase life; False treats them as zero, which is conservative",
         default=True,
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         return _line(*_pair(amplitude, mean), self.S_u, self.credit)
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "line", {"strength": float(self.S_u), "credit": float(self.credit)}
 
 
@@ -77,17 +77,17 @@ class Soderberg(MeanStress, tag="soderberg"):
 
     S_y: Strength = field("Yield stress", unit="Pa")
     credit: Flag = field(
-        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        "Whether compressive means increase life; False treats them as zero, which is conservative",
         default=True,
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         return _line(*_pair(amplitude, mean), self.S_y, self.credit)
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "line", {"strength": float(self.S_y), "credit": float(self.credit)}
 
 
@@ -96,24 +96,24 @@ class Morrow(MeanStress, tag="morrow"):
 
     sf: Strength = field("sigma_f', or the true fracture stress", unit="Pa")
     credit: Flag = field(
-        "Whether compressive means lengthen life; False takes them as zero, the careful side",
+        "Whether compressive means increase life; False treats them as zero, which is conservative",
         default=True,
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         return _line(*_pair(amplitude, mean), self.sf, self.credit)
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "line", {"strength": float(self.sf), "credit": float(self.credit)}
 
 
 class Gerber(MeanStress, tag="gerber"):
     """``S_ar = S_a / (1 - (S_m / S_u)^2)`` (W. Gerber 1874); compressive means count as zero.
 
-    The parabola is for tension; its other half would make compression as harmful.
+    The parabola applies to tension; its other half would make compression equally damaging.
 
     Examples
     --------
@@ -124,14 +124,14 @@ class Gerber(MeanStress, tag="gerber"):
     S_u: Strength = field("Tensile strength", unit="Pa")
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         rest = 1.0 - (np.maximum(S_m, 0.0) / self.S_u) ** 2
         return np.where(rest > 0.0, S_a / np.where(rest > 0.0, rest, 1.0), np.inf)
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "gerber", {"strength": float(self.S_u)}
 
 
@@ -148,14 +148,14 @@ class Walker(MeanStress, tag="walker"):
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         top = np.maximum(S_a + S_m, 0.0)
         return np.asarray(top ** (1.0 - self.gamma) * S_a**self.gamma)
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "walker", {"exponent": float(self.gamma)}
 
 
@@ -169,13 +169,13 @@ class SWT(MeanStress, tag="swt"):
     """
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         return np.asarray(np.sqrt(np.maximum(S_a + S_m, 0.0) * S_a))
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "walker", {"exponent": 0.5}
 
 
@@ -242,7 +242,7 @@ class FKM(MeanStress, tag="fkm"):
         return cls(max(a * S_u / 1e9 + b, 0.0))
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         M = self.M
         third = (1.0 + M) * (S_a + M / 3.0 * S_m) / (1.0 + M / 3.0)
@@ -256,7 +256,7 @@ class FKM(MeanStress, tag="fkm"):
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "fkm", {"sensitivity": float(self.M)}
 
 
@@ -279,7 +279,7 @@ class WeldRatio(MeanStress, tag="weld-ratio"):
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         if self.residual == "high":
             return np.array(S_a + 0.0 * S_m)
@@ -293,7 +293,7 @@ class WeldRatio(MeanStress, tag="weld-ratio"):
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "weld", {"relief": float(("high", "medium", "low").index(self.residual))}
 
 
@@ -317,7 +317,7 @@ class PartCompression(MeanStress, tag="part-compression"):
     )
 
     def equivalent(self, amplitude: ArrayLike, mean: ArrayLike) -> Array:
-        """Return the equivalent amplitude; see the class."""
+        """Return the equivalent amplitude, Pa; see the class."""
         S_a, S_m = _pair(amplitude, mean)
         high, low = S_m + S_a, S_m - S_a
         tension = np.maximum(high, 0.0) - np.maximum(low, 0.0)
@@ -326,5 +326,5 @@ class PartCompression(MeanStress, tag="part-compression"):
 
     @property
     def law(self) -> tuple[str, dict[str, float]]:
-        """See the class."""
+        """Name and parameters of the law; see the class."""
         return "compression", {"share": float(self.share)}

@@ -27,7 +27,7 @@ SPAN = 2.5631031310892007
 
 class _Strength(OnlyPositive[In, Out]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a positive stress; warn of one that looks like another unit."""
+        """Return a positive stress, or report it; warn about a value in another unit."""
         found = super().check(problems, where, value)
         if found is not None:
             check_unit(where, self.label, found)
@@ -35,11 +35,11 @@ class _Strength(OnlyPositive[In, Out]):
 
 
 class Strength(_Strength[float, float]):
-    """A stress that a material bears, Pa."""
+    """Field of a strength, Pa."""
 
 
 class OptionalStrength(_Strength["float | None", "float | None"]):
-    """A stress that a material bears, Pa, or None."""
+    """Field of a strength, Pa, or None."""
 
     optional = True
 
@@ -54,12 +54,12 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
     Raises
     ------
     InputError
-        With all values that are impossible.
+        With all values out of range.
 
     Warns
     -----
     JoustoWarning
-        If S_D or S_u looks like MPa instead of Pa, or was multiplied twice.
+        If S_D or S_u is probably in MPa instead of Pa, or was converted twice.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
     """
 
     kind = "S-N curve"
-    S_D: Strength = field("Stress **amplitude** (half the range) at the knee", unit="Pa")
+    S_D: Strength = field("Stress **amplitude** (half of the range) at the knee", unit="Pa")
     N_D: Number = field("Cycles at the knee", unit="cycles", above=1, wanted="a number above 1")
     k: Number = field(
         "Slope above the knee, larger than 1; Basquin's exponent is ``b = -1/k``",
@@ -79,8 +79,8 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         wanted="a number above 1 (N falls with S^k; Basquin's exponent b is -1/k)",
     )
     rule: Choice = field(
-        "What happens below the knee. Elementary is the careful one: under loads of varying "
-        "amplitude small cycles extend the cracks that large ones began",
+        'Rule below the knee. "elementary" is conservative: under variable amplitudes small '
+        "cycles extend cracks that large ones have started",
         words=RULES,
         default="elementary",
     )
@@ -88,15 +88,15 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         'Slope below the knee with the rule "haibach"; 2 k - 1 if None', default=None, kw_only=True
     )
     N_cut: OptionalNumber = field(
-        "Cycles of the cut-off limit, at which the second line ends: smaller amplitudes do no "
-        "damage",
+        "Number of cycles of the cut-off limit, where the second line ends: smaller amplitudes "
+        "cause no damage",
         unit="cycles",
         default=None,
         kw_only=True,
     )
     R: OptionalNumber = field(
-        "Stress ratio min/max of the tests, -1 fully reversed. None where it does not matter, as "
-        "in welds that were not stress relieved",
+        "Stress ratio min/max of the tests, -1 fully reversed. None if it has no effect, as in "
+        "welds without stress relief",
         below=1,
         wanted="below 1 (min/max of the tests)",
         default=-1.0,
@@ -111,8 +111,8 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         kw_only=True,
     )
     T_N: OptionalNumber = field(
-        "Scatter band in cycles, ``N(10 %) / N(90 %)``; ``T_S^k`` if only T_S is given, and the "
-        "other way round",
+        "Scatter band in cycles, ``N(10 %) / N(90 %)``; ``T_S^k`` if only T_S is given, and "
+        "vice versa",
         least=1,
         wanted=BAND,
         default=None,
@@ -127,13 +127,13 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         kw_only=True,
     )
     S_u: OptionalStrength = field(
-        "Tensile strength: larger stresses are reported", unit="Pa", default=None, kw_only=True
+        "Tensile strength, above which stresses are reported", unit="Pa", default=None, kw_only=True
     )
     name: Label = field("For tables", default="", kw_only=True)
-    source: Label = field("Where the values come from", default="", kw_only=True, compare=False)
+    source: Label = field("Source of the values", default="", kw_only=True, compare=False)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note values that do not go together."""
+        """Report inconsistent values."""
         if self.k2 is not None:
             if self.rule != "haibach":
                 problems.add(where, f'k2 goes with rule="haibach", not with {self.rule!r}', "k2")
@@ -156,7 +156,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
 
     @classmethod
     def basquin(cls, sf: float, b: float, *, N_D: float = 1e6, **others: Any) -> SN:
-        """Return the curve ``S = sf (2 N)^b`` of tables of strain and stress life.
+        """Return the curve ``S = sf (2 N)^b`` from constants of stress-life and strain-life tables.
 
         Parameters
         ----------
@@ -165,9 +165,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         b : float
             Fatigue strength exponent, negative.
         N_D : float
-            Cycles at which the knee is put.
-        **others
-            As those of the class.
+            Number of cycles of the knee. **others Other fields of the class.
 
         Raises
         ------
@@ -188,7 +186,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         problems.raise_if_any()
         return cls(sf * (2.0 * N_D) ** b, N_D, -1.0 / b, **others)
 
-    # -- the curve --------------------------------------------------------------------------
+    # -- evaluation --------------------------------------------------------------------------
 
     @property
     def slope2(self) -> float:
@@ -201,7 +199,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
 
     @property
     def S_limit(self) -> float:
-        """Amplitude below which there is no damage, Pa; 0 if all amplitudes do some."""
+        """Amplitude below which there is no damage, Pa; 0 if there is none."""
         if self.rule == "original":
             return float(self.S_D)
         if self.N_cut is None:
@@ -210,15 +208,17 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
 
     @property
     def numbers(self) -> tuple[float, float, float, float, float]:
-        """The curve for other code: S_D, N_D, k, slope2 and S_limit.
+        """Numbers of the curve for the engine: S_D, N_D, k, slope2 and S_limit.
 
-        Damage of a cycle of amplitude S: 0 for S < S_limit, else ``(S/S_D)^m / N_D`` with m = k
-        for S >= S_D, m = slope2 below.
+        The damage of a cycle of amplitude S is 0 for S < S_limit, else ``(S/S_D)^m / N_D`` with m =
+        k for S >= S_D, m = slope2 below.
         """
         return (float(self.S_D), float(self.N_D), float(self.k), self.slope2, self.S_limit)
 
     def cycles(self, amplitude: ArrayLike) -> Array:
-        """Return the cycles N (...,) to failure at stress amplitudes (...,) in Pa; inf is for ever.
+        """Return the cycles N (...,) to failure at stress amplitudes (...,), Pa.
+
+        Inf for no failure.
 
         Raises
         ------
@@ -229,13 +229,13 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
             return np.asarray(1.0 / self._each(amplitude))
 
     def damage(self, amplitude: ArrayLike, count: ArrayLike = 1.0) -> float:
-        """Return Miner's sum ``sum n_i / N_i`` of cycles (count) of stress amplitudes in Pa."""
+        """Return Miner's sum ``sum n_i / N_i`` of `count` cycles of stress amplitudes, Pa."""
         return float(np.sum(np.asarray(count, dtype=np.float64) * self._each(amplitude)))
 
     def amplitude(self, cycles: ArrayLike) -> Array:
-        """Return the stress amplitude (...,) in Pa that is endured for so many cycles.
+        """Return the stress amplitude (...,), Pa, for a number of cycles to failure.
 
-        Beyond the knee of an endurance limit, or beyond the cut-off, it is that limit.
+        Beyond the knee of an endurance limit, or beyond the cut-off, it is the limit.
         """
         N = np.asarray(cycles, dtype=np.float64)
         if not np.all(N > 0.0):
@@ -248,7 +248,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
     def _each(self, amplitude: ArrayLike) -> Array:
         """Return the damage of one cycle at each amplitude."""
         S = np.asarray(amplitude, dtype=np.float64)
-        if not np.all(S >= 0.0):  # nan, too
+        if not np.all(S >= 0.0):  # also false for nan
             raise InputError(
                 Problem(
                     "S-N curve",
@@ -258,7 +258,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
             )
         return miner(S, self.numbers)
 
-    # -- other curves from it ---------------------------------------------------------------
+    # -- derived curves ---------------------------------------------------------------------
 
     def with_factors(self, *factors: float, pivot: float | None = None) -> SN:
         """Return the curve with S_D multiplied by factors: surface, size, load, thickness ...
@@ -266,15 +266,15 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         Parameters
         ----------
         *factors : float
-            From `surface_factor`, `size_factor` and the like, or any other.
+            Factors from `roughness_factor`, `size_factor` or other sources.
         pivot : float, optional
-            Cycles at which the factors no longer act, such as 1e3 (Shigley): the line is turned
-            about that point, so that k changes. None shifts the whole line (FKM).
+            Number of cycles at which the factors have no effect, such as 1e3 (Shigley): the line is
+            rotated about that point, so that k changes. None shifts the whole line (FKM).
 
         Raises
         ------
         InputError
-            If a factor is not positive, or the line cannot be turned so far.
+            If a factor is not positive, or the rotated line does not fall.
 
         Examples
         --------
@@ -297,7 +297,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
             "with_factors", "pivot", pivot, "cycles", "below N_D", lambda x: 0.0 < x < self.N_D
         )
         problems.raise_if_any()
-        # lg of the strength from the pivot to the knee
+        # lg of the ratio of strengths at the pivot and at the knee
         drop = math.log(self.N_D / pivot) / self.k - math.log(product)
         k = math.log(self.N_D / pivot) / drop if drop > 0.0 else 0.0
         if not k > 1.0:
@@ -329,8 +329,8 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         raise InputError(
             Problem(
                 where,
-                "no scatter is known; give T_S (scatter band in stress, such as 1.25) or T_N"
-                " (in cycles, such as 3)",
+                "has no scatter; give T_S (scatter band in stress, such as 1.25) or T_N (in "
+                "cycles, such as 3)",
             )
         )
 
@@ -344,12 +344,12 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         Parameters
         ----------
         probability : float
-            Of survival, such as 0.9, 0.975, 0.999.
+            Probability of survival, such as 0.9, 0.975, 0.999.
 
         Raises
         ------
         InputError
-            If it is not between 0 and 1, or the curve has no scatter.
+            If the probability is not between 0 and 1, or the curve has no scatter.
 
         Examples
         --------
@@ -368,7 +368,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         return replace(self, S_D=self.S_D * factor, N_D=N_D, N_cut=cut, survival=probability)
 
     def numbers_at(self, probability: float) -> tuple[float, float, float, float, float]:
-        """`numbers` of the curve `at_survival` of a probability, without its checks."""
+        """Return `numbers` of the curve `at_survival` of a probability, without checks."""
         factor, knee = self._shift(probability)
         S_D, N_D, k, k2, limit = self.numbers
         return (S_D * factor, N_D * knee, k, k2, limit * factor)
@@ -378,7 +378,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         shift = float(scipy.special.ndtri(self.survival) - scipy.special.ndtri(probability))
         sigma = self.deviation
         sigma_S = math.log10(self.T_S) / SPAN if self.T_S is not None else sigma / self.k
-        # the finite-life line scatters by T_N, the limit by T_S: their knee moves by the rest
+        # the finite-life line scatters by T_N, the limit by T_S: the knee moves by the ratio
         return 10.0 ** (shift * sigma_S), 10.0 ** (shift * (sigma - self.k * sigma_S))
 
     def __str__(self) -> str:
@@ -395,7 +395,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
 
 
 def miner(amplitude: Array, numbers: tuple[float, float, float, float, float]) -> Array:
-    """Return the damage of one cycle at each amplitude, with a curve's `SN.numbers`."""
+    """Return the damage of one cycle at each amplitude, from the `SN.numbers` of a curve."""
     S = amplitude
     S_D, N_D, k, k2, limit = numbers
     with np.errstate(over="ignore"):
@@ -406,7 +406,7 @@ def miner(amplitude: Array, numbers: tuple[float, float, float, float, float]) -
 
 
 def check_unit(where: str, name: str, stress: float) -> None:
-    """Warn if a strength looks like MPa given as Pa, or Pa multiplied twice."""
+    """Warn if a strength is probably in MPa instead of Pa, or was converted twice."""
     if stress < 1e5:
         warn(
             where,

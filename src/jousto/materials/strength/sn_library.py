@@ -25,7 +25,7 @@ _BASQUIN: dict[str, tuple[float, float, float]] = {
     "2024-T4": (476e6, 900e6, -0.102),
     "Ti-6Al-4V aged": (1233e6, 2030e6, -0.104),
 }
-# kind: share f of the tensile strength endured fully reversed, knee, slopes above and below
+# kind: ratio f of fully reversed limit to tensile strength, knee, slopes above and below
 _FKM: dict[str, tuple[float, float, float, float | None]] = {
     "steel": (0.45, 1e6, 5.0, None),
     "stainless-steel": (0.40, 1e6, 5.0, None),
@@ -37,7 +37,7 @@ _FKM: dict[str, tuple[float, float, float, float | None]] = {
     "aluminium": (0.30, 1e6, 5.0, 15.0),
     "cast-aluminium": (0.30, 1e6, 5.0, 15.0),
 }
-# least tensile strength in Pa and kind of materials of the library
+# smallest tensile strength in Pa, and kind, of materials of the library
 _STRENGTH: dict[str, tuple[float, str]] = {
     "S235": (360e6, "steel"),
     "S275": (410e6, "steel"),
@@ -54,12 +54,12 @@ _STRENGTH: dict[str, tuple[float, str]] = {
 
 @explained
 def estimate_sn(strength: float | str, kind: str = "steel", *, rule: str = "elementary") -> SN:
-    """Return an estimated S-N curve from the tensile strength alone (FKM guideline, 4.2 and 4.4).
+    """Return an S-N curve estimated from the tensile strength (FKM guideline, 4.2 and 4.4).
 
     The fully reversed limit is 0.45 S_u of steel, 0.40 of stainless and forging steel, 0.34 of
     cast steel and nodular iron, 0.30 of other irons and of aluminium, at 1e6 cycles with k = 5,
-    for a smooth specimen, survival 97.5 %; below the knee aluminium has k = 15 whatever the rule
-    unless "elementary". Tests are better than estimates.
+    for a smooth specimen, survival 97.5 %; below the knee aluminium has k = 15 for any rule except
+    "elementary". Use test data if available.
 
     Parameters
     ----------
@@ -68,14 +68,13 @@ def estimate_sn(strength: float | str, kind: str = "steel", *, rule: str = "elem
         of EN 10025-2, plates of 3 to 100 mm) and cast irons (EN 1561, EN 1563).
     kind : str
         "steel", "stainless-steel", "forging-steel", "cast-steel", "nodular-iron",
-        "malleable-iron", "grey-iron", "aluminium", "cast-aluminium"; of named materials known.
-    rule : str
-        Below the knee, see `SN`.
+        "malleable-iron", "grey-iron", "aluminium", "cast-aluminium"; known for named materials.
+        rule : str Rule below the knee, see `SN`.
 
     Raises
     ------
     InputError
-        If kind or material are not known.
+        If kind or material is unknown.
 
     Examples
     --------
@@ -90,7 +89,7 @@ def estimate_sn(strength: float | str, kind: str = "steel", *, rule: str = "elem
         if known not in _STRENGTH:
             problems.add(
                 "estimate_sn",
-                f"no tensile strength of '{known}' is known here; give it in Pa"
+                f"no tensile strength of '{known}' is known; give it in Pa"
                 f"{suggest(known, _STRENGTH)}",
             )
             problems.raise_if_any()
@@ -122,19 +121,18 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
     name : str
         One of `sn_curves`; a weld class ``fat71`` (IIW), ``fat71-en``, ``fat80-shear``,
         ``fat100-shear-en``; or a material with known strength such as ``S355`` (an estimate).
-        Capital letters, blanks, dots and hyphens do not matter.
-    rule : str, optional
-        Below the knee; that of the curve if None.
+        Capital letters, blanks, dots and hyphens are ignored. rule : str, optional Rule below the
+        knee; None for the rule of the curve.
 
     Raises
     ------
     InputError
-        If there is none of that name.
+        If there is no curve of that name.
 
     Warns
     -----
     JoustoWarning
-        Of a weld class that neither standard has; `fat_class` takes any number.
+        If a weld class is in neither standard; `fat_class` accepts any number.
 
     Examples
     --------
@@ -173,7 +171,7 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
 
 
 def _tell_no_class(number: float, *, shear: bool) -> None:
-    """Warn of a number that is none of the classes, such as 17 where 71 was meant."""
+    """Warn about a number that is no FAT class, such as 17 in place of 71."""
     classes = SHEAR_CLASSES if shear else CLASSES
     if number in classes:
         return
@@ -182,14 +180,14 @@ def _tell_no_class(number: float, *, shear: bool) -> None:
     warn(
         "S-N curve",
         f"there is no FAT class {number:g} of {'shear' if shear else 'direct'} stress in"
-        f" IIW-2259-15 or EN 1993-1-9, nearest: {' and '.join(below + above)}; the curve is"
-        f" drawn through {number:g} MPa. Meant so, it is given by its number: {{fat: {number:g}}}"
-        f" in a file, jo.fatigue.fat_class({number:g}) in Python",
+        f" IIW-2259-15 or EN 1993-1-9, nearest: {' and '.join(below + above)}; the curve for "
+        f"{number:g} MPa is used. To avoid this warning give the number: {{fat: {number:g}}} in a "
+        f"file, jo.fatigue.fat_class({number:g}) in Python",
     )
 
 
 def sn_curves() -> tuple[str, ...]:
-    """Return the names of the measured S-N curves; weld classes and estimates come on top.
+    """Return the names of the measured S-N curves, without weld classes and estimates.
 
     Examples
     --------

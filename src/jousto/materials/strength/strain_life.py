@@ -1,4 +1,4 @@
-"""Strain-life curve and cyclic stress-strain curve of a material."""
+"""Strain-life curves and cyclic stress-strain curves of materials."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ FORMS = ("coffin-manson", "morrow", "swt")
 class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
     """Coffin-Manson-Basquin curve with the Ramberg-Osgood curve of stabilised cycles.
 
-    ``e_a = sf/E (2N)^b + ef (2N)^c`` and ``e_a = s_a/E + (s_a/K_)^(1/n_)`` with amplitudes of
-    strain and stress and N cycles to a crack of about a millimetre.
+    ``e_a = sf/E (2N)^b + ef (2N)^c`` and ``e_a = s_a/E + (s_a/K_)^(1/n_)`` with strain and stress
+    amplitudes and N cycles to a crack of about 1 mm.
 
     Raises
     ------
     InputError
-        If a constant is not finite or outside its physical range (all of them together).
+        With all constants that are not finite or outside of their physical range.
 
     Warns
     -----
     JoustoWarning
-        If E, sf or ``K_`` looks like MPa given as Pa.
+        If E, sf or ``K_`` is probably in MPa instead of Pa.
 
     Examples
     --------
@@ -66,25 +66,25 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         wanted=NEGATIVE,
     )
     K_: OptionalPositive = field(
-        "Cyclic strength coefficient K'; None takes ``sf / ef^(b/c)``, which makes both curves "
-        "agree",
+        "Cyclic strength coefficient K'; None for ``sf / ef^(b/c)``, with which both curves are"
+        " consistent",
         unit="Pa",
         label="cyclic strength coefficient K_",
         default=None,
     )
     n_: OptionalNumber = field(
-        "Cyclic hardening exponent n'; None takes ``b / c``",
+        "Cyclic hardening exponent n'; None for ``b / c``",
         above=0,
         below=1,
         label="hardening exponent n_",
         wanted="in (0, 1)",
         default=None,
     )
-    name: Label = field("Shown in messages", default="")
-    source: Label = field("Where the constants come from", default="", compare=False)
+    name: Label = field("Name, for messages", default="")
+    source: Label = field("Source of the constants", default="", compare=False)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Find the cyclic curve; note swapped exponents, warn of units."""
+        """Store K' and n'; report swapped exponents, warn about units."""
         if self.c >= self.b:
             problems.add(
                 where, f"c = {self.c:g} must be below b = {self.b:g}; are they swapped?", "c"
@@ -103,26 +103,26 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
 
     @property
     def hardening(self) -> tuple[float, float]:
-        """K' in Pa and n'."""
+        """K' (Pa) and n'."""
         assert self.K_ is not None and self.n_ is not None
         return self.K_, self.n_
 
     @property
     def transition(self) -> float:
-        """Cycles at which elastic and plastic strain amplitudes are equal."""
+        """Number of cycles at which elastic and plastic strain amplitudes are equal."""
         return float(0.5 * (self.ef * self.E / self.sf) ** (1.0 / (self.b - self.c)))
 
     def strain(self, stress: ArrayLike) -> Array:
-        """Return the strain amplitude (m/m) of a stress amplitude (Pa), odd in the stress."""
+        """Return the strain amplitude (m/m) for a stress amplitude (Pa), an odd function."""
         s = np.asarray(stress, dtype=np.float64)
         K, n = self.hardening
         return np.asarray(s / self.E + np.sign(s) * (np.abs(s) / K) ** (1.0 / n))
 
     def stress(self, strain: ArrayLike) -> Array:
-        """Return the stress amplitude (Pa) of a strain amplitude (m/m): the inverse of `strain`."""
+        """Return the stress amplitude (Pa) for a strain amplitude (m/m), inverse of `strain`."""
         e = np.asarray(strain, dtype=np.float64)
         K, n = self.hardening
-        # from above, the curve is convex in s: Newton cannot overshoot
+        # starting above the root: the curve is convex in s, so Newton's method cannot overshoot
         size = np.abs(e)
         s = np.minimum(self.E * size, K * size**n)
         for _ in range(60):
@@ -135,7 +135,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         return np.asarray(np.sign(e) * s)
 
     def amplitude(self, cycles: ArrayLike, mean: ArrayLike = 0.0) -> Array:
-        """Return the strain amplitude (m/m) that lasts N cycles at a mean stress (Pa), Morrow."""
+        """Return the strain amplitude (m/m) for N cycles at a mean stress (Pa), Morrow."""
         x = 2.0 * np.asarray(cycles, dtype=np.float64)
         sm = np.asarray(mean, dtype=np.float64)
         return np.asarray((self.sf - sm) / self.E * x**self.b + self.ef * x**self.c)
@@ -143,9 +143,9 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
     def cycles(
         self, strain: ArrayLike, *, mean: ArrayLike = 0.0, form: Form = "coffin-manson"
     ) -> Array:
-        """Return the cycles to failure of a strain amplitude.
+        """Return the number of cycles to failure for a strain amplitude.
 
-        * ``coffin-manson``: the mean stress does not count;
+        * ``coffin-manson``: no effect of the mean stress;
         * ``morrow``: ``e_a = (sf - s_m)/E (2N)^b + ef (2N)^c``;
         * ``swt``: ``s_max e_a = sf^2/E (2N)^2b + sf ef (2N)^(b+c)``, s_max from the mean and the
           cyclic curve (Smith, Watson, Topper 1970).
@@ -157,17 +157,17 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         mean : array_like
             Mean stress of the cycle, Pa.
         form : {"coffin-manson", "morrow", "swt"}
-            How the mean stress counts.
+            Mean stress correction.
 
         Returns
         -------
         array
-            Cycles; inf where nothing is strained or, with ``swt``, the cycle is all in compression.
+            Cycles; inf for zero strain or, with ``swt``, for cycles fully in compression.
 
         Raises
         ------
         InputError
-            Unknown form, or a strain that is negative or not finite.
+            If the form is unknown, or a strain is negative or not finite.
         """
         e, sm = np.broadcast_arrays(
             np.asarray(strain, dtype=np.float64), np.asarray(mean, dtype=np.float64)
@@ -197,7 +197,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         q = p - self.b + self.c
         y, A, B = np.broadcast_arrays(y, np.asarray(A, dtype=float), np.asarray(B, dtype=float))
         out = np.full(y.shape, np.inf)
-        # a mean stress above sf breaks at once
+        # a mean stress above sf: failure at once
         out[(A <= 0.0) & (y > 0.0)] = 0.0
         live = (y > 0.0) & (A > 0.0)
         if not live.any():
@@ -220,7 +220,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
     def uniform(
         cls, S_u: float, E: float, *, metal: Literal["steel", "light"] = "steel"
     ) -> StrainLife:
-        """Estimate the constants from the tensile strength alone (uniform material law).
+        """Return constants estimated from the tensile strength (uniform material law).
 
         Parameters
         ----------
@@ -298,7 +298,7 @@ def strain_life(name: str) -> StrainLife:
     Raises
     ------
     InputError
-        If there is none of that name; the nearest is suggested.
+        If there is no material of that name; the message suggests the most similar one.
     """
     key = str(name).strip().lower().replace(" ", "-")
     if key in _TABLE:

@@ -15,9 +15,9 @@ CLASSES = (
     *(12, 14, 16, 18, 20, 22, 25, 28, 32, 36, 40, 45, 50, 56, 63, 71),
     *(80, 90, 100, 112, 125, 140, 160),
 )
-"""Of direct stress in both standards: IIW of aluminium from 12 to 71, of steel from 36."""
+"""Classes of direct stress in both standards: IIW 12 to 71 for aluminium, from 36 for steel."""
 SHEAR_CLASSES = (28, 36, 80, 100)
-"""Of shear stress: aluminium (IIW), steel."""
+"""Classes of shear stress: aluminium (IIW), steel."""
 _EN = "EN 1993-1-9:2005, 7.1"
 _IIW = "IIW-2259-15 (Hobbacher, Recommendations for fatigue design of welded joints, 2016), 3.2"
 
@@ -33,10 +33,10 @@ butt welds, butt welds ground flush, and base metal or attachments along the loa
 
 
 class Standard(Choice):
-    """Where the classes are from."""
+    """Field of the standard of the classes."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return one of the words."""
+        """Return the standard, or report an unknown one."""
         if value not in self.words:
             known = suggest(value, self.words)
             problems.add(where, f"standard is {value!r}, must be iiw or en{known}", "standard")
@@ -44,7 +44,7 @@ class Standard(Choice):
 
 
 class FatClass(Declared):
-    """A weld's S-N curve by its FAT class: the stress range in MPa that 2e6 cycles endure.
+    """S-N curve of a weld by its FAT class: the stress range in MPa at 2e6 cycles.
 
     ========  ======  =====================================================================
     standard  stress  curve
@@ -56,14 +56,14 @@ class FatClass(Declared):
     en        shear   slope 5 to 1e8 (0.457), nothing below
     ========  ======  =====================================================================
 
-    IIW-2259-15, 3.2 and 4.3.1; EN 1993-1-9:2005, 7.1. The curves hold for the nominal (or
-    structural hot-spot) stress **range**; inside `SN` amplitudes are half of it. They include the
-    residual stress of welds, so that the mean stress does not matter (``R`` is None).
+    IIW-2259-15, 3.2 and 4.3.1; EN 1993-1-9:2005, 7.1. The curves apply to the nominal (or
+    structural hot-spot) stress **range**; `SN` contains amplitudes, half of the range. They include
+    the effect of residual stress, so that mean stress has no effect (``R`` is None).
 
     Raises
     ------
     InputError
-        If the class is no class, or the standard is unknown.
+        If the class is out of range, or the standard is unknown.
 
     Examples
     --------
@@ -80,15 +80,18 @@ class FatClass(Declared):
         wanted="a class from 5 to 250, a range in MPa at 2e6 cycles such as 71",
     )
     standard: Standard = field("IIW or Eurocode 3", words=STANDARDS, default="iiw")
-    shear: Flag = field("A class of shear stress (80 or 100)", default=False, kw_only=True)
+    shear: Flag = field(
+        "Whether the class is one of shear stress (80 or 100)", default=False, kw_only=True
+    )
     constant: Flag = field(
-        "For loads of constant amplitude, where the knee is an endurance limit. Not for a history "
-        "with larger and smaller cycles",
+        "Whether the load has constant amplitude, for which the knee is an endurance limit; not"
+        " for histories with different cycles",
         default=False,
         kw_only=True,
     )
     factor: Positive = field(
-        "On the stress: `thickness_factor`, 1/gamma_Mf (partial factor, EN 1993-1-9 table 3.1) ...",
+        "Factors of the stress: `thickness_factor`, 1/gamma_Mf (partial factor, EN 1993-1-9 "
+        "table 3.1) ...",
         file=False,
         default=1.0,
         kw_only=True,
@@ -102,7 +105,7 @@ class FatClass(Declared):
 
     @property
     def made(self) -> SN:
-        """The curve."""
+        """The S-N curve."""
         kind = "shear " if self.shear else ""
         scaled = "" if self.factor == 1.0 else f" x {self.factor:.4g}"
         name = f"FAT {self.fat:g} {kind}{self.standard}{scaled}"
@@ -127,7 +130,7 @@ fat_class = maker("fat_class", FatClass, returns="SN")
 def thickness_factor(
     thickness: float, joint: str | float = "cruciform", *, reference: float = 0.025
 ) -> float:
-    """Return the factor on a FAT class of thick plates, ``(t_ref / t)^n``, 1 for thinner ones.
+    """Return the FAT class factor of thick plates, ``(t_ref / t)^n``, 1 for thin ones.
 
     IIW-2259-15, 3.5.2; EN 1993-1-9 has ``(25 mm / t)^0.2`` for butt welds across the load (table
     8.3) and ``(30 mm / d)^0.25`` for bolts in tension (7.2.2): ``joint=0.25, reference=0.03``.

@@ -38,7 +38,8 @@ from jousto.mechanism.beams.stiffness import BeamSection
 from jousto.mechanism.bodies.base import ZERO3, Posed
 from jousto.mechanism.bodies.marker import Marker, marker_axes
 
-SLOW = 1.0  # s of stiffness damping: 1 Hz is far beyond critical
+# s, stiffness damping above which a warning is given: 1 Hz is far beyond critical damping
+SLOW = 1.0
 
 
 class BeamDamping(ProportionalDamping):
@@ -53,7 +54,7 @@ class BeamDamping(ProportionalDamping):
     """
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Warn of a stiffness that lets nothing vibrate."""
+        """Warn about a stiffness damping so large that no vibration is left."""
         if self.stiffness > SLOW:
             warn(
                 where,
@@ -64,7 +65,7 @@ class BeamDamping(ProportionalDamping):
 
 
 class Damping(Field["BeamDamping | None", BeamDamping]):
-    """Damping of a beam; None for none."""
+    """Field of the damping of a beam; None for no damping."""
 
     form = "item"
     noun = "BeamDamping"
@@ -72,7 +73,7 @@ class Damping(Field["BeamDamping | None", BeamDamping]):
     checks_none = True
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the damping."""
+        """Return the damping, or report that the value is none."""
         found = BeamDamping() if value is None else value
         if not isinstance(found, BeamDamping):
             wanted = "must be a BeamDamping(mass=, stiffness=)"
@@ -81,40 +82,41 @@ class Damping(Field["BeamDamping | None", BeamDamping]):
 
 
 class Share(Field["str | float | None", float]):
-    """How the elements have their mass; the beam keeps how much it is."""
+    """Field of the inertia of the elements; the beam stores the share of consistent inertia."""
 
     form = "beam inertia"
     noun = '"lumped", "corrected", "consistent" or float'
 
 
 class Elements(Field["int | None", "dict[str, Array]"]):
-    """The number of elements; the beam keeps their data."""
+    """Field of the number of elements; the beam stores their data instead."""
 
     form = "count"
     noun = "int"
 
 
 class BeamBody(Posed, tag="beam"):
-    """A geometrically exact beam: it bends, twists, stretches and shears without any limit.
+    """Geometrically exact beam: large bending, twist, stretch and shear.
 
-    Elements of two nodes stand between the nodes, each with one strain (Reissner-Simo measures, the
-    relative rotation halved): ``Gamma = Q_m^T (r_b - r_a)/L - e1``, ``kappa = log(Q_a^T Q_b)/L``
-    and resultants ``s = C (e - e0)``. Rigid motions strain nothing, whatever their size. The nodes
-    are bodies of the mechanism and carry markers for joints, forces and sensors. The initial
-    velocity is that of the beam which moves as a rigid body.
+    Each element joins two nodes and has one constant strain (Reissner-Simo measures in the frame
+    halfway between its ends): ``Gamma = Q_m^T (r_b - r_a)/L - e1``, ``kappa = log(Q_a^T Q_b)/L``
+    and resultants ``s = C (e - e0)``. Rigid motions of any size cause no strain. The nodes are
+    bodies of the mechanism and carry markers for joints, forces and sensors. The initial velocity
+    is that of a rigid motion of the beam.
 
     Attributes
     ----------
     nodes : (n + 1, 3) array
         Nodes in the body frame, m.
     frames : (n + 1, 3, 3) array
-        Section frames of the nodes, columns in the body frame; those of the node bodies too.
+        Section frames of the nodes, columns in the body frame; also the frames of the node bodies.
     ends : (n, 2, 3, 3) array
-        Section frames of the elements' ends; they differ from those of the nodes at corners.
+        Section frames of the ends of the elements; at corners they differ from the frames of the
+        nodes.
     lengths : (n,) array
         Unstressed lengths of the elements, m.
     sections : tuple of BeamSection
-        One for each element.
+        Section of each element.
     mass : float
         Mass, kg.
     elements : dict of array
@@ -123,7 +125,7 @@ class BeamBody(Posed, tag="beam"):
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -147,33 +149,33 @@ class BeamBody(Posed, tag="beam"):
     share: float = kept()
     corrected: bool = kept()
     points: AnyField = field(
-        "Ends of a straight beam, or its nodes, in the body frame. Several points are points of a "
-        "smooth curve but at `corners`",
+        "Two ends of a straight beam, or all its nodes, in the body frame. Three or more nodes "
+        "lie on a curve that is smooth except at `corners`",
         form="shapes",
         noun="(2, 3) or (n + 1, 3) array_like",
         unit="m",
         shapes=((None, 3),),
     )
     section: AnyField = field(
-        "Cross section; one for all elements or one each",
+        "Cross section of all elements, or one per element",
         form="beam sections",
         noun="Section, BeamSection or sequence of n of them",
     )
     material: AnyField = field(
-        "Of a `Section`; a `BeamSection` has its own",
+        "Material of a `Section`; a `BeamSection` contains its own stiffness and mass",
         form="material",
         noun="Material",
         default=None,
     )
     elements: Elements = field(
-        "Number of elements n between two points; three or more points decide it themselves",
+        "Number of elements n between two points; not needed with three or more points",
         default=None,
         kw_only=True,
     )
     up: AnyField = field(
-        "Direction near the z axis of the first section, body frame, from which the others follow "
-        "by the smallest rotations along the curve; or one for each node. None for (0, 0, 1), of "
-        "beams that begin along z (1, 0, 0)",
+        "Direction near the z axis of the first section, body frame; the other sections follow "
+        "by the smallest rotations along the curve. Or one direction per node. None for (0, 0, "
+        "1), or (1, 0, 0) for beams that begin along z",
         form="shapes",
         noun="(3,) or (n + 1, 3) array_like",
         shapes=((3,), (None, 3)),
@@ -181,8 +183,8 @@ class BeamBody(Posed, tag="beam"):
         kw_only=True,
     )
     twist: AnyField = field(
-        "Turn of the sections about the axis beyond that: of the end, growing along the beam, or "
-        "of each node",
+        "Additional rotation of the sections about the axis: of the end, increasing linearly "
+        "along the beam, or of each node",
         form="shapes",
         noun="float or (n + 1,) array_like",
         unit="rad",
@@ -198,32 +200,34 @@ class BeamBody(Posed, tag="beam"):
         kw_only=True,
     )
     mass: Share = field(
-        "Inertia of the elements and, as mass is pulled where it is, their weight: of their halves "
-        "at the nodes (0), of linear shape functions (1) or between (mass centres on the axis "
-        "only), all of order 2 in the length of the elements; or that of their halves with the end "
-        "correction of Euler and Maclaurin, for which bending vibrations of straight beams with "
-        "`bending` are of order 3 and a straight one bends under its weight as it should. None for "
-        '"corrected" with `bending`, else "lumped"',
+        'Inertia and weight of the elements. "lumped" (0): half of the mass at each node. '
+        '"consistent" (1): linear shape functions; numbers between 0 and 1 mix both (mass '
+        "centres on the axis only). All these are of order 2 in the element length. "
+        '"corrected": lumped with the Euler-Maclaurin end correction, of order 3 for bending '
+        "vibrations of straight beams with `bending`, and with the right deflection of straight"
+        ' beams under their weight. None for "corrected" with `bending`, else "lumped"',
         default=None,
         kw_only=True,
     )
     bending: AnyField = field(
-        "Straight beams bent in a plane converge with fourth order instead of second, curved and "
-        "twisted ones with smaller errors: the axis of an element is a screw line between its ends "
-        "(Sonneville, Cardona and Bruls 2014) instead of its chord, and the residual bending "
-        "flexibility is added (see `BeamSection.with_bending`). Elements become softer in shear, "
-        "which lowers the tension that they bear",
+        "Higher order in bending: straight beams bent in a plane converge with order 4 instead "
+        "of 2, curved and twisted beams with smaller errors. The axis of an element is a helix "
+        "between its ends (Sonneville, Cardona and Bruls 2014) instead of its chord, and the "
+        "residual bending flexibility is added (see `BeamSection.with_bending`). This makes "
+        "elements softer in shear and lowers the tension at which they become unstable",
         form="flag",
         noun="bool",
         default=False,
         kw_only=True,
     )
     damping: Damping = field(
-        "Damping proportional to mass and stiffness; None for none", default=None, kw_only=True
+        "Damping proportional to mass and stiffness; None for no damping",
+        default=None,
+        kw_only=True,
     )
     offset: AnyField = field(
-        "Section axis (y, z) relative to the line of nodes, or that at each node, section axes: "
-        "rigid arms",
+        "Offset (y, z) of the section's reference axis from the line of nodes by rigid arms, in"
+        " section axes; one for all nodes or one per node",
         form="shapes",
         noun="(2,) or (n + 1, 2) array_like",
         unit="m",
@@ -232,14 +236,14 @@ class BeamBody(Posed, tag="beam"):
         kw_only=True,
     )
     straight: AnyField = field(
-        "The unstressed beam is straight: it is placed bent, and springs back",
+        "Whether the unstressed beam is straight: it starts elastically bent to the given shape",
         form="flag",
         noun="bool",
         default=False,
         kw_only=True,
     )
     reference: OptionalValues = field(
-        "Nodes of the unstressed shape; None for that of `points`",
+        "Nodes of the unstressed shape; None for the shape given by `points`",
         unit="m",
         shape=(None, 3),
         default=None,
@@ -254,7 +258,7 @@ class BeamBody(Posed, tag="beam"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Keep nodes, frames and unstressed strains; note what does not fit together."""
+        """Store nodes, frames and unstressed strains; report arguments that do not fit together."""
         mass, elements, reference = vars(self)["mass"], vars(self)["elements"], self.reference
         nodes = checked_nodes(problems, where, self.points, elements)
         sections = checked_sections(problems, where, self.section, self.material, nodes)
@@ -320,11 +324,15 @@ class BeamBody(Posed, tag="beam"):
         if coarsest > COARSE:
             twisted = float(np.abs(np.diff(turns)).max())
             remedy = (
-                f"it is twisted by {np.ptp(turns):.4g} rad; were degrees meant? If not, more points"
+                f"it is twisted by {np.ptp(turns):.4g} rad; if degrees were meant, convert to "
+                f"rad, else give more points"
                 if twisted > 0.5 * coarsest
                 else "give more points, or corners=[...] where the beam has corners"
             )
-            text = f"its elements turn by up to {coarsest:.3g} rad each, which is coarse; {remedy}"
+            text = (
+                f"its unstressed elements bend by up to {coarsest:.3g} rad each, which is "
+                f"coarse; {remedy}"
+            )
             warn(where, text)
         width = max((float(np.ptp(x.outline, axis=0).max()) for x in outlined(sections)), default=0)
         if width > WIDE * lengths.sum():
@@ -349,7 +357,7 @@ class BeamBody(Posed, tag="beam"):
         Raises
         ------
         InputError
-            If there is no such node; names the nearest one.
+            If there is no such node; the message suggests the most similar name.
         """
         return self._marker(self._place(point), str(point), ZERO3, None)
 
@@ -361,26 +369,29 @@ class BeamBody(Posed, tag="beam"):
         i : int
             Number of the node from 0; -1 is the last one.
         at : (3,) array_like
-            Place of the marker from the node, section axes of the node, m.
+            Position of the marker relative to the node, in the section axes of the node, m.
         axes : orientation, optional
-            Its axes relative to those of the section; None for these.
+            Axes of the marker relative to those of the section; None for the section axes.
         """
         number: Any = i
         whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
         if not whole or not -self.n - 1 <= i <= self.n:
             raise InputError(
-                Problem(f"beam {self.name!r}", f"no node {i!r}; they are 0 to {self.n}, or from -1")
+                Problem(
+                    f"beam {self.name!r}",
+                    f"no node {i!r}; nodes are 0 to {self.n}, or -1 for the last",
+                )
             )
         place = int(i) % (self.n + 1)
         return self._marker(place, f"node{place + 1}", at, axes)
 
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
-        """Raise InputError: the markers of a beam sit on its nodes."""
+        """Raise InputError: the markers of an exact beam sit on its nodes only."""
         raise InputError(
             Problem(
                 f"beam {self.name!r}",
-                'bends, its markers sit on nodes: use body["start"], body["node7"] or '
-                "body.node(i, at=(x, y, z))",
+                'is an exact beam, whose markers sit on nodes: use body["start"], body["node7"]'
+                " or body.node(i, at=(x, y, z))",
             )
         )
 
@@ -429,11 +440,11 @@ class BeamBody(Posed, tag="beam"):
 
     @cached_property
     def bodies(self) -> tuple[BeamNode, ...]:
-        """The nodes as bodies: half of every element's mass and rotary inertia at its ends."""
+        """Node bodies, each with half of the mass and rotary inertia of its elements."""
         return tuple(node_bodies(self))
 
 
 # -- helpers of the constructor -------------------------------------------------------------
 
 
-# -- what the engine gets -------------------------------------------------------------------
+# -- data for the engine --------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What the engine gets of a beam body: bodies at its nodes and elements between them."""
+"""Data of a beam body for the engine: node bodies and the elements between them."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from jousto.base.rotations import (
 from jousto.mechanism.beams.stiffness import tension_factor
 from jousto.mechanism.bodies.body import RigidBody
 
-ROTARY = 1.2  # of the inertia that a first moment needs at least
+ROTARY = 1.2  # smallest rotary inertia / inertia needed by the first moment
 
 
 class BeamNode(RigidBody):
-    """A node of a beam: a rigid body with the mass of its half elements.
+    """Node of a beam: a rigid body with half of the mass of its elements.
 
-    Made by `BeamBody`; its frame is that of the section there.
+    Created by `BeamBody`; its frame is the section frame at the node.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class BeamNode(RigidBody):
     place : int
         Number of the node from 0.
     **fields
-        Those of `RigidBody`, and the damping of its momenta, proportional to its mass, 1/s.
+        Fields of `RigidBody`, and the mass-proportional damping of its momenta, 1/s.
     """
 
     beam: str
@@ -53,7 +53,7 @@ class BeamNode(RigidBody):
 
 
 def _arms(beam: Any) -> tuple[Array, Array]:
-    """Return arms u (n, 2, 3) and orientations B (n, 2, 3, 3) of the ends in their nodes."""
+    """Return arms u (n, 2, 3) and orientations B (n, 2, 3, 3) of element ends in node frames."""
     u = np.concatenate([np.zeros((beam.n + 1, 1)), beam.offsets], axis=1)
     frames = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
     B = np.swapaxes(frames, 2, 3) @ beam.ends
@@ -63,7 +63,7 @@ def _arms(beam: Any) -> tuple[Array, Array]:
 
 
 def element_data(beam: Any) -> dict[str, Array]:
-    """Return the numbers of all elements of a `BeamBody`, by the names of the engine."""
+    """Return the data of all elements of a `BeamBody`, by their names in the engine."""
     u, B = _arms(beam)
     made: dict[tuple[int, float], tuple[Array, float]] = {}
     sections = []
@@ -98,13 +98,14 @@ def element_data(beam: Any) -> dict[str, Array]:
 
 
 def node_bodies(beam: Any) -> list[BeamNode]:
-    """Return the node bodies with mass, centre and inertia of their half elements.
+    """Return the node bodies with mass, centre and inertia of half of their elements.
 
     The sum over the nodes is the trapezoidal rule for the kinetic energy ``int f ds`` of
-    ``f = rho A v.v / 2``. Corrected, each element of mass m and length h adds
-    ``(h^2/12) (f'(0) - f'(h))`` (Euler, Maclaurin) with ``v' = w x t``: the first moment m h/12
-    along the axis t towards its inside. At equal elements these cancel but for the ends. A little
-    rotary inertia where they do not, of order 3, keeps the mass matrix positive.
+    ``f = rho A v.v / 2``. The "corrected" inertia adds ``(h^2/12) (f'(0) - f'(h))``
+    (Euler-Maclaurin) with ``v' = w x t`` for each element of mass m and length h: a first moment m
+    h/12 along the axis t, towards the middle of the element. Between equal elements these first
+    moments cancel, so that only the ends have one. There a rotary inertia of order h^3 is added to
+    keep the mass matrix positive definite.
     """
     n = beam.n
     u, B = _arms(beam)

@@ -1,6 +1,7 @@
-"""Shape of a beam: section frames along a line of nodes, and strains of elements.
+"""Geometry of a beam: section frames along a line of nodes, and strains of elements.
 
-Frames are columns [x along the beam, y, z]. All vectors are resolved in the frame of the points.
+Section frames have the columns [x along the beam, y, z]. All vectors are resolved in the frame of
+the points.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from jousto.base.rotations import exp_rotation
 def tangents(points: Array, corners: Sequence[int] = ()) -> Array:
     """Return unit tangents at both ends of every element, (n, 2, 3).
 
-    A circle through three nodes gives the tangent of the middle one, exact on arcs; at the ends
-    of the line and at corners the tangent mirrors the one at the other end of the element.
+    The circle through three nodes defines the tangent at the middle node (exact on arcs). At the
+    ends of the line and at corners the tangent is the mirror image of that at the other end of the
+    element.
     """
     chords = np.diff(points, axis=0)
     length = np.linalg.norm(chords, axis=1)
@@ -30,7 +32,7 @@ def tangents(points: Array, corners: Sequence[int] = ()) -> Array:
     at[1:, 0], at[:-1, 1] = inner, inner
     cut = sorted({0, n, *corners})
     for first, last in zip(cut[:-1], cut[1:], strict=True):
-        if last == first + 1:  # between two cuts: straight
+        if last == first + 1:  # a single element between two corners is straight
             at[first] = u[first]
             continue
         at[first, 0] = 2 * (u[first] @ at[first, 1]) * u[first] - at[first, 1]
@@ -39,7 +41,7 @@ def tangents(points: Array, corners: Sequence[int] = ()) -> Array:
 
 
 def smallest_turn(a: Array, b: Array) -> Array:
-    """Return the rotation (3, 3) of least angle that turns the unit vector a onto b."""
+    """Return the rotation (3, 3) of least angle from the unit vector a to the unit vector b."""
     v, c = np.cross(a, b), float(a @ b)
     V = skew(v)
     return np.eye(3) + V + V @ V / (1.0 + c)
@@ -53,10 +55,10 @@ def section_frames(along: Array, up: Array, twist: Array) -> Array:
     along : (n, 2, 3) array
         Unit tangents.
     up : (3,) or (n + 1, 3) array
-        Near the z axis of the first section, which the following ones take on by the smallest
-        rotations of the tangent; or near that of every node.
+        Direction near the z axis of the first section; the others follow by the smallest rotations
+        of the tangent. Or one direction per node.
     twist : (n + 1,) array
-        Further turn about the tangent at every node, rad.
+        Additional rotation about the tangent at every node, rad.
     """
     n = len(along)
     frames = np.zeros((n, 2, 3, 3))
@@ -69,7 +71,7 @@ def section_frames(along: Array, up: Array, twist: Array) -> Array:
             elif not np.array_equal(Q[:, 0], t):
                 Q = smallest_turn(Q[:, 0], t) @ Q
                 Q[:, 0] = t
-                # transport leaves round-off only
+                # remove the round-off of the transport
                 Q[:, 2] -= t * (t @ Q[:, 2])
                 Q[:, 2] /= np.linalg.norm(Q[:, 2])
                 Q[:, 1] = np.cross(Q[:, 2], t)
@@ -96,7 +98,7 @@ def frame_of(x: Array, up: Array) -> Array:
 
 def rotation_vectors(A: Array) -> Array:
     """Return the rotation vectors (n, 3) of rotation matrices (n, 3, 3), |phi| <= pi."""
-    # half the axial vector is sin(phi) n, trace gives cos(phi)
+    # half the axial vector is sin(phi) n; the trace is 1 + 2 cos(phi)
     axial = 0.5 * np.stack(
         [A[:, 2, 1] - A[:, 1, 2], A[:, 0, 2] - A[:, 2, 0], A[:, 1, 0] - A[:, 0, 1]], axis=1
     )
@@ -126,8 +128,8 @@ def strains(r: Array, Q: Array, length: Array, *, helical: bool = False) -> Arra
     length : (n,) array
         Unstressed lengths, m.
     helical : bool
-        The axis is a screw line between the ends, longer than its chord: across the rotation
-        vector Gamma + e1 is multiplied by ``h / sin h``, ``h = |phi|/2``.
+        Whether the axis is a helix between the ends, longer than its chord: the part of Gamma + e1
+        perpendicular to the rotation vector is multiplied by ``h / sin h``, ``h = |phi|/2``.
 
     Returns
     -------
@@ -150,7 +152,7 @@ def strains(r: Array, Q: Array, length: Array, *, helical: bool = False) -> Arra
 def arc_lengths(r: Array, Q: Array) -> Array:
     """Return the lengths (n,) of arcs through the elements' ends: chord x (h / sin h).
 
-    h is half the angle by which the frames of the two ends bend.
+    h is half of the bending angle between the frames of the two ends.
     """
     phi = rotation_vectors(np.swapaxes(Q[:, 0], 1, 2) @ Q[:, 1])
     half = 0.5 * np.linalg.norm(phi[:, 1:], axis=1)

@@ -1,4 +1,4 @@
-"""What may be wrong with a beam body, and the shape that its nodes and sections have."""
+"""Checks of a beam body, and the geometry of its nodes and sections."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from jousto.mechanism.beams.stiffness import BeamSection, as_beam_section
 from jousto.parts.frames.element import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
-MOST_TWIST = 3.0  # rad of an element
-CENTRED = 1e-6  # radii of gyration that a mass centre may be off the axis
-COARSE = 1.0  # rad that an unstressed element may turn
-WIDE = 5.0  # lengths of a beam that its section may be wide
+MOST_TWIST = 3.0  # rad, largest twist of an element
+CENTRED = 1e-6  # largest offset of a mass centre that counts as on the axis / radius of gyration
+COARSE = 1.0  # rad, bend of an unstressed element above which the mesh is coarse
+WIDE = 5.0  # width of a section / length of the beam, above which a warning is given
 
 
 def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: Any) -> Array | None:
-    """Return the nodes (n + 1, 3), or note why there are none."""
+    """Return the nodes (n + 1, 3), or report wrong ones."""
     given = problems.array(where, "points", points, (None, 3))
     whole = elements is None or check_elements(problems, where, elements)
     if given is None:
@@ -56,7 +56,7 @@ def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: A
 
 
 def check_apart(problems: Problems, where: str, name: str, points: Array) -> bool:
-    """Return whether neighbours differ, or note which do not."""
+    """Return whether neighbouring points differ, or report those that coincide."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     for i in np.flatnonzero(steps <= 1e-9 * max(extent, 1e-300)):
@@ -68,14 +68,14 @@ def check_apart(problems: Problems, where: str, name: str, points: Array) -> boo
 
 
 def outlined(sections: tuple[BeamSection, ...]) -> list[BeamSection]:
-    """Return the different sections whose outline is known: those of one material."""
+    """Return the different sections with a known outline: those of one material."""
     return [x for x in {id(x): x for x in sections}.values() if x.elasticity is not None]
 
 
 def checked_sections(
     problems: Problems, where: str, section: Any, material: Any, nodes: Array | None
 ) -> tuple[BeamSection, ...]:
-    """Return the section of every element, or note what is wrong."""
+    """Return the section of every element, or report what is wrong."""
     several = isinstance(section, list | tuple)
     made: dict[int, BeamSection] = {}
     for item in section if several else (section,):
@@ -96,7 +96,7 @@ def checked_sections(
 
 
 def inertia_share(problems: Problems, where: str, mass: Any) -> float:
-    """Return the share of consistent inertia, or note what is wrong."""
+    """Return the share of consistent inertia (0 to 1), or report a wrong one."""
     if isinstance(mass, str):
         if mass not in SHARES:
             problems.add(
@@ -114,7 +114,7 @@ def inertia_share(problems: Problems, where: str, mass: Any) -> float:
 def along_nodes(
     problems: Problems, where: str, name: str, value: ArrayLike, n: int, one: tuple[int, ...]
 ) -> Array | None:
-    """Return values at all nodes (n + 1, ...) of one for all (or of the end) or of each."""
+    """Return values at all nodes (n + 1, ...) from one for all (or the end) or one per node."""
     try:
         shape = np.shape(value)
     except ValueError:
@@ -124,18 +124,18 @@ def along_nodes(
     found = problems.array(where, name, value, one)
     if found is None:
         return None
-    if not one:  # grows along the beam
+    if not one:  # the value at the end, linear along the beam
         return read_only(np.linspace(0.0, float(found), n + 1))
     return read_only(np.tile(found, (n + 1, 1)))
 
 
 def check_twist(problems: Problems, where: str, turns: Array) -> None:
-    """Refuse a twist that the ends of an element do not show: whole turns would be lost."""
+    """Report an element twisted by more than MOST_TWIST: whole turns cannot be represented."""
     steps = np.abs(np.diff(turns))
     worst = int(np.argmax(steps))
     if steps[worst] < MOST_TWIST:
         return
-    degrees = "; it is in rad: were degrees meant?" if np.abs(turns).max() > 2 * np.pi else ""
+    degrees = "; twist is in rad: were degrees meant?" if np.abs(turns).max() > 2 * np.pi else ""
     needed = int(np.ceil(len(steps) * steps[worst]))
     problems.add(
         where,
@@ -146,7 +146,7 @@ def check_twist(problems: Problems, where: str, turns: Array) -> None:
 
 
 def check_share(problems: Problems, where: str, sections: Sequence[BeamSection]) -> None:
-    """Refuse consistent inertia of sections whose mass centre is off the axis."""
+    """Report consistent inertia of sections whose mass centre is off the axis."""
     off = [i for i, s in enumerate(sections) if float(np.hypot(*s.center)) > CENTRED * _radius(s)]
     if off:
         y, z = sections[off[0]].center
@@ -168,7 +168,7 @@ def _radius(section: BeamSection) -> float:
 def inner_nodes(
     problems: Problems, where: str, name: str, value: Any, allowed: range
 ) -> tuple[int, ...]:
-    """Return node numbers, or note those that do not exist."""
+    """Return the numbers of inner nodes, or report those that do not exist."""
     items = tuple(value) if isinstance(value, Sequence | np.ndarray) else (value,)
     good = tuple(
         int(i) for i in items if isinstance(i, int | np.integer) and not isinstance(i, bool)
@@ -181,7 +181,7 @@ def inner_nodes(
 
 
 def named_nodes(problems: Problems, where: str, markers: Any, n: int) -> dict[str, int]:
-    """Return the named nodes, or note what is wrong."""
+    """Return the named nodes, or report what is wrong."""
     if markers is None:
         return {}
     if not isinstance(markers, Mapping):
@@ -203,7 +203,7 @@ def named_nodes(problems: Problems, where: str, markers: Any, n: int) -> dict[st
 
 
 def checked_up(problems: Problems, where: str, up: ArrayLike | None, nodes: Array) -> Array | None:
-    """Return the direction (3,) or directions (n + 1, 3) near the sections' z axes."""
+    """Return the direction (3,) or directions (n + 1, 3) near the z axes of the sections."""
     if up is None:
         chord = nodes[1] - nodes[0]
         across = float(np.linalg.norm(chord[:2]))
@@ -235,7 +235,7 @@ def placed_shape(
     if not np.all(np.isfinite(ends)):
         problems.add(
             where,
-            "up is parallel to the beam, so that it does not orient its sections; give a "
+            "up is parallel to the beam, so that it defines no orientation of the sections; give a "
             "direction across it, up=(x, y, z)",
             "up",
         )

@@ -1,4 +1,4 @@
-"""What the elements of a beam can bear: their highest frequency and the tension of stable shear."""
+"""Limits of beam elements: highest frequency, and tension of stable shear."""
 
 from __future__ import annotations
 
@@ -13,13 +13,15 @@ from jousto.base.arrays import Array
 def highest_frequencies(elements: Mapping[str, Array]) -> Array:
     """Return the highest angular frequency (n,) of free elements with their own mass, rad/s.
 
-    No motion of the beam is faster than its fastest element (Irons and Treharne, 1971), and a
-    chain of equal elements comes close to it. An explicit method needs steps of about 2 over it.
+    No motion of the beam is faster than its fastest free element (Irons and Treharne, 1971), and a
+    chain of equal elements comes close to this bound. An explicit method needs a step below about 2
+    / frequency.
 
     Parameters
     ----------
     elements : dict of arrays
-        Length, section stiffness C, share, mass and J of the elements as in `BeamBody.elements`.
+        Length, section stiffness C, inertia share, mass and J of the elements as in
+        `BeamBody.elements`.
     """
     n = len(elements["length"])
     parts = [np.reshape(elements[key], (n, -1)) for key in ("length", "share", "mass", "J", "C")]
@@ -45,15 +47,14 @@ def element_matrices(
         m.
     C : (6, 6) array
         Stiffness of the section.
-    share : float
-        Of the consistent inertia.
+    share : float Share of consistent inertia.
     mass : float
-        Of the element, kg.
+        Mass of the element, kg.
     J : (6,) array
-        Its rotary inertia xx, yy, zz, yz, xz, xy, kg m2.
+        Rotary inertia xx, yy, zz, yz, xz, xy of the element, kg m2.
     """
     xx, yy, zz, yz, xz, xy = J
-    # strains of end displacements and rotations: Gamma = du/L - theta x e1, kappa = dtheta/L
+    # strains of the end motions: Gamma = du/L - theta x e1, kappa = dtheta/L
     B = np.zeros((6, 12))
     E = np.eye(3)
     turn = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])

@@ -1,6 +1,6 @@
 """Sections of geometrically exact beams: stiffness (6, 6) and inertia per length.
 
-Axes of a section: x along the beam, y to the left and z up when looking along it. Strains are
+Section axes: x along the beam, y to the left and z up when looking along x. Strains are
 ``e = [Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]`` of the reference axis, resultants
 ``s = [N, Qy, Qz, Mx, My, Mz]``, both resolved in section axes.
 """
@@ -23,31 +23,31 @@ from jousto.mechanism.bodies.base import Inertia, Mass
 from jousto.sections.points import StressPoint, section_outline, stress_points
 from jousto.sections.section import is_section
 
-# m/s: waves that no solid carries along a beam
+# m/s, speed of axial waves that no solid exceeds
 FASTEST_WAVE = 5e4
-# relative: moments of a flat section that disagree; those of mass and stiffness that are alike
+# relative tolerance of the polar moments of a flat section, where mass and stiffness are alike
 MOMENTS, ALIKE = 0.01, 0.01
-POLAR = 10.0  # times (EIy + EIz)/EA or a part of it: polar of something else
-# smallest eigenvalue of a stiffness scaled to a diagonal of ones
+POLAR = 10.0  # ratio of polar to (EIy + EIz)/EA (or its inverse) that indicates another quantity
+# smallest eigenvalue of a stiffness scaled to unit diagonal
 SINGULAR = 1e-13
 
 
 class Stiffness(Field[ArrayLike, Array]):
-    """A symmetric, positive definite matrix (6, 6), or its diagonal."""
+    """Field of a symmetric, positive definite matrix (6, 6), or its diagonal (6,)."""
 
     form = "shapes"
     noun = "(6, 6) or (6,) array_like"
     shapes = ((6,), (6, 6))
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the matrix."""
+        """Return the matrix (6, 6), or report what is wrong."""
         return _stiffness(problems, where, value)
 
 
 class OffsetSection(Declared, section="beam sections", tag="offset"):
-    """A section of one material, with centroid and shear centre where they are.
+    """Section of one material with offsets of centroid and shear centre from the reference axis.
 
-    With the strains of the centroid and of the shear centre, ``Gamma_x + z_c kappa_y - y_c
+    With the strains at the centroid and at the shear centre, ``Gamma_x + z_c kappa_y - y_c
     kappa_z`` and ``Gamma_y - z_s kappa_x, Gamma_z + y_s kappa_x``, the stiffness is
     ``C = T^T diag(EA, ky GA, kz GA, GJ, EIy, EIz) T``.
 
@@ -67,27 +67,30 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
 
     together = ("section", "material")
     section: AnyField = field(
-        "Constants about its centroid and principal axes, which are the section axes",
+        "Section constants about the centroid and principal axes, which are the section axes",
         form="section",
         noun="Section",
     )
-    material: AnyField = field("Its density must not be zero", form="material", noun="Material")
+    material: AnyField = field(
+        "Material; its density must not be zero", form="material", noun="Material"
+    )
     centroid: Values = field(
-        "Centroid (y, z) from the reference axis; the mass is there too",
+        "Position (y, z) of the centroid relative to the reference axis; also the mass centre",
         unit="m",
         shape=(2,),
         default=(0.0, 0.0),
         kw_only=True,
     )
     shear_center: OptionalValues = field(
-        "Shear centre (y, z) from the reference axis; None for the centroid",
+        "Position (y, z) of the shear centre relative to the reference axis; None for the centroid",
         unit="m",
         shape=(2,),
         default=None,
         kw_only=True,
     )
     fibres: AnyField = field(
-        "Whether twist stretches the fibres, ``polar = (Iy + Iz)/A + |s - c|^2``",
+        "Whether the stretch of the fibres by twist is included, ``polar = (Iy + Iz)/A + |s - "
+        "c|^2``",
         form="flag",
         noun="bool",
         default=True,
@@ -95,11 +98,11 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages."""
+        """Return the prefix of messages."""
         return f"section {type(self.section).__name__}"
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what is no section or material, and what they lack."""
+        """Report wrong sections and materials, and their missing values."""
         section, material = self.section, self.material
         if not is_section(section):
             problems.add(
@@ -119,7 +122,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
             if getattr(section, name) is None:
                 problems.add(
                     where,
-                    f"{name} is missing: an exact beam shears; give the shear coefficients, "
+                    f"{name} is missing: an exact beam has shear; give the shear coefficients, "
                     "GeneralSection(..., ky=5/6, kz=5/6)",
                     name,
                 )
@@ -128,7 +131,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
 
     @property
     def made(self) -> BeamSection:
-        """The stiffness and inertia of the section."""
+        """Stiffness and inertia of the section."""
         section, material, c = self.section, self.material, self.centroid
         s = c if self.shear_center is None else self.shear_center
         E, G, rho = material.E, material.G, material.rho
@@ -148,22 +151,23 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
 
 
 class BeamSection(Declared, section="beam sections", tag="stiffness"):
-    """Stiffness and inertia of a beam's section, any composite or offset one.
+    """Stiffness and inertia of a beam section, also of composite or offset sections.
 
-    ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` by the strains of the
-    reference axis ``[Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]``, both in section axes.
+    ``s = C e``: resultants ``[N, Qy, Qz, Mx, My, Mz]`` from the strains of the reference axis
+    ``[Gamma_x, Gamma_y, Gamma_z, kappa_x, kappa_y, kappa_z]``, both in section axes.
 
     Raises
     ------
     InputError
-        If the stiffness is not symmetric or not positive definite, the mass is not positive, or
-        no body can have the inertia.
+        If the stiffness is not symmetric or not positive definite, the mass is not positive, or the
+        inertia is unphysical.
 
     Warns
     -----
     JoustoWarning
-        The inertia about x is not the sum of the others, or `polar` not that of the stiffness: by
-        1 % where mass and stiffness are spread alike, by a factor of ten of any section.
+        If the inertia about x differs from the sum of the other two, or `polar` from the value of
+        the stiffness: by more than 1 % where mass and stiffness have the same distribution, by a
+        factor of ten in other sections.
 
     Examples
     --------
@@ -173,47 +177,47 @@ class BeamSection(Declared, section="beam sections", tag="stiffness"):
     """
 
     stiffness: Stiffness = field(
-        "C, symmetric and positive definite: N, N m and N m2; six numbers are its diagonal "
+        "C, symmetric and positive definite, in N, N m and N m2; six numbers are the diagonal "
         "``EA, GAy, GAz, GJ, EIy, EIz``"
     )
     mass: Mass = field("Mass per length", unit="kg/m")
     inertia: Inertia = field(
-        "Rotary inertia per length about the mass centre, section axes, three moments or a 3 x 3 "
-        "tensor. Of a homogeneous section it is ``rho (Iy + Iz), rho Iy, rho Iz``; of any flat one "
-        "the first is the sum of the others, not rho times the torsion constant",
+        "Rotary inertia per length about the mass centre, section axes: three moments or a 3 x 3 "
+        "tensor. A homogeneous section has ``rho (Iy + Iz), rho Iy, rho Iz``; in any flat section "
+        "the first is the sum of the other two, not rho times the torsion constant",
         unit="kg m",
     )
     center: Values = field(
-        "Mass centre (y, z) from the reference axis",
+        "Position (y, z) of the mass centre relative to the reference axis",
         unit="m",
         shape=(2,),
         default=(0.0, 0.0),
         kw_only=True,
     )
     points: Items[StressPoint] = field(
-        "Places of the section where stress is recovered, and what it is for unit resultants",
+        "Points of the section where stress is recovered, with the stress per unit resultant",
         default=(),
         kw_only=True,
     )
     outline: DefaultValues = field(
-        "Outer edge (y, z) of the section for pictures, counterclockwise seen from ahead; None for "
-        "the rectangle of the same rotary inertia",
+        "Outline (y, z) of the section for drawings, counterclockwise seen against x; None for a "
+        "rectangle of the same rotary inertia",
         unit="m",
         shape=(None, 2),
         default=None,
         kw_only=True,
     )
     elasticity: AnyField = field(
-        "Young's modulus, Pa, and Poisson's ratio, for strain gauges; None if there are none",
+        "Young's modulus, Pa, and Poisson's ratio, for strain gauges; None without gauges",
         form="elasticity",
         noun="(float, float)",
         default=None,
         kw_only=True,
     )
     polar: Number = field(
-        "``(Iy + Iz)/A`` about the shear centre: a twist kappa stretches the fibres by "
-        "``polar kappa^2 / 2`` on the mean, so that tension N stiffens them against twist, GJ "
-        "becomes ``GJ + N polar`` (Wagner 1929, Biot 1939). 0: it does not",
+        "``(Iy + Iz)/A`` about the shear centre. A twist kappa stretches the fibres by ``polar "
+        "kappa^2 / 2`` on average, so that a tension N raises the torsional stiffness to ``GJ + N "
+        "polar`` (Wagner 1929, Biot 1939). 0 leaves this effect out",
         unit="m2",
         least=0,
         wanted="zero or positive",
@@ -222,7 +226,7 @@ class BeamSection(Declared, section="beam sections", tag="stiffness"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Draw the section without an outline; warn of what has other units."""
+        """Create an outline if there is none; warn about values in other units."""
         if vars(self)["outline"] is None:
             y, z = np.sqrt(3.0 * np.diag(self.inertia)[[2, 1]] / self.mass)
             edge = self.center + np.array([[-y, -z], [y, -z], [y, z], [-y, z]])
@@ -238,10 +242,11 @@ class BeamSection(Declared, section="beam sections", tag="stiffness"):
     def with_bending(self, length: float) -> Array:
         """Return the stiffness (6, 6) of an element with the residual bending flexibility.
 
-        A shear force Q bends an element of length L between its middle and its ends; the one
-        strain of an element does not see it. MacNeal's remedy (*Computers & Structures* 8 (1978)
-        175-183) adds that flexibility to the one in shear, ``F_QQ += L^2/12 P^T F_MM P``, with
-        ``P Q = (0, Qz, -Qy)`` the slope of the moments: end loads then bend it as the cubic does.
+        A shear force Q bends an element of length L between its middle and its ends, which the
+        constant strain of the element does not represent. MacNeal's correction (*Computers &
+        Structures* 8 (1978) 175-183) adds this flexibility to that of shear, ``F_QQ += L^2/12 P^T
+        F_MM P``, with ``P Q = (0, Qz, -Qy)`` the slope of the moments: under end loads the element
+        then deflects like a cubic beam element.
         """
         F = np.linalg.inv(self.stiffness)
         P = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
@@ -251,7 +256,7 @@ class BeamSection(Declared, section="beam sections", tag="stiffness"):
 
 
 def as_beam_section(section: Any, material: Any) -> BeamSection:
-    """Return a BeamSection of what a user gives for a beam; raises InputError."""
+    """Return a BeamSection from the section and material given by a user; raises InputError."""
     if isinstance(section, BeamSection):
         if material is not None:
             problems = Problems()
@@ -267,7 +272,7 @@ def as_beam_section(section: Any, material: Any) -> BeamSection:
 
 
 def shifted_strains(centroid: ArrayLike, shear_center: ArrayLike) -> Array:
-    """Return T (6, 6): strains of centroid and shear centre from those of the reference axis."""
+    """Return T (6, 6): strains at centroid and shear centre = T strains of the reference axis."""
     (yc, zc), (ys, zs) = np.asarray(centroid), np.asarray(shear_center)
     T = np.eye(6)
     T[0, 4], T[0, 5] = zc, -yc
@@ -276,17 +281,17 @@ def shifted_strains(centroid: ArrayLike, shear_center: ArrayLike) -> Array:
 
 
 def tension_factor(C: Array) -> float:
-    """Return ``1/GA - 1/EA`` in 1/N: the linear law is unstable where N times it exceeds 1.
+    """Return ``1/GA - 1/EA``, 1/N; the linear law is unstable for tension N (1/GA - 1/EA) > 1.
 
-    Of the weaker shear direction, and 0 where shear is stiffer than extension: a straight beam
-    under tension N then loses its stability to shear, ``N > GA/(1 - GA/EA)``.
+    GA is that of the weaker shear direction; 0 if shear is stiffer than extension. A straight beam
+    under tension becomes unstable in shear at ``N > GA/(1 - GA/EA)``.
     """
     F = np.linalg.inv(C)
     return max(0.0, float(np.linalg.eigvalsh(F[1:3, 1:3])[-1] - F[0, 0]))
 
 
 def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | None:
-    """Return the checked stiffness (6, 6), or note what is wrong with it."""
+    """Return the checked stiffness (6, 6), or report what is wrong."""
     try:
         shape = np.shape(stiffness)
     except ValueError:
@@ -328,7 +333,7 @@ def _stiffness(problems: Problems, where: str, stiffness: ArrayLike) -> Array | 
 
 
 def _warn_units(where: str, C: Array, mass: float) -> None:
-    """Warn where waves along the beam would be faster than in any solid."""
+    """Warn if axial waves in the beam would be faster than in any solid."""
     speed = float(np.sqrt(C[0, 0] / mass))
     if speed > FASTEST_WAVE:
         warn(
@@ -340,13 +345,13 @@ def _warn_units(where: str, C: Array, mass: float) -> None:
 
 
 def _warn_moments(where: str, section: BeamSection) -> None:
-    """Warn where the polar moments are not the sums of those about y and z."""
+    """Warn if the polar moments are not the sums of the moments about y and z."""
     Jx, Jy, Jz = np.diag(section.inertia)
     if abs(Jx - Jy - Jz) > MOMENTS * (Jy + Jz):
         warn(
             where,
-            f"inertia about x is {Jx:.4g} kg m, those about y and z together {Jy + Jz:.4g}: of a "
-            "flat section it is their sum; give rho (Iy + Iz), not rho times the torsion "
+            f"inertia about x is {Jx:.4g} kg m, those about y and z together {Jy + Jz:.4g}: in a "
+            f"flat section it is their sum; give rho (Iy + Iz), not rho times the torsion "
             "constant, all about the mass centre",
             "inertia",
         )
@@ -366,15 +371,15 @@ def _warn_moments(where: str, section: BeamSection) -> None:
 
 
 def _gyration(C: Array) -> tuple[Array, float]:
-    """Return the squared radii of gyration of a stiffness, and their sum about the shear centre.
+    """Return the squared radii of gyration of a stiffness, m2, and their polar sum.
 
-    The first are those of bending at no axial force, ascending, ``(EI)/EA`` of the centroid; the
-    second adds the square of the distance from centroid to shear centre, all in m2.
+    The squared radii are ``(EI)/EA`` of bending without axial force, about the centroid, ascending;
+    the sum includes the squared distance from centroid to shear centre.
     """
     bending = C[4:, 4:] - np.outer(C[4:, 0], C[0, 4:]) / C[0, 0]
     squares = np.linalg.eigvalsh(bending) / C[0, 0]
     centroid = np.array([-C[0, 5], C[0, 4]]) / C[0, 0]
-    # the point through which shear forces do not twist: Gamma_s = Gamma + kappa_x x s
+    # shear centre, through which shear forces cause no twist: Gamma_s = Gamma + kappa_x x s
     twist = np.linalg.solve(C[1:3, 1:3], C[1:3, 3])
     centre = np.array([twist[1], -twist[0]])
     return squares, float(squares.sum() + (centroid - centre) @ (centroid - centre))

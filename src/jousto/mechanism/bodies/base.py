@@ -1,4 +1,4 @@
-"""What all bodies declare: mass, inertia, named points, and the initial pose of a frame."""
+"""Fields that all bodies share: mass, inertia, named points and initial pose."""
 
 from __future__ import annotations
 
@@ -21,42 +21,42 @@ ZERO3 = (0.0, 0.0, 0.0)
 
 
 class Mass(Number):
-    """A mass, a density or a mass per length."""
+    """Field of a mass, a density or a mass per length."""
 
     def missed(self, x: float) -> str:
-        """Return what is wrong with a number, empty if nothing."""
+        """Return the problem with a number, an empty string if there is none."""
         return "" if x > 0 else "must be a positive number"
 
 
 class OptionalMass(OptionalNumber):
-    """A mass or a density, or None."""
+    """Field of a mass or a density, or None."""
 
     def missed(self, x: float) -> str:
-        """Return what is wrong with a number, empty if nothing."""
+        """Return the problem with a number, an empty string if there is none."""
         return "" if x > 0 else "must be a positive number"
 
 
 class Inertia(Field[ArrayLike, Array]):
-    """A tensor of inertia, or its diagonal."""
+    """Field of an inertia tensor, or of its diagonal."""
 
     form = "shapes"
     noun = "(3, 3) or (3,) array_like"
     shapes = ((3,), (3, 3))
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the tensor (3, 3), or note why no body can have it."""
+        """Return the inertia tensor (3, 3), or report that it is not that of a real body."""
         return check_inertia(problems, where, value)
 
 
 class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
-    """Named points."""
+    """Field of named points."""
 
     form = "points"
     noun = "mapping of str to (3,) array_like"
     checks_none = True
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the points as read-only arrays."""
+        """Return the points as read-only arrays, or report wrong ones."""
         named: Any = {} if value is None else value
         if not isinstance(named, Mapping):
             problems.add(
@@ -79,25 +79,25 @@ class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
 
 
 class Outline(OptionalValues):
-    """A polyline or triangles."""
+    """Field of a polyline or of triangles."""
 
     noun = "(k, 3) or (nt, 3, 3) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a read-only array."""
+        """Return the points as a read-only array, or report what is wrong."""
         shape = self.shape if np.ndim(value) < 3 else (None, 3, 3)
         return problems.array(where, self.name, value, shape)
 
 
 class Orientation(Field[Any, Array]):
-    """An orientation, kept as Euler parameters."""
+    """Field of an orientation, stored as Euler parameters."""
 
     form = "orientation"
     noun = "orientation"
     checks_none = True
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the Euler parameters."""
+        """Return the Euler parameters (4,), or report what is wrong."""
         return parse_orientation(problems, where, self.name, value)
 
 

@@ -50,7 +50,7 @@ NO_MODES = read_only(np.zeros(0))
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ground:
-    """The world frame as something to fix joints to; use the one object `ground`.
+    """The world frame as a body to attach joints and forces to: the one object `ground`.
 
     Examples
     --------
@@ -62,13 +62,13 @@ class Ground:
 
     name: ClassVar[str] = "ground"
 
-    __iter__: ClassVar[None] = None  # points have names: no sequence
+    __iter__: ClassVar[None] = None  # points have names, so the ground is no sequence
 
     def __repr__(self) -> str:
         return "<Ground 'ground'>"
 
     def __getitem__(self, point: str) -> Marker:
-        """Return the marker at the origin; other points are made with `at`."""
+        """Return the marker at the origin, ``ground["origin"]``; use `at` for other points."""
         if point != "origin":
             raise InputError(
                 Problem(
@@ -114,14 +114,17 @@ ground = Ground()
 
 
 class Shaped(Posed):
-    """A homogeneous rigid body that is given by its shape."""
+    """Homogeneous rigid body whose mass and inertia follow from its shape."""
 
     mass: OptionalMass = field(
-        "Of the two, give it or the density", unit="kg", default=None, kw_only=True
+        "Mass; give either the mass or the density", unit="kg", default=None, kw_only=True
     )
-    density: OptionalMass = field("Instead of the mass", unit="kg/m3", default=None, kw_only=True)
+    density: OptionalMass = field(
+        "Density; give either the mass or the density", unit="kg/m3", default=None, kw_only=True
+    )
     at: Vector = field(
-        "Where the origin of the shape, or its middle, is in the body frame",
+        "Position of the shape's origin (of its middle for boxes, cylinders and spheres) in the "
+        "body frame",
         unit="m",
         default=ZERO3,
         kw_only=True,
@@ -129,18 +132,18 @@ class Shaped(Posed):
     markers: Points = field("Named points in the body frame", unit="m", default=None, kw_only=True)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a mass and a density, or none of them."""
+        """Report if both mass and density are given, or neither."""
         if (self.mass is None) == (self.density is None):
             problems.add(where, "give either mass (kg) or density (kg/m3)")
 
     @property
     def solid(self) -> Solid:
-        """The solid of density 1 about its origin."""
+        """Return the solid with density 1, about its own origin."""
         raise NotImplementedError
 
     @property
     def made(self) -> RigidBody:
-        """The rigid body."""
+        """Return the rigid body."""
         solid = self.solid
         rho = self.density if self.mass is None else self.mass / solid.volume
         assert rho is not None
@@ -155,7 +158,7 @@ class Shaped(Posed):
 
 
 class BoxBody(Shaped, tag="box"):
-    """A homogeneous box with its mass, inertia and shape.
+    """Homogeneous rigid box.
 
     Examples
     --------
@@ -163,16 +166,16 @@ class BoxBody(Shaped, tag="box"):
     <RigidBody 'crate': 70 kg>
     """
 
-    size: Lengths = field("Lengths along the axes of the body frame", unit="m")
+    size: Lengths = field("Edge lengths along the axes of the body frame", unit="m")
 
     @property
     def solid(self) -> Solid:
-        """The solid of density 1 about its middle."""
+        """Return the box with density 1, about its middle."""
         return box(self.size)
 
 
 class CylinderBody(Shaped, tag="cylinder"):
-    """A homogeneous cylinder with its mass, inertia and shape.
+    """Homogeneous rigid cylinder.
 
     Examples
     --------
@@ -181,19 +184,19 @@ class CylinderBody(Shaped, tag="cylinder"):
     """
 
     radius: Number = field("Its radius", unit="m", above=0)
-    length: Number = field("Along its axis", unit="m", above=0)
+    length: Number = field("Length along its axis", unit="m", above=0)
     axis: Direction = field(
         "Direction of its axis in the body frame", default=(0.0, 0.0, 1.0), kw_only=True
     )
 
     @property
     def solid(self) -> Solid:
-        """The solid of density 1 about its middle."""
+        """Return the cylinder with density 1, about its middle."""
         return cylinder(self.radius, self.length, np.asarray(self.axis))
 
 
 class SphereBody(Shaped, tag="sphere"):
-    """A homogeneous sphere with its mass, inertia and shape.
+    """Homogeneous rigid sphere.
 
     Examples
     --------
@@ -205,36 +208,39 @@ class SphereBody(Shaped, tag="sphere"):
 
     @property
     def solid(self) -> Solid:
-        """The solid of density 1 about its middle."""
+        """Return the sphere with density 1, about its middle."""
         return sphere(self.radius)
 
 
 class SurfaceBody(Shaped, tag="surface"):
-    """A homogeneous body of any shape, from its closed surface.
+    """Homogeneous rigid body of any shape, given by its closed surface.
 
     Mass, centre and inertia are exact for the triangles, by the divergence theorem.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or the surface is open or turned inside out in parts.
+        If the file cannot be read, or the surface is open, or some of its triangles face inwards.
     """
 
     surface: AnyField = field(
-        "A file with triangles (STL, OBJ, PLY and what else meshio reads), a CAD file (STEP or "
-        "BREP; needs Gmsh, the unit of a STEP file is its own), a `Mesh` of solids, or the corners "
-        "of triangles",
+        "A file of triangles (STL, OBJ, PLY or another format of meshio), a CAD file (STEP or "
+        "BREP; needs Gmsh; a STEP file contains its unit), a `Mesh` of solids, or the corners of "
+        "triangles",
         form="file",
         noun="path, Mesh or (nt, 3, 3) array_like",
         key="file",
     )
     unit: LengthUnit = field(
-        "Unit of a file or an array", words=tuple(LENGTHS), default="m", kw_only=True
+        "Length unit of the coordinates in the file or array",
+        words=tuple(LENGTHS),
+        default="m",
+        kw_only=True,
     )
 
     @property
     def solid(self) -> Solid:
-        """The solid of density 1 in the coordinates of the surface."""
+        """Return the solid with density 1, in the coordinates of the surface."""
         where = f"body {self.name!r}"
         return closed_surface(where, read_surface(where, self.surface, self.unit))
 
@@ -247,7 +253,7 @@ class RigidBody(Posed, tag="rigid"):
     Raises
     ------
     InputError
-        With everything that is wrong: mass or inertia that no body can have, shapes, NaN.
+        With all problems: unphysical mass or inertia, arrays of wrong shape, NaN.
 
     See Also
     --------
@@ -271,7 +277,7 @@ class RigidBody(Posed, tag="rigid"):
     )
     markers: Points = field("Named points in the body frame", unit="m", default=None, kw_only=True)
     outline: Outline = field(
-        "Polyline in the body frame to draw the body with, or the triangles of its surface, "
+        "Drawing of the body: a polyline in the body frame, or triangles of its surface, "
         "counterclockwise seen from outside",
         unit="m",
         shape=(None, 3),
@@ -295,7 +301,7 @@ class RigidBody(Posed, tag="rigid"):
         Raises
         ------
         InputError
-            If there is no such point; names the nearest one.
+            If there is no such point; the message suggests the most similar name.
         """
         if point == "origin":
             return Marker(self, point, ORIGIN, None, NO_TURN)
@@ -310,7 +316,7 @@ class RigidBody(Posed, tag="rigid"):
 
     @explained
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
-        """Return a marker at a position in the body frame, m, with axes relative to it."""
+        """Return a marker at a position and with axes relative to the body frame, m."""
         return marker_at(self, position, axes, name)
 
     @property
@@ -325,14 +331,14 @@ class RigidBody(Posed, tag="rigid"):
 
 
 class Reduced(Reference["ReducedPart", "ReducedPart"]):
-    """A reduced part; a model file gives its name."""
+    """Field of a reduced part; a model file contains its name."""
 
     section = "parts"
     word = "part"
     noun = "ReducedPart"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the part."""
+        """Return the reduced part, or report that the value is none."""
         if not all(hasattr(value, a) for a in ("modes", "frequencies", "invariants")):
             hint = "; reduce it first, reduce(part, method)" if hasattr(value, "K") else ""
             problems.add(
@@ -344,14 +350,14 @@ class Reduced(Reference["ReducedPart", "ReducedPart"]):
 
 
 class Dropped(Field[Iterable[str], frozenset[str]]):
-    """Names of inertia invariants."""
+    """Field of the names of inertia invariants to leave out."""
 
     form = "choices"
     noun = 'iterable of {"I5", "I9"}'
     words = ("I5", "I9")
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a set."""
+        """Return the names as a set, or report unknown ones."""
         names: Any = (value,) if isinstance(value, str) else value
         if not isinstance(names, Iterable):
             problems.add(where, f"{self.name} is {names!r}, must be names such as 'I5'")
@@ -365,7 +371,7 @@ class Dropped(Field[Iterable[str], frozenset[str]]):
 
 
 class Modal(Field["ArrayLike | None", Array]):
-    """One number of each mode, which the body counts, or None for zero."""
+    """Field of one number per mode of the body; None for zeros."""
 
     form = "array"
     noun = "(n,) array_like"
@@ -386,8 +392,7 @@ class FlexibleBody(Posed, tag="flexible"):
     Raises
     ------
     InputError
-        With everything that is wrong, including a mass matrix that is singular because all
-        mass lies on one line.
+        With all problems, including a singular mass matrix of a body whose mass lies on one line.
     """
 
     together = ("reduced",)
@@ -396,29 +401,39 @@ class FlexibleBody(Posed, tag="flexible"):
         "Modes, invariants and nodes; may be shared by several bodies", key="part"
     )
     damping: AnyField = field(
-        "Modal damping ratio for all modes, one for each mode, or Rayleigh coefficients. The ratio "
-        "is that of the modes of the free body (``reduced.frequencies``): a vibration that joints "
-        "lower to a frequency f has less. For a ratio zeta at f use ``Rayleigh(0, zeta/(pi f))``",
+        "One modal damping ratio for all modes, one per mode, or Rayleigh coefficients. The ratio "
+        "refers to the modes of the free body (``reduced.frequencies``): where joints lower a "
+        "frequency to f, the damping ratio at f is lower too. For a ratio zeta at f use "
+        "``Rayleigh(0, zeta/(pi f))``",
         form="damping",
         noun="float, sequence of float or Rayleigh",
         default=0.0,
         kw_only=True,
     )
     modal_coordinates: Modal = field(
-        "Initial p, one of each mode; None for zero", unit="kg^0.5 m", default=None, kw_only=True
+        "Initial modal coordinates p, one per mode; None for zeros",
+        unit="kg^0.5 m",
+        default=None,
+        kw_only=True,
     )
     modal_velocities: Modal = field(
-        "Initial p', one of each mode; None for zero", unit="kg^0.5 m/s", default=None, kw_only=True
+        "Initial modal velocities p', one per mode; None for zeros",
+        unit="kg^0.5 m/s",
+        default=None,
+        kw_only=True,
     )
     drop_invariants: Dropped = field(
-        "Inertia invariants to leave out for speed (Rantalainen 2007, section 3.6.2); this "
-        "makes the equations approximate",
+        "Inertia invariants to leave out for speed (Rantalainen 2007, section 3.6.2); the "
+        "equations are then approximate",
         default=(),
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Keep what there is of each mode; note what does not fit to the modes."""
+        """Store damping and initial values per mode.
+
+        Report those that do not fit the number of modes.
+        """
         damping = self.damping
         damping = tuple(damping) if isinstance(damping, list | np.ndarray) else damping
         set_fields(self, damping=damping)
@@ -436,12 +451,12 @@ class FlexibleBody(Posed, tag="flexible"):
         return f"<FlexibleBody {self.name!r}: {self.n} modes>"
 
     def __getitem__(self, point: str) -> Marker:
-        """Return the marker at a node: an interface, a single-node set or "node7" (from 1).
+        """Return the marker at a node: an interface, a single-node set, or "node7" (from 1).
 
         Raises
         ------
         InputError
-            If there is no such node; names the nearest one.
+            If there is no such node; the message suggests the most similar name.
         """
         try:
             node = int(self.reduced.node(point))
@@ -456,11 +471,11 @@ class FlexibleBody(Posed, tag="flexible"):
     def at(self, position: ArrayLike, axes: Any = None, name: str | None = None) -> Marker:
         """Return a marker at a point of the undeformed body that need not be a node.
 
-        On beams it follows the shape functions of the element beside it, off the axis on a rigid
-        arm of up to a tenth of the part's size. In other parts it follows the nodes around it, by
-        a polynomial of the second degree fitted to their motion. The modes hold what a
-        force there does only as far as they have shapes for it: a node among the interfaces is
-        better for a joint that carries much.
+        In beam parts the marker follows the shape functions of the nearest element; off the axis it
+        sits on a rigid arm, at most a tenth of the size of the part long. In other parts it follows
+        a polynomial of second degree fitted to the motion of the surrounding nodes. The modes
+        represent the deformation under a force there only if they contain its shape: for a joint
+        with a large load, make the point an interface node of the part.
 
         Parameters
         ----------

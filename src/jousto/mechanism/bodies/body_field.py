@@ -10,28 +10,28 @@ from jousto.mechanism.bodies.body import FlexibleBody, MovingBody, RigidBody
 
 
 class FlexibleField(Reference[FlexibleBody, FlexibleBody]):
-    """A flexible body; a model file gives its name."""
+    """Field of a flexible body; a model file contains its name."""
 
     section = "bodies"
     word = "body"
     noun = "FlexibleBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the body."""
+        """Return the flexible body, or report that the value is none."""
         if not isinstance(value, FlexibleBody):
             problems.add(where, f"{self.label} is {value!r}, must be a flexible body")
         return value
 
 
 class MovingBodyField(Reference[MovingBody, MovingBody]):
-    """A flexible or a rigid body; a model file gives its name."""
+    """Field of a flexible or rigid body; a model file contains its name."""
 
     section = "bodies"
     word = "body"
     noun = "FlexibleBody or RigidBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the body."""
+        """Return the body, or report that the value is none."""
         if not isinstance(value, FlexibleBody | RigidBody):
             problems.add(where, f"{self.label} is {value!r}, must be a flexible or a rigid body")
         return value

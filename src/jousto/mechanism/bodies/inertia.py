@@ -1,4 +1,4 @@
-"""Checks of the inertia and damping that a body is given."""
+"""Checks of the inertia and damping of a body."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from jousto.reduction.fields.invariants import Invariants
     from jousto.reduction.reduced import ReducedPart
 
-# ratio of the smallest to the largest eigenvalue of the rigid mass below which it is singular
+# singularity threshold: smallest / largest eigenvalue of the rigid mass matrix
 SINGULAR = 1e-14
 
 
 def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array | None:
-    """Return the inertia tensor (3, 3), or note why no body can have it."""
+    """Return the inertia tensor (3, 3), kg m2, or report that it is not that of a real body."""
     try:
         shape = np.shape(inertia)
     except ValueError:
@@ -53,7 +53,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
         moments = f"principal moments {J1:g}, {J2:g}, {J3:g} kg m2"
         problems.add(
             where,
-            f"inertia breaks the triangle inequality: {moments}, the largest must not exceed "
+            f"inertia violates the triangle inequality: {moments}, the largest must not exceed "
             f"the sum of the others, {J1 + J2:g}",
             "inertia",
         )
@@ -63,7 +63,7 @@ def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array |
 def damping_diagonal(
     problems: Problems, where: str, damping: Any, reduced: ReducedPart
 ) -> Array | None:
-    """Return the diagonal (n,) of D, 1/s, or note what is wrong with the specification."""
+    """Return the diagonal (n,) of D, 1/s, or report what is wrong with the damping."""
     from jousto.reduction.damping import modal_damping
 
     try:
@@ -74,7 +74,7 @@ def damping_diagonal(
 
 
 def rigid_mass(invariants: Invariants, p: Array) -> Array:
-    """Return the mass (6, 6) of the rigid rows after the modes are eliminated.
+    """Return the mass matrix (6, 6) of the rigid motion after the modes are eliminated.
 
     ``Z = M_rr - M_rp M_pp^-1 M_pr`` at the initial modal coordinates, resolved in the body
     frame, with ``M_pp = E`` (mass-normalised modes).
@@ -107,10 +107,10 @@ def principal_inertia(invariants: Invariants) -> tuple[Array, Array]:
 
 
 def check_mass(name: str, invariants: Invariants, p: Array) -> None:
-    """Raise an error if the body has no inertia for some rigid motion."""
+    """Raise an error if the mass matrix of the rigid motion is singular."""
     Z = rigid_mass(invariants, p)
     Z, mass = Z.real, invariants.mass.real
-    # compare rotations with translations at the body's own size
+    # scale rotations by the body's size to compare them with translations
     size = np.sqrt(max(float(np.trace(Z[3:, 3:])) / 2 / mass, np.finfo(float).tiny))
     scale = np.array([1, 1, 1, 1 / size, 1 / size, 1 / size])
     values, vectors = np.linalg.eigh(Z * np.outer(scale, scale))

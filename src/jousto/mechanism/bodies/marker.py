@@ -23,7 +23,7 @@ NO_TURN = read_only(np.eye(3))
 
 
 class Placed(Protocol):
-    """What a marker uses of its body."""
+    """Protocol of the body of a marker: its name and the initial state of its frame."""
 
     @property
     def name(self) -> str:
@@ -31,29 +31,28 @@ class Placed(Protocol):
 
     @property
     def position(self) -> Array:
-        """Initial position of its frame, m."""
+        """Initial world position (3,) of the body frame, m."""
 
     @property
     def orientation(self) -> Array:
-        """Initial Euler parameters of its frame."""
+        """Initial Euler parameters (4,) of the body frame."""
 
     @property
     def modal_coordinates(self) -> Array:
-        """Initial modal coordinates."""
+        """Initial modal coordinates (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Marker:
-    """A frame fixed to a point of a body; made by ``body["point"]`` or ``body.at(...)``.
+    """Frame fixed to a point of a body; create it with ``body["point"]`` or ``body.at(...)``.
 
-    On a flexible body it sits on a node, or follows the nodes around a point, and moves with the
-    translation and rotation mode shapes there: ``r = R + A (u0 + Phi p)`` and ``A_marker =
-    A exp((Psi p)~) A_0``.
+    On a flexible body the marker sits on a node, or follows the nodes around a point. It moves with
+    the translation and rotation mode shapes there: ``r = R + A (u0 + Phi p)`` and ``A_marker = A
+    exp((Psi p)~) A_0``.
 
     Parameters
     ----------
-    body : Body
-        The body it is fixed to.
+    body : Body The body that the marker is fixed to.
     point : str
         Name of the point on the body.
     position_local : (3,) array
@@ -63,7 +62,7 @@ class Marker:
     axes : (3, 3) array
         A_0, columns are the marker's axes in the (undeformed) body frame.
     followed : Followed or None
-        The nodes that a point of a flexible body follows if it is no node.
+        The nodes whose motion is interpolated if the point of a flexible body is no node.
     """
 
     body: Placed
@@ -79,7 +78,7 @@ class Marker:
     @property
     def label(self) -> str:
         """Name for messages, ``body.point``."""
-        # a node of a beam is spoken of as a point of the beam
+        # a node of a beam is named as a point of the beam
         return f"{getattr(self.body, 'beam', self.body.name)}.{self.point}"
 
     def turned(self, axes: Any) -> Marker:
@@ -88,8 +87,7 @@ class Marker:
         Parameters
         ----------
         axes : Rotate, (4,) or (3, 3) array_like, scipy Rotation
-            Orientation A_0 of the marker relative to the undeformed body frame; it replaces
-            the present one.
+            New orientation A_0 of the marker relative to the undeformed body frame.
 
         Raises
         ------
@@ -100,7 +98,7 @@ class Marker:
 
     @property
     def site(self) -> object:
-        """What of its body carries it: a node, a point of it, or None for the body's frame."""
+        """Place of the marker on its body: a node, an interpolated point, or None (body frame)."""
         return self.node if self.followed is None else tuple(self.position_local.tolist())
 
     @property
@@ -115,7 +113,10 @@ class Marker:
 
     @property
     def Psi(self) -> Array:
-        """Rotation mode shapes (3, n) at the marker, body frame; zero where there are none."""
+        """Rotation mode shapes (3, n) at the marker, body frame.
+
+        Zero if the part has no rotations.
+        """
         reduced = getattr(self.body, "reduced", None)
         if reduced is None or self.site is None:
             return np.zeros((3, 0))
@@ -128,14 +129,17 @@ class Marker:
 
     @property
     def chi(self) -> Array | None:
-        """Second-order translation and rotation (6, n, n), see `Stiffening`; None without."""
+        """Second-order translation and rotation (6, n, n), see `Stiffening`.
+
+        None if the part has none.
+        """
         reduced = getattr(self.body, "reduced", None)
         if reduced is None or self.site is None or reduced.stiffening is None:
             return None
         return self.second_order(reduced)
 
     def second_order(self, reduced: ReducedPart) -> Array:
-        """Return its second-order displacement (6, n, n) by the stiffening of a part."""
+        """Return the second-order displacement (6, n, n) at the marker in a part."""
         if self.followed is not None:
             return floats(self.followed.second_order(reduced))
         field = reduced.stiffening
@@ -157,7 +161,7 @@ class Marker:
 
     @property
     def carrier(self) -> Array:
-        """``A exp((Psi p)~)`` (3, 3) at the initial state: the marker's frame without A_0."""
+        """Frame of the marker without A_0 at the initial state, ``A exp((Psi p)~)`` (3, 3)."""
         A, Psi = rotation_matrix(self.body.orientation), self.Psi
         return np.asarray(A @ exp_rotation(Psi @ self.body.modal_coordinates)) if Psi.size else A
 
@@ -177,7 +181,7 @@ def world_positions(markers: Sequence[Marker]) -> Array:
 
 
 def carriers(markers: Sequence[Marker]) -> Array:
-    """Return the frames (n, 3, 3) of markers without their axes, see `Marker.carrier`."""
+    """Return the initial frames of markers without A_0 (n, 3, 3), see `Marker.carrier`."""
     A = rotation_matrix(floats([marker.body.orientation for marker in markers]).reshape(-1, 4))
     for i, marker in enumerate(markers):
         if hasattr(marker.body, "reduced"):
@@ -186,7 +190,7 @@ def carriers(markers: Sequence[Marker]) -> Array:
 
 
 def marker_axes(label: str, axes: Any) -> Array:
-    """Return A_0 (3, 3) of an orientation given by the user, exactly E for None."""
+    """Return A_0 (3, 3) of an orientation given by the user; exactly E for None."""
     if axes is None:
         return NO_TURN
     problems = Problems()
@@ -197,7 +201,7 @@ def marker_axes(label: str, axes: Any) -> Array:
 
 
 def as_marker(where: str, name: str, value: Any) -> Marker:
-    """Return `value` if it is a marker, else raise an error that shows how to get one."""
+    """Return `value` if it is a marker, else raise an error with the way to create one."""
     if isinstance(value, Marker):
         return value
     if hasattr(value, "name") and hasattr(value, "orientation"):
@@ -208,31 +212,31 @@ def as_marker(where: str, name: str, value: Any) -> Marker:
 
 
 class MarkerField(Field[Marker, Marker]):
-    """A marker; a model file writes ``arm.tip`` or a mapping."""
+    """Field of a marker; a model file contains ``arm.tip`` or a mapping."""
 
     form = "marker"
     noun = "Marker"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the marker."""
+        """Return the marker, or report that the value is none."""
         check_marker(problems, where, self.name, value)
         return value
 
 
 class OptionalMarker(Field["Marker | None", "Marker | None"]):
-    """A marker, or None."""
+    """Field of a marker, or None."""
 
     form = "marker"
     noun = "Marker"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the marker."""
+        """Return the marker or None, or report that the value is neither."""
         check_marker(problems, where, self.name, value)
         return value
 
 
 def check_marker(problems: Problems, where: str, name: str, value: Any) -> None:
-    """Note a problem unless `value` is a marker."""
+    """Report a problem unless `value` is a marker."""
     try:
         as_marker(where, name, value)
     except InputError as error:

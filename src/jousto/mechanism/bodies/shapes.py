@@ -1,4 +1,4 @@
-"""Shapes of rigid bodies: mass, inertia and the triangles to draw them with."""
+"""Shapes of rigid bodies: mass, inertia and surface triangles for drawing."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from jousto.base.units import LENGTHS
 from jousto.mechanism.bodies.surface_files import file_triangles
 from jousto.mesh.formats import is_cad
 
-FACETS = 32  # around circles that are drawn
+FACETS = 32  # facets around a drawn circle
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A homogeneous solid of density 1.
+    """Homogeneous solid with density 1.
 
     Attributes
     ----------
@@ -46,10 +46,10 @@ class Solid:
 
 
 class Lengths(Vector):
-    """Three lengths above zero."""
+    """Field of three positive lengths."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a read-only array."""
+        """Return the lengths as a read-only array, or report what is wrong."""
         lengths = super().check(problems, where, value)
         if lengths is not None and (lengths <= 0.0).any():
             problems.add(where, f"{self.name} is {lengths.tolist()} m, must be positive")
@@ -57,10 +57,10 @@ class Lengths(Vector):
 
 
 class LengthUnit(Choice):
-    """A unit of length."""
+    """Field of a unit of length."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the word."""
+        """Return the name of the unit, or report an unknown one."""
         if value not in self.words:
             problems.add(where, f"{self.name} is {value!r}{suggest(value, self.words)}")
         return value
@@ -87,7 +87,7 @@ def box(lengths: Array) -> Solid:
 
 
 def cylinder(r: float, long: float, direction: Array) -> Solid:
-    """Return a cylinder about the origin: ``m r^2 / 2`` along and ``m (3 r^2 + l^2) / 12``."""
+    """Return a cylinder: ``I = m r^2 / 2`` about its axis, ``m (3 r^2 + l^2) / 12`` across."""
     volume = scalar(np.pi * r * r * long)
     across = (3.0 * r * r + long * long) / 12.0
     A = turn_onto(np.eye(3), direction)
@@ -97,7 +97,7 @@ def cylinder(r: float, long: float, direction: Array) -> Solid:
 
 
 def sphere(r: float) -> Solid:
-    """Return a sphere about the origin: ``2 m r^2 / 5``."""
+    """Return a sphere about the origin: ``I = 2 m r^2 / 5``."""
     volume = scalar(4.0 / 3.0 * np.pi * r**3)
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, FACETS // 2 + 1)
     profile = r * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -106,7 +106,10 @@ def sphere(r: float) -> Solid:
 
 
 def revolved(profile: Array) -> Array:
-    """Return the triangles (nt, 3, 3) of a profile (k, 2) of radius and height, turned about z."""
+    """Return the triangles (nt, 3, 3) of a surface of revolution about z.
+
+    Profile (k, 2) of radius and height, m.
+    """
     turn = 2.0 * np.pi * np.arange(FACETS + 1) / FACETS
     turn[-1] = 0.0
     x = profile[:, :1] * np.cos(turn)
@@ -124,7 +127,7 @@ def revolved(profile: Array) -> Array:
 
 
 def closed_surface(where: str, triangles: Array) -> Solid:
-    """Return the solid in a closed surface, by the divergence theorem.
+    """Return the solid inside a closed surface, by the divergence theorem.
 
     With the corners a, b, c of each triangle, s = a + b + c and d = a . (b x c):
     ``V = sum d / 6``, ``int x dV = sum d s / 24`` and
@@ -133,11 +136,12 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     Raises
     ------
     InputError
-        If the surface is open, its triangles are turned differently, or it holds no volume.
+        If the surface is open, its triangles have inconsistent orientation, or it encloses no
+        volume.
     """
     points, corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     corners = corners.reshape(-1, 3)
-    full = (corners != np.roll(corners, 1, axis=1)).all(axis=1)  # not shrunk to a line
+    full = (corners != np.roll(corners, 1, axis=1)).all(axis=1)  # edges whose ends differ
     corners, triangles = corners[full], triangles[full]
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     there = np.unique(edges, axis=0, return_counts=True)
@@ -147,7 +151,7 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     )
     if not same:
         _refuse(where, points, edges)
-    # about the middle, so that a body far from the origin loses no digits
+    # about the middle, so that a body far from the origin keeps its digits
     middle = points.mean(axis=0)
     a, b, c = np.moveaxis(triangles - middle, 1, 0)
     d = np.einsum("ti,ti->t", a, np.cross(b, c))
@@ -155,8 +159,10 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     volume = float(d.sum()) / 6.0
     size = float(np.ptp(points, axis=0).max())
     if abs(volume) <= 1e-12 * size**3:
-        raise InputError(Problem(where, "the surface holds no volume; give that of a solid"))
-    if volume < 0.0:  # inside out
+        raise InputError(
+            Problem(where, "the surface encloses no volume; give the surface of a solid")
+        )
+    if volume < 0.0:  # all triangles face inwards
         triangles, d, volume = triangles[:, ::-1], -d, -volume
     s = a + b + c
     first = np.einsum("t,ti->i", d, s) / 24.0
@@ -168,10 +174,10 @@ def closed_surface(where: str, triangles: Array) -> Solid:
 
 
 def _check_pieces(where: str, corners: NDArray[np.int_], triangles: Array, d: Array) -> None:
-    """Raise InputError if pieces of a surface are turned differently and are no hollows in others.
+    """Raise InputError if a piece of a surface faces inwards and is no cavity of another piece.
 
-    A hollow is turned inside out and lies in a piece that is not: its solid angle seen from a
-    corner of the hollow is 4 pi there, and 0 outside.
+    A cavity faces inwards and lies inside a piece that faces outwards: the solid angle of that
+    piece seen from a corner of the cavity is 4 pi, outside of the piece it is 0.
     """
     from scipy.sparse import coo_array  # slow to import and rarely needed
     from scipy.sparse.csgraph import connected_components
@@ -190,15 +196,16 @@ def _check_pieces(where: str, corners: NDArray[np.int_], triangles: Array, d: Ar
         raise InputError(
             Problem(
                 where,
-                f"{len(lost)} of {number} pieces of the surface are turned inside out and lie in "
-                f"no other, the first at ({at}) m from the middle; let the program that made it "
+                f"{len(lost)} of {number} pieces of the surface face inwards without being "
+                f"cavities of another piece, the first at ({at}) m from the middle; let the "
+                f"program that made it "
                 "repair the normals",
             )
         )
 
 
 def _turns_round(triangles: Array, point: Array) -> float:
-    """Return how often triangles (nt, 3, 3) surround a point (3,): solid angle by 4 pi.
+    """Return the winding number of triangles (nt, 3, 3) about a point (3,): solid angle / 4 pi.
 
     ``tan(W / 2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b)`` (Van Oosterom and
     Strackee 1983).
@@ -212,7 +219,7 @@ def _turns_round(triangles: Array, point: Array) -> float:
 
 
 def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
-    """Raise InputError with how many edges are open and where, or that triangles are turned."""
+    """Raise InputError with the number and place of open edges, or of inconsistent triangles."""
     low = np.sort(edges, axis=1)
     found, times = np.unique(low, axis=0, return_counts=True)
     open_ = found[times % 2 == 1]
@@ -228,8 +235,8 @@ def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
     raise InputError(
         Problem(
             where,
-            "triangles of the surface are turned differently, so that inside and outside are not "
-            "told apart; let the program that made it repair the normals",
+            "triangles of the surface have inconsistent orientation, so that inside and outside "
+            "cannot be distinguished; let the program that made it repair the normals",
         )
     )
 
@@ -240,9 +247,9 @@ def read_surface(where: str, source: Any, unit: str) -> Array:
         mesh: Any = source
         return np.asarray(mesh.nodes[mesh.triangles], dtype=np.float64)
     if isinstance(source, str | os.PathLike) and is_cad(Path(source)):
-        from jousto.mesh.readers.step import cad_surface  # meshes are slow to import
+        from jousto.mesh.readers.step import cad_surface  # slow to import
 
-        # a STEP file knows its unit
+        # a STEP file contains its unit
         step = Path(source).suffix.lower() in (".step", ".stp")
         return cad_surface(Path(source), None if step else unit)
     if isinstance(source, str | os.PathLike):

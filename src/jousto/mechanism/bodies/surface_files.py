@@ -1,4 +1,4 @@
-"""Triangles of files: STL, PLY, OBJ and what else meshio reads, and Collada."""
+"""Readers of triangles: STL, PLY, OBJ and other formats of meshio, and Collada."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def file_triangles(where: str, path: Path, factor: float) -> Array:
     path : Path
         The file.
     factor : float
-        m for its unit of length; a Collada file has its own.
+        Length of one unit of the file in m; a Collada file contains its own unit.
 
     Raises
     ------
     InputError
-        If it is not there, cannot be read, or has no triangles.
+        If the file does not exist, cannot be read, or has no triangles.
     """
     check_input(path)
     if not path.is_file():
@@ -43,7 +43,7 @@ def file_triangles(where: str, path: Path, factor: float) -> Array:
         return factor * _meshio(where, path)
     except (InputError, ImportError, MemoryError):
         raise
-    except (Exception, SystemExit) as error:  # readers raise many kinds
+    except (Exception, SystemExit) as error:  # readers raise many types of exceptions
         text = str(error).strip().splitlines()
         found = text[0] if text else "unknown kind"
         raise InputError(Problem(where, f"'{path.name}' cannot be read: {found}")) from None
@@ -55,7 +55,7 @@ def _meshio(where: str, path: Path) -> Array:
     try:
         mesh = meshio.read(path)
     except (Exception, SystemExit):
-        # normals and texture coordinates of an OBJ file may be more or fewer than its points
+        # an OBJ file may have more or fewer normals and texture coordinates than points
         if path.suffix.lower() != ".obj":
             raise
         return _obj(where, path)
@@ -73,11 +73,13 @@ def _meshio(where: str, path: Path) -> Array:
 
 
 def _obj(where: str, path: Path) -> Array:
-    """Return the triangles of an OBJ file of any kind."""
+    """Return the triangles (nt, 3, 3) of an OBJ file with any polygons."""
     _need(where, path, "trimesh")
     import trimesh
 
-    data = io.BytesIO(path.read_bytes())  # without a path it finds no other file
+    data = io.BytesIO(
+        path.read_bytes()
+    )  # as a stream, so that the reader opens no file named inside
     options: dict[str, Any] = {"skip_materials": True, "process": False, "maintain_order": True}
     mesh: Any = trimesh.load(data, file_type="obj", force="mesh", **options)
     if not len(mesh.faces):
@@ -86,17 +88,20 @@ def _obj(where: str, path: Path) -> Array:
 
 
 def _collada(where: str, path: Path) -> Array:
-    """Return the triangles of a Collada file, m; its up axis is ignored as in ROS and Gazebo."""
+    """Return the triangles (nt, 3, 3) of a Collada file, m.
+
+    Its up axis is ignored as in ROS and Gazebo.
+    """
     _need(where, path, "pycollada", "collada")
     import collada
 
     data = path.read_bytes()
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        message = f"'{path.name}' has a DOCTYPE, through which it could reach for other files"
+        message = f"'{path.name}' has a DOCTYPE, which could load other files; remove it"
         raise InputError(Problem(where, message))
     found = []
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it uses the matrices that numpy advises against
+        warnings.simplefilter("ignore")  # the reader uses matrices that numpy deprecates
         document: Any = collada.Collada(io.BytesIO(data), ignore=[collada.common.DaeError])
         for geometry in document.scene.objects("geometry") if document.scene else ():
             for primitive in geometry.primitives():
@@ -112,7 +117,7 @@ def _collada(where: str, path: Path) -> Array:
 
 
 def _need(where: str, path: Path, package: str, module: str = "") -> None:
-    """Raise InputError if a package that reads a file is not installed."""
+    """Raise InputError if the package that a reader needs is not installed."""
     known = {"trimesh": find_spec("trimesh"), "collada": find_spec("collada")}
     if known[module or package] is None:
         message = f"'{path.name}' needs {package}: pip install {package}"

@@ -1,4 +1,4 @@
-"""What a functional mock-up unit says of itself: variables, units, abilities."""
+"""Description of a functional mock-up unit: its variables, units and capabilities."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from jousto.base.files import check_input
 from jousto.base.names import harmless
 from jousto.base.units import KINDS, UnitError, converted, parse_unit
 
-LARGEST = 4 << 30  # bytes of all files of an archive
-LONGEST = 64 << 20  # bytes of a description
+LARGEST = 4 << 30  # largest total size of the unpacked files, bytes
+LONGEST = 64 << 20  # largest size of modelDescription.xml, bytes
 REALS = ("Real", "Float64")
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of a unit; a value x of it is ``factor x + offset`` in SI.
+    """Variable of a unit; a value x of it is ``factor x + offset`` in SI.
 
     Attributes
     ----------
     name, causality, variability, unit : str
-        As the description has them.
+        As in modelDescription.xml.
     reference : int
-        Its number in calls.
+        Value reference of FMI.
     real : bool
-        Whether it is one real number.
+        Whether the variable is a real scalar.
     settable : bool
-        Whether it has a value before the start that may be replaced.
+        Whether its start value may be replaced.
     factor, offset : float
         To SI.
     dimension : str
-        SI unit, empty where the description does not say it.
+        SI unit, empty if the description has none.
     """
 
     name: str
@@ -54,23 +54,23 @@ class Variable:
 
 @dataclass(frozen=True)
 class Description:
-    """A unit for co-simulation.
+    """Description of a functional mock-up unit for co-simulation.
 
     Attributes
     ----------
     version : int
         2 or 3, of FMI.
     identifier, token : str
-        Name of its binary, and what it is recognised by.
+        Name of the binary, and GUID or instantiation token.
     variables : dict
-        By their names.
+        Variables by name.
     states : bool
-        Whether it can go back to a state.
+        Whether the unit can save and restore its state.
     variable_steps : bool
-        Whether its steps may differ.
+        Whether the communication step may vary.
     direct : dict
         Inputs on which outputs depend directly, by their names in ``<ModelStructure>``; an output
-        that says nothing there may depend on all of them and is not among these.
+        without an entry there may depend on all inputs and is not in the dict.
     """
 
     version: int
@@ -86,17 +86,17 @@ class Description:
         return output not in self.direct or given in self.direct[output]
 
     def named(self, *causality: str) -> list[str]:
-        """Return the names of the variables of some causality."""
+        """Return the names of the variables with one of the given causalities."""
         return [x.name for x in self.variables.values() if x.causality in causality]
 
 
 def read_description(path: Path, where: str) -> Description:
-    """Return what a unit says of itself.
+    """Return the description of a unit from its archive.
 
     Raises
     ------
     InputError
-        If it is no unit for co-simulation of FMI 2 or 3 that runs here.
+        If the file is no co-simulation unit of FMI 2 or 3 with a binary for this computer.
     """
     try:
         import fmpy
@@ -107,34 +107,38 @@ def read_description(path: Path, where: str) -> Description:
     names = _names(path, where)
     try:
         with zipfile.ZipFile(path) as archive, archive.open("modelDescription.xml") as packed:
-            text = packed.read(LONGEST + 1)  # whatever length the archive claims
+            text = packed.read(
+                LONGEST + 1
+            )  # limit that does not depend on the length given in the archive
         if len(text) > LONGEST:
-            raise ValueError(f"it has more than {LONGEST >> 20} MB")
+            raise ValueError(f"it is larger than {LONGEST >> 20} MB")
         if b"<!DOCTYPE" in text:
-            raise ValueError("it declares a document type, which units do not have")
+            raise ValueError("it declares a document type, which is not allowed in a unit")
         with io.BytesIO() as alone:
             with zipfile.ZipFile(alone, "w") as archive:
                 archive.writestr("modelDescription.xml", text)
             alone.seek(0)
             about = fmpy.read_model_description(alone, validate=False)
-    except Exception as error:  # the reader fails in many ways on what is no description
+    except Exception as error:  # the reader raises many types of exceptions on malformed XML
         said = harmless(f"{error}").strip().splitlines() or [type(error).__name__]
         message = f"its modelDescription.xml cannot be read: {said[0][:200]}"
         raise InputError(Problem(where, message)) from None
     version = int(str(about.fmiVersion).partition(".")[0])
     if version not in (2, 3):
-        raise InputError(Problem(where, f"is of FMI {about.fmiVersion}; 2 and 3 are known"))
+        raise InputError(Problem(where, f"is of FMI {about.fmiVersion}; FMI 2 and 3 are supported"))
     abilities = about.coSimulation
     if abilities is None:
         raise InputError(
             Problem(
                 where,
-                "offers no co-simulation; export it with a method of its own (co-simulation)",
+                "offers no co-simulation; export it for co-simulation",
             )
         )
     identifier = str(abilities.modelIdentifier)
     if not identifier.isidentifier():
-        raise InputError(Problem(where, f"its identifier {identifier!r} is none of C"))
+        raise InputError(
+            Problem(where, f"its modelIdentifier {identifier!r} is no valid C identifier")
+        )
     _check_binary(fmpy, version, identifier, names, where)
     units = {unit.name: unit.baseUnit for unit in about.unitDefinitions}
     found = (_variable(v, units) for v in about.modelVariables)
@@ -154,7 +158,7 @@ def read_description(path: Path, where: str) -> Description:
 
 
 def _names(path: Path, where: str) -> list[str]:
-    """Return the names of an archive's files, after a look at where they would go."""
+    """Return the file names of an archive after a check that they stay inside the target folder."""
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
@@ -162,7 +166,7 @@ def _names(path: Path, where: str) -> list[str]:
         near = suggest(path.name, [file.name for file in path.parent.glob("*.fmu")])
         raise InputError(Problem(where, f"no such file '{path}'{near}")) from None
     except (zipfile.BadZipFile, OSError, ValueError) as error:
-        message = f"is no archive of a functional mock-up unit: {error}"
+        message = f"is no zip archive of a functional mock-up unit: {error}"
         raise InputError(Problem(where, message)) from None
     for member in members:
         name = member.filename
@@ -183,17 +187,17 @@ def _names(path: Path, where: str) -> list[str]:
 
 
 def _check_binary(fmpy: Any, version: int, identifier: str, names: list[str], where: str) -> None:
-    """Note that there is no binary for this computer."""
+    """Raise InputError if the unit has no binary for this computer."""
     platform = fmpy.platform_tuple if version == 3 else fmpy.platform
     wanted = f"binaries/{platform}/{identifier}{fmpy.sharedLibraryExtension}"
     if wanted in names:
         return
     known = sorted({name.split("/")[1] for name in names if name.startswith("binaries/")})
-    there = f"it has {', '.join(map(harmless, known))}" if known else "it has none at all"
+    there = f"it has {', '.join(map(harmless, known))}" if known else "it has no binary"
     sources = any(name.startswith("sources/") and name.endswith(".c") for name in names)
     remedy = (
         "; its sources can be compiled, `fmpy compile FILE` does that" if sources else
-        "; ask for one for this computer"
+        "; ask the author of the unit for such a binary"
     )  # fmt: skip
     raise InputError(Problem(where, f"has no binary for {platform}, {there}{remedy}"))
 
@@ -208,7 +212,7 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
         dimension = " ".join(f"{word}{n if n != 1 else ''}" for word, n in powers.items() if n)
         try:
             dimension = named(dimension or "1") or dimension
-        except UnitError:  # amounts of substance and light
+        except UnitError:  # units of amounts of substance and of light
             pass
     elif unit:
         factor, dimension = _known(unit)
@@ -229,7 +233,7 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
 
 
 def _known(unit: str) -> tuple[float, str]:
-    """Return factor and SI unit of a unit without a definition; empty if it is not known."""
+    """Return factor and SI unit of a unit without a definition; an empty unit if it is unknown."""
     try:
         dimension = named(unit)
         return (converted(f"1 {unit}", dimension), dimension) if dimension else (1.0, "")
@@ -248,13 +252,13 @@ def named(unit: str) -> str:
 
 
 def fits(a: str, b: str) -> bool:
-    """Return whether two units are of one dimension; also if one is not known.
+    """Return whether two units have the same dimension; True if one of them is unknown.
 
     >>> fits("kg m s-2", "N"), fits("m", "rad"), fits("1/s", "rad/s")
     (True, False, True)
     """
     try:
-        # radians are numbers in most descriptions
+        # most descriptions treat radians as plain numbers
         return _bare(a) == _bare(b)
     except UnitError:
         return True
@@ -263,5 +267,5 @@ def fits(a: str, b: str) -> bool:
 def _bare(unit: str) -> dict[str, Any]:
     found = dict(parse_unit(unit).dimensionality)
     angle = found.pop("[angle]", 0)
-    # a number alone and an angle are the same only where something else stands beside
+    # a number and an angle are interchangeable only as part of a compound unit
     return found if found or not angle else {"[angle]": angle}

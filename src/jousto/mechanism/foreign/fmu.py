@@ -1,4 +1,4 @@
-"""Fmu: a model of another program that runs beside the mechanism."""
+"""Fmu: a model of another program that is simulated together with the mechanism."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ ENERGIES = ("delivered", "received", "energy_error")
 
 
 class FmuSensor(SignalSensor):
-    """A value that a functional mock-up unit or its exchange has at the last communication.
+    """Value of a functional mock-up unit or of its exchange at the last communication point.
 
     Attributes
     ----------
     unit, description : str
-        Of the value.
+        Unit and description of the value.
     """
 
     unit = ""
@@ -41,33 +41,34 @@ class FmuSensor(SignalSensor):
 
 
 class Fmu(Declared, section="fmus"):
-    """A functional mock-up unit (FMI 2.0, 3.0, co-simulation) of another program.
+    """Functional mock-up unit (FMI 2.0 or 3.0, co-simulation) of another program.
 
-    Every `step` the unit gets values of sensors and gives values to inputs of the mechanism. In
-    between each side goes on alone with what it knows of the other: values are held, errors are of
-    order 1 in the step, or extrapolated by a straight line, of order 2. Values are in SI; units of
-    the description are converted.
+    Every `step` the unit receives values of sensors and sets inputs of the mechanism. Between these
+    instants unit and mechanism are integrated separately: exchanged values are held constant (error
+    of order 1 in the step) or extrapolated linearly (order 2). Values are in SI; units of the
+    description are converted.
 
-    The energy that crosses is ``int F v dt``. The unit computes it with its own force and the
-    velocity that it was given, the machine with its own velocity and the force that it was given;
-    the difference is energy that the exchange itself adds or takes (Sadjina, Kyllingstad, Skjong
-    and Pedersen, Engineering with Computers 33, 2017, 607-620). The results have it as the
-    sensors ``NAME.delivered``, ``NAME.received`` and ``NAME.energy_error`` for each `power`.
+    The exchanged energy is ``int F v dt``. The unit computes it with its own force and the received
+    velocity, the mechanism with its own velocity and the received force; the difference is energy
+    that the exchange itself adds or removes (Sadjina, Kyllingstad, Skjong and Pedersen, Engineering
+    with Computers 33, 2017, 607-620). The results contain these energies as the sensors
+    ``NAME.delivered``, ``NAME.received`` and ``NAME.energy_error`` for each `power`.
 
-    The unit runs in a process of its own. Its code is not checked: run only what you trust.
+    The unit runs in a separate process. Its native code is not checked: run only units that you
+    trust.
 
     Attributes
     ----------
     untrusted : str
-        Line of the model file that names the unit, if it was read without trust; `simulate` then
-        refuses to load the unit's native code. Empty for units made in Python.
+        Line of the model file that contains the unit, if that file was read as untrusted;
+        `simulate` then refuses to load the unit's native code. Empty for units created in Python.
     """
 
     kind = "fmu"
     file: AnyField = field("File ``.fmu``", form="file", noun="path")
-    name: OptionalText = field("Name; that of the file without one", default=None)
+    name: OptionalText = field("Name; the name of the file if left out", default=None)
     inputs: AnyField = field(
-        "Inputs or tunable parameters of the unit, each with a sensor of one number, (sensor, "
+        "Inputs or tunable parameters of the unit, each with a scalar sensor, (sensor, "
         "component), or a number",
         form="fmu inputs",
         noun="dict",
@@ -75,15 +76,15 @@ class Fmu(Declared, section="fmus"):
         kw_only=True,
     )
     outputs: AnyField = field(
-        "Outputs of the unit, each with the Input of the mechanism that it sets, or None where "
-        "only the results have it",
+        "Outputs of the unit, each with the Input of the mechanism that it sets, or None to store "
+        "it in the results only",
         form="fmu outputs",
         noun="dict",
         default=None,
         kw_only=True,
     )
     parameters: AnyField = field(
-        "Values of parameters and start values, in SI",
+        "Values of parameters and start values of variables, in SI",
         form="fmu parameters",
         noun="dict",
         default=None,
@@ -99,21 +100,21 @@ class Fmu(Declared, section="fmus"):
     )
     step: Duration = field("Time between two exchanges", default=1e-3, kw_only=True)
     between: Choice = field(
-        "What either side knows of the other between exchanges",
+        "Values between two exchanges: held constant or extrapolated linearly",
         words=("hold", "linear"),
         default="hold",
         kw_only=True,
     )
     estimate: Flag = field(
-        "Whether each step is also made as two of half its length, which are kept; the difference "
-        "estimates the error of a step, ``NAME.OUTPUT.error`` in the results. The unit must be "
-        "able to go back to a state",
+        "Whether each step is repeated as two half steps, whose result is used; the difference is "
+        "the estimated error of a step, ``NAME.OUTPUT.error`` in the results. The unit must be "
+        "able to restore its state",
         default=False,
         kw_only=True,
     )
     patience: Duration = field(
-        "Time of the watch that the unit may take for one answer, and a minute at least to load; a "
-        "run ends where it takes more",
+        "Wall-clock time limit for one answer of the unit (to load it, at least a minute); the "
+        "run ends when it is exceeded",
         default=60.0,
         kw_only=True,
     )
@@ -122,7 +123,7 @@ class Fmu(Declared, section="fmus"):
     untrusted: str = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Read the description and compare with it."""
+        """Read the description and report inputs, outputs and parameters that do not fit it."""
         if not isinstance(self.file, str | os.PathLike):
             problems.add("fmu", f"file is {self.file!r}, must be the path of a .fmu", "file")
             return
@@ -156,14 +157,14 @@ class Fmu(Declared, section="fmus"):
         if self.estimate and not about.states:
             problems.add(
                 where,
-                "cannot go back to a state (canGetAndSetFMUState), which estimate=True needs; "
-                "leave it out and compare two runs with other steps",
+                "cannot restore its state (canGetAndSetFMUState is false), which estimate=True "
+                "needs; leave estimate out and compare two runs with different steps",
             )
         object.__setattr__(self, "sensors", tuple(self._sensors()))
         object.__setattr__(self, "untrusted", "")
 
     def _variable(self, problems: Problems, where: str, name: Any, *fit: str) -> Variable | None:
-        """Return a variable of some causality, or note that there is none."""
+        """Return a variable with one of the given causalities, or report that there is none."""
         about = self.description
         known = [x.name for x in about.variables.values() if x.causality in fit]
         if "input" in fit:
@@ -244,23 +245,29 @@ class Fmu(Declared, section="fmus"):
                 said = f"estimated error of {name} in one step"
                 made.append(FmuSensor(f"{self.name}.{name}.error", unit, said))
         if self.power:
-            texts = ("energy that it gave", "energy that the machine got", "received - delivered")
+            texts = (
+                "energy delivered by the unit",
+                "energy received by the mechanism",
+                "received - delivered",
+            )
             for key, text in zip(ENERGIES, texts, strict=True):
                 made.append(FmuSensor(f"{self.name}.{key}", "J", text))
         return made
 
     def __getitem__(self, name: str) -> FmuSensor:
-        """Return the sensor of an output, for inputs of other units."""
+        """Return the sensor of an output, as input of other units."""
         known = {sensor.name.removeprefix(f"{self.name}."): sensor for sensor in self.sensors}
         if name not in known:
             raise UnknownNameError(
-                Problem(f"fmu {self.name!r}", f"no output {name!r} here{suggest(name, known)}")
+                Problem(
+                    f"fmu {self.name!r}", f"no output {name!r} is declared{suggest(name, known)}"
+                )
             )
         return known[name]
 
     @cached_property
     def driven(self) -> tuple[str, ...]:
-        """Names of the inputs of the mechanism that it sets."""
+        """Names of the inputs of the mechanism that the unit sets."""
         return tuple(x.name for x in self.outputs.values() if x is not None)
 
     def __repr__(self) -> str:

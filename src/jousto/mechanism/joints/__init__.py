@@ -1,1 +1,1 @@
-"""Joints connect marker a to marker b; each declares its constraint rows as data."""
+"""Joints connect marker a with marker b; each declares its constraint rows as data."""

@@ -1,12 +1,12 @@
-"""What all joints share: markers, frames with the joint's axes, rows declared as data.
+"""Base of all joints: markers, frames along the joint's axes, constraint rows as data.
 
-A joint is a composition of few constraint rows, in this order:
+A joint is composed of few constraint rows, in this order:
 
 * coincidence, ``r_b - r_a = 0`` (3 rows, world axes);
 * perpendicular pairs, ``(axis i of a) . (axis j of b) = 0`` (1 row each);
 * lines, relations that are linear in coordinates of the joint (1 row each).
 
-A new joint is one class: two tuples and, where it slides, its lines.
+A new joint is one class with two tuples, and with `lines` if it has linear rows.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from jousto.base.rotations import Direction, turn_each_onto, turn_onto
 from jousto.mechanism.bodies.marker import Marker, MarkerField, carriers
 from jousto.mechanism.joints.coordinate import AXES, Angle, Coordinate, Displacement, Line
 
-# perpendicular pairs (axis of a, axis of b): x, y, z = 0, 1, 2
+# perpendicular pairs (axis of a, axis of b); x, y, z = 0, 1, 2
 PARALLEL = ((0, 2), (1, 2))
 NO_TURN = ((0, 2), (1, 2), (0, 1))
 
@@ -53,15 +53,15 @@ class Joint(Declared, section="joints"):
     a: MarkerField = field("First marker")
     b: MarkerField = field("Second marker, on another body")
     as_placed: Flag = field(
-        "Whether the joint takes the directions as they stand at the initial pose, where its "
-        "markers have to fit already; if not, it uses the markers' own axes, z for its axis, and "
-        "moves and turns a rough initial pose until they fit",
+        "True: the joint takes its directions from the initial pose, in which the markers must "
+        "already fit. False: the joint uses the axes of the markers, z as its axis, and the "
+        "initial pose may be rough: it is moved and rotated until the markers fit",
         default=True,
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note directions that count for nothing."""
+        """Report directions that have no effect."""
         for key, kind in self.fields.items():
             if (
                 not self.as_placed
@@ -70,8 +70,8 @@ class Joint(Declared, section="joints"):
             ):
                 problems.add(
                     where,
-                    f"{key} is a direction at the initial pose; with as_placed=False the z axes "
-                    f"of the markers count, leave {key} out and turn the markers",
+                    f"{key} is a direction at the initial pose; with as_placed=False the joint "
+                    f"uses the z axes of the markers, leave {key} out and rotate the markers",
                 )
 
     def __repr__(self) -> str:
@@ -79,12 +79,15 @@ class Joint(Declared, section="joints"):
 
     @property
     def direction(self) -> Array | None:
-        """World direction (3,) of the z axes at the initial pose; None for the z axis of a."""
+        """World direction (3,) of the z axes at the initial pose.
+
+        None for the z axis of marker a.
+        """
         return None
 
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:
-        """The markers with the joint's axes, equal at the initial pose if `as_placed`."""
+        """Markers with axes along those of the joint; equal at the initial pose if `as_placed`."""
         if not self.as_placed:
             return self.a, self.b
         frame = self.a.A if self.direction is None else turn_onto(self.a.A, self.direction)
@@ -97,7 +100,7 @@ class Joint(Declared, section="joints"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """Linear relations of coordinates."""
+        """Linear rows: relations of coordinates."""
         return ()
 
     @property
@@ -107,9 +110,9 @@ class Joint(Declared, section="joints"):
 
     @property
     def row_names(self) -> tuple[str, ...]:
-        """What each row prevents, for messages: ``"turn about x"``, ``"displacement y"``."""
+        """Motion that each row prevents, for messages: ``"turn about x"``, ``"displacement y"``."""
         names = [f"displacement {x}" for x in AXES] if self.coincident else []
-        # the row of axes i and j prevents the turn about the third axis
+        # the row of axes i and j prevents the rotation about the third axis
         names += [f"turn about {AXES[3 - i - j]}" for i, j in self.perpendicular if i != j]
         names += ["turn about the normal of both axes" for i, j in self.perpendicular if i == j]
         for line in self.lines:
@@ -119,12 +122,12 @@ class Joint(Declared, section="joints"):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinates that the joint leaves free and gives by name."""
+        """Free coordinates of the joint that have names."""
         return ()
 
     @property
     def turns(self) -> tuple[bool, bool]:
-        """Whether the orientations of a and b matter to the rows."""
+        """Whether the rows depend on the orientations of a and b."""
         used = [s for line in self.lines for s in line.coordinates]
         both = bool(self.perpendicular)
         return both or any(s.turns_a for s in used), both or any(s.turns_b for s in used)
@@ -134,7 +137,7 @@ AXIS = "Axis in the world frame at the initial pose; None for the z axis of mark
 
 
 class AxisJoint(Joint):
-    """A joint whose z axis may be given."""
+    """A joint with a z axis that may be given."""
 
     axis: Direction = field(AXIS, default=None)
 
@@ -145,7 +148,7 @@ class AxisJoint(Joint):
 
 
 class NormalJoint(Joint):
-    """A joint that keeps the origin of b on the plane through a, whose normal may be given."""
+    """A joint that keeps the origin of b in a plane through a; its normal may be given."""
 
     normal: Direction = field(
         "Normal of the plane in the world frame at the initial pose, fixed to a; None for the z "
@@ -175,32 +178,35 @@ class NormalJoint(Joint):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The displacements in the plane."""
+        """The two displacements in the plane."""
         return self.x, self.y
 
 
 def free_angle(joint: Joint) -> Angle:
-    """Return the angle of a joint about the z axis of its frames."""
+    """Return the angle coordinate of a joint about the z axis of its frames."""
     return Angle(*joint.frames, name=f"{joint.name}.angle", joint=joint)
 
 
 def along(joint: Joint, axis: str, name: str | None = None) -> Displacement:
-    """Return the displacement of a joint along an axis of its frames."""
+    """Return the displacement coordinate of a joint along an axis of its frames."""
     return Displacement(*joint.frames, axis, name=f"{joint.name}.{name or axis}", joint=joint)
 
 
 def held(joint: Joint, *axes: str) -> tuple[Line, ...]:
-    """Return the lines that keep the displacement along axes of the frames at zero."""
+    """Return the rows that keep the displacements along given axes of the frames at zero."""
     return tuple(Line((along(joint, axis),), (1.0,)) for axis in axes)
 
 
 def aligned(marker: Marker, frame: Array) -> Marker:
-    """Return the marker with the world axes `frame` (3, 3) at the initial pose."""
+    """Return the marker with axes equal to the world axes `frame` (3, 3) at the initial pose."""
     return with_axes(marker, read_only(marker.carrier.T @ frame))
 
 
 def align_frames(joints: Iterable[Joint]) -> None:
-    """Work out the frames of joints, of all at once; each joint does it alone where it is asked."""
+    """Compute and cache the frames of all joints at once.
+
+    `Joint.frames` computes those of one joint.
+    """
     found = [
         joint
         for joint in joints
@@ -220,6 +226,6 @@ def align_frames(joints: Iterable[Joint]) -> None:
 
 
 def with_axes(marker: Marker, axes: Array) -> Marker:
-    """Return the marker with axes (3, 3) in the frame of its body."""
+    """Return the marker with axes (3, 3) relative to its body frame."""
     given = marker.body, marker.point, marker.position_local, marker.node
     return Marker(*given, axes, marker.followed)

@@ -1,7 +1,7 @@
-"""Coordinates: scalar functions of two marker frames a and b, and lines through them.
+"""Coordinates: scalar functions of two marker frames a and b, and linear relations of them.
 
-Joints give theirs as properties (``hinge.angle``); drives, couplings, springs, servos and sensors
-take them. Three kinds are enough for all of these: an angle, a displacement and a distance.
+Joints have coordinates as properties (``hinge.angle``); drives, couplings, springs, servos and
+sensors take a coordinate as argument. There are three kinds: angle, displacement and distance.
 """
 
 from __future__ import annotations
@@ -34,34 +34,34 @@ class Coordinate(Declared, section="coordinates"):
     unit: ClassVar[str] = "m"
     force_unit: ClassVar[str] = "N"
     engine: ClassVar[str] = "distance"
-    """What the engine calls it."""
+    """Name of the kind in the engine."""
     a: MarkerField = field("Frame a")
     b: MarkerField = field("Frame b; not both on one rigid body")
     name: OptionalText = field(
-        "Name for messages and results; None for one made of the markers' labels",
+        "Name for messages and results; None to build it from the labels of the markers",
         default=None,
         kw_only=True,
         file=False,
     )
     joint: AnyField = field(
-        "The joint that keeps this coordinate free, if it belongs to one",
+        "The joint that has this coordinate, if there is one",
         default=None,
         kw_only=True,
         file=False,
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages; a coordinate without a name is called by its kind."""
+        """Return the prefix of messages: the name, or the kind of a coordinate without a name."""
         kind, name = type(self).__name__.lower(), self.__dict__["name"]
         return kind if name is None else f"{kind} {name!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note markers that cannot move against each other; make the name."""
+        """Report markers without relative motion; build the name."""
         a, b, name = self.a, self.b, self.__dict__["name"]
         label = f"{where}({a.label}, {b.label})" if name is None else name
         if a.body is b.body and (a.site is None or a.site == b.site):
             place = label if name is None else where
-            problems.add(place, f"both markers are on {a.body.name!r}: it never changes")
+            problems.add(place, f"both markers are on {a.body.name!r}: the coordinate is constant")
         object.__setattr__(self, "name", label)
 
     def __repr__(self) -> str:
@@ -79,12 +79,12 @@ class Coordinate(Declared, section="coordinates"):
 
     @property
     def turns_a(self) -> bool:
-        """Whether the orientation of frame a matters."""
+        """Whether the coordinate depends on the orientation of frame a."""
         return True
 
     @property
     def turns_b(self) -> bool:
-        """Whether the orientation of frame b matters."""
+        """Whether the coordinate depends on the orientation of frame b."""
         return False
 
     def same_as(self, other: Coordinate) -> bool:
@@ -93,16 +93,16 @@ class Coordinate(Declared, section="coordinates"):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What two coordinates share that are the same function of the same frames."""
+        """Key that is equal for coordinates that are the same function of the same frames."""
         frames = frame_key(self.a, self.turns_a), frame_key(self.b, self.turns_b)
         return (type(self), getattr(self, "axis", None), *frames)
 
 
 class Angle(Coordinate, tag="angle"):
-    """The turn of b against a about the z axis of a, ``atan2(y_a . x_b, x_a . x_b)``, rad.
+    """Rotation of b relative to a about the z axis of a, ``atan2(y_a . x_b, x_a . x_b)``, rad.
 
-    It is 0 where the x axes agree and runs on over many turns without a jump. Something has to
-    keep the x axis of b away from the z axis of a; the joints that have an angle do.
+    It is 0 where the x axes agree and is continuous over many turns. The x axis of b must not
+    become parallel to the z axis of a; joints with an angle ensure this.
     """
 
     unit: ClassVar[str] = "rad"
@@ -117,7 +117,7 @@ class Angle(Coordinate, tag="angle"):
 
     @property
     def turns_b(self) -> bool:
-        """Whether the orientation of frame b matters."""
+        """Whether the coordinate depends on the orientation of frame b."""
         return True
 
 
@@ -139,7 +139,7 @@ class Displacement(Coordinate, tag="displacement"):
 
 
 class Distance(Coordinate, tag="distance"):
-    """The distance of the origins, ``|r_b - r_a|``, m; it must not become zero."""
+    """Distance of the origins, ``|r_b - r_a|``, m; it must stay above zero."""
 
     @property
     def initial(self) -> float:
@@ -148,7 +148,7 @@ class Distance(Coordinate, tag="distance"):
 
     @property
     def turns_a(self) -> bool:
-        """Whether the orientation of frame a matters."""
+        """Whether the coordinate depends on the orientation of frame a."""
         return False
 
 
@@ -180,31 +180,31 @@ class Line:
 
 
 def frame_key(marker: Marker, axes: bool) -> tuple[Any, ...]:
-    """Return what two markers share that are the same point, and the same frame if `axes`."""
+    """Return a key that is equal for markers at the same point (and same frame if `axes`)."""
     arrays = (marker.position_local, marker.axes) if axes else (marker.position_local,)
-    numbers = ((floats(x) + 0.0).tobytes() for x in arrays)  # -0 is 0
+    numbers = ((floats(x) + 0.0).tobytes() for x in arrays)  # -0 becomes 0
     return (id(marker.body), marker.site, *numbers)
 
 
 class CoordinateField(Field[Coordinate, Coordinate]):
-    """A coordinate; a model file writes ``hinge.angle`` or a mapping."""
+    """Field of a coordinate; a model file contains ``hinge.angle`` or a mapping."""
 
     form = "coordinate"
     noun = "Coordinate"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coordinate."""
+        """Return the coordinate, or report that the value is none."""
         return check_coordinate(problems, where, self.name, value)
 
 
 class CoordinatesField(Field["Coordinate | Iterable[Coordinate]", "tuple[Coordinate, ...]"]):
-    """One or two coordinates."""
+    """Field of one or two coordinates."""
 
     form = "coordinates"
     noun = "Coordinate or sequence of one or two Coordinate"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the coordinates as a tuple, or report wrong ones."""
         terms = tuple(value) if isinstance(value, Iterable) else (value,)
         for i, term in enumerate(terms):
             check_coordinate(problems, where, f"{self.name}[{i}]", term)
@@ -213,12 +213,12 @@ class CoordinatesField(Field["Coordinate | Iterable[Coordinate]", "tuple[Coordin
 
 @dataclass(frozen=True)
 class Along:
-    """A unit that depends on what coordinate another field is: a length or an angle.
+    """Unit that depends on the coordinate in another field: for a length or an angle.
 
     Parameters
     ----------
     length, angle : str
-        SI unit along a length and along an angle.
+        SI unit for a length and for an angle.
     field : str
         Name of the field with the coordinate.
     """
@@ -243,7 +243,7 @@ DAMPING = Along("N s/m", "N m s/rad")
 
 
 def check_coordinate(problems: Problems, where: str, name: str, value: Any) -> Coordinate | None:
-    """Return `value` if it is a coordinate, else note how to get one."""
+    """Return `value` if it is a coordinate, else report the way to get one."""
     if isinstance(value, Coordinate):
         return value
     owned = [key for key in ("angle", "displacement") if hasattr(value, key)]

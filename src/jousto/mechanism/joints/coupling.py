@@ -24,10 +24,10 @@ from jousto.mechanism.signals.base import SignalField
 
 
 class Coupler(Declared, section="couplings"):
-    """One constraint row that is linear in one or two coordinates.
+    """A constraint row that is linear in one or two coordinates.
 
-    Its multiplier lam acts on coordinate s_i as the force ``-f_i lam``, along s_i on the body
-    of its marker b.
+    Its multiplier lam acts on coordinate s_i as the force ``-f_i lam``, in the direction of s_i
+    on the body of marker b.
     """
 
     kind = "coupling"
@@ -45,7 +45,7 @@ class Coupler(Declared, section="couplings"):
 
     @cached_property
     def lines(self) -> tuple[Line]:
-        """The row."""
+        """The constraint row."""
         raise NotImplementedError
 
     @property
@@ -55,22 +55,25 @@ class Coupler(Declared, section="couplings"):
 
     @property
     def row_names(self) -> tuple[str]:
-        """What the row holds, for messages."""
+        """Name of the row for messages."""
         return (" with ".join(s.name for s in self.coordinates),)
 
 
 class Gear(Coupler, tag="gear"):
-    """Two angles turn in a ratio: ``b - b0 = ratio (a - a0)``; index 0 is the initial pose."""
+    """Gear pair with a constant ratio of two angles: ``b - b0 = ratio (a - a0)``.
+
+    Index 0 is the initial pose.
+    """
 
     kind = "gear"
     a: CoordinateField = field("An angle, such as ``hinge.angle``")
     b: CoordinateField = field("Another angle")
     ratio: Number = field(
-        "Turns of b for one of a; negative for an external pair of wheels", nonzero=True
+        "Turns of b per turn of a; negative for an external pair of gear wheels", nonzero=True
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what is no angle, or the same one twice."""
+        """Report coordinates that are no angles, or are the same."""
         check_kind(problems, where, "a", self.a, angle=True)
         check_kind(problems, where, "b", self.b, angle=True)
         check_different(problems, where, self.a, self.b)
@@ -87,19 +90,22 @@ class Gear(Coupler, tag="gear"):
 
 
 class Rack(Coupler, tag="rack"):
-    """A pinion rolls on a rack: ``s - s0 = radius (phi - phi0)``; 0 is the initial pose."""
+    """Pinion that rolls on a rack: ``s - s0 = radius (phi - phi0)``.
+
+    Index 0 is the initial pose.
+    """
 
     kind = "rack"
     pinion: CoordinateField = field("Angle phi of the pinion, such as ``hinge.angle``")
     rack: CoordinateField = field("Displacement s of the rack, such as ``slide.displacement``")
     radius: Number = field(
-        "Pitch radius; negative where the rack goes back as the angle grows",
+        "Pitch radius; negative if s decreases as the angle increases",
         unit="m",
         nonzero=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what is no angle and no length."""
+        """Report coordinates that are not an angle and a length."""
         check_kind(problems, where, "pinion", self.pinion, angle=True)
         check_kind(problems, where, "rack", self.rack, angle=False)
 
@@ -115,7 +121,7 @@ class Rack(Coupler, tag="rack"):
 
 
 class Coupling(Coupler, tag="coupling"):
-    """A linear relation: ``sum factor_i s_i = offset``."""
+    """Linear relation of coordinates: ``sum factor_i s_i = offset``."""
 
     coordinates: CoordinatesField = field("The coordinates s_i")
     factors: Numbers = field("One factor for each coordinate, in SI units")
@@ -126,7 +132,7 @@ class Coupling(Coupler, tag="coupling"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note too many coordinates, or the same one twice."""
+        """Report more than two coordinates, or the same one twice."""
         terms = self.coordinates
         if not 1 <= len(terms) <= 2:
             problems.add(where, f"has {len(terms)} coordinates, must have one or two")
@@ -144,16 +150,16 @@ class Coupling(Coupler, tag="coupling"):
 
 
 class Drive(Coupler, tag="drive"):
-    """A coordinate follows a signal of time: ``s = signal(t)`` (rheonomic).
+    """Coordinate that follows a signal of time: ``s = signal(t)`` (rheonomic).
 
-    Reactions follow from its acceleration, so the signal should have two derivatives: `SCurve`,
-    `Harmonic` or a cubic `Table`. At a kink of the signal the speed jumps; a jump of the
-    signal itself cannot be followed.
+    Reactions depend on the second derivative of the signal, so use a signal with two
+    derivatives: `SCurve`, `Harmonic` or a cubic `Table`. At a kink of the signal the speed
+    jumps; a jump of the signal itself cannot be followed.
     """
 
     kind = "drive"
     coordinate: CoordinateField = field(
-        "What is driven, such as ``hinge.angle`` (rad) or ``slide.displacement`` (m)"
+        "The driven coordinate, such as ``hinge.angle`` (rad) or ``slide.displacement`` (m)"
     )
     signal: SignalField = field("Its value as a function of time", unit=VALUE)
 
@@ -169,9 +175,9 @@ class Drive(Coupler, tag="drive"):
 
     @property
     def beginning(self) -> tuple[float, float, float]:
-        """Where the signal begins, where the coordinate stands, and how far apart they are.
+        """Initial value of the signal, that of the coordinate, and their distance, m or rad.
 
-        In m or rad; full turns do not count.
+        Full turns are left out of the distance.
         """
         begins, stands = float(self.signal(0.0)), float(self.coordinate.initial)
         gap = begins - stands
@@ -185,7 +191,7 @@ def linked(a: Coordinate, b: Coordinate, ratio: float) -> tuple[Line]:
 
 
 def check_kind(problems: Problems, where: str, name: str, value: Any, *, angle: bool) -> None:
-    """Note a problem unless the value is an angle, or a length if not `angle`."""
+    """Report a problem unless the value is an angle, or a length if not `angle`."""
     found = check_coordinate(problems, where, name, value)
     if found is not None and isinstance(found, Angle) != angle:
         wanted = "an angle" if angle else "a displacement or distance"
@@ -200,6 +206,6 @@ def check_kind(problems: Problems, where: str, name: str, value: Any, *, angle: 
 
 
 def check_different(problems: Problems, where: str, a: Any, b: Any) -> None:
-    """Note that both coordinates are the same one."""
+    """Report a problem if both coordinates are the same."""
     if isinstance(a, Coordinate) and isinstance(b, Coordinate) and a.same_as(b):
         problems.add(where, f"couples {a.name} with itself")

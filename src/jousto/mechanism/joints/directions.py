@@ -1,4 +1,4 @@
-"""Joints of directions alone: parallel axes, and axes at a right angle."""
+"""Joints of directions: parallel axes and perpendicular axes."""
 
 from __future__ import annotations
 
@@ -15,12 +15,14 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.joints.base import PARALLEL, AxisJoint, Joint, aligned, free_angle
 from jousto.mechanism.joints.coordinate import Angle
 
-# sine of the angle by which two axes may miss the right angle
+# largest sine of the deviation of two axes from the right angle
 RIGHT_ANGLE = 1e-6
 
 
 class ParallelAxes(AxisJoint, tag="parallel-axes"):
-    """An axis of a and an axis of b stay parallel: 2 rows, one turn and 3 displacements free.
+    """An axis of a stays parallel to an axis of b: 2 rows.
+
+    One rotation and 3 displacements are free.
 
     ``f_a . h_b = g_a . h_b = 0`` (constraint p1, Rantalainen 2007, eq. 3.96)
 
@@ -32,7 +34,7 @@ class ParallelAxes(AxisJoint, tag="parallel-axes"):
 
     @cached_property
     def angle(self) -> Angle:
-        """Turn of b against a about the axis, rad; 0 at the initial pose if `as_placed`."""
+        """Rotation of b relative to a about the axis, rad; 0 at the initial pose if `as_placed`."""
         return free_angle(self)
 
     @property
@@ -57,7 +59,7 @@ class CrossedAxes(Joint):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note axes that are not at a right angle."""
+        """Report axes that are not perpendicular."""
         super().consistent(problems, where)
         if self.axis_b is None:
             return
@@ -67,8 +69,8 @@ class CrossedAxes(Joint):
             angle = np.degrees(np.arccos(np.clip(sine, -1, 1)))
             problems.add(
                 where,
-                f"the axes are at {angle:.6g} deg to each other, must be at 90 deg; "
-                "leave axis_b out to have one chosen",
+                f"the axes are at {angle:.6g} deg to each other, must be at 90 deg; leave axis_b "
+                f"out to use a perpendicular one",
             )
 
     @cached_property
@@ -85,7 +87,7 @@ class CrossedAxes(Joint):
 
 
 class Perpendicular(CrossedAxes, tag="perpendicular"):
-    """An axis of a and an axis of b stay at a right angle: 1 row.
+    """An axis of a stays perpendicular to an axis of b: 1 row.
 
     ``h_a . h_b = 0`` (constraint d1, Rantalainen 2007, eq. 3.90)
 

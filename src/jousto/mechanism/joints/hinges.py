@@ -1,4 +1,4 @@
-"""Joints that turn about an axis: revolute, cylindrical, screw and universal."""
+"""Joints with a rotation about an axis: revolute, cylindrical, screw and universal."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Revolute(AxisJoint, tag="revolute"):
 
     @cached_property
     def angle(self) -> Angle:
-        """Turn of b against a about the axis, rad; 0 at the initial pose if `as_placed`."""
+        """Rotation of b relative to a about the axis, rad; 0 at the initial pose if `as_placed`."""
         return free_angle(self)
 
     @property
@@ -49,13 +49,13 @@ class Revolute(AxisJoint, tag="revolute"):
 
 
 class SharedAxisJoint(Joint):
-    """A joint that keeps one axis for both markers, with a turn about and a way along it."""
+    """A joint with a common axis: a rotation about it and a displacement along it."""
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = PARALLEL
 
     @cached_property
     def angle(self) -> Angle:
-        """Turn of b against a about the axis, rad; 0 at the initial pose if `as_placed`."""
+        """Rotation of b relative to a about the axis, rad; 0 at the initial pose if `as_placed`."""
         return free_angle(self)
 
     @cached_property
@@ -70,7 +70,7 @@ class SharedAxisJoint(Joint):
 
 
 class Cylindrical(SharedAxisJoint, AxisJoint, tag="cylindrical"):
-    """The markers share an axis: 4 rows, turning about it and sliding along it are free.
+    """The markers share an axis: 4 rows; rotation about it and displacement along it are free.
 
     ``f_a . h_b = g_a . h_b = 0``, ``f_a . d = g_a . d = 0`` (Rantalainen 2007, eq. 3.96, 3.97)
 
@@ -84,7 +84,7 @@ class Cylindrical(SharedAxisJoint, AxisJoint, tag="cylindrical"):
 
 
 class Screw(SharedAxisJoint, tag="screw"):
-    """A cylindrical joint with a thread: 5 rows, ``s - s0 = pitch (phi - phi0) / 2 pi``.
+    """Cylindrical joint with a thread: 5 rows, ``s - s0 = pitch (phi - phi0) / 2 pi``.
 
     Index 0 is the initial pose. Marker b is on the axis through a at the start.
     """
@@ -93,7 +93,7 @@ class Screw(SharedAxisJoint, tag="screw"):
         "Displacement in one turn; negative for a left-hand thread",
         unit="m",
         nonzero=True,
-        remedy="it cannot slide; use Revolute",
+        remedy="without a pitch the joint cannot slide; use Revolute",
     )
     axis: Direction = field(AXIS, default=None)
 
@@ -104,7 +104,7 @@ class Screw(SharedAxisJoint, tag="screw"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a; the thread."""
+        """No displacement along x and y of a, and the relation of the thread."""
         s, phi = self.displacement, self.angle
         ratio = self.pitch / (2 * np.pi)
         offset = s.initial - ratio * phi.initial
@@ -112,7 +112,7 @@ class Screw(SharedAxisJoint, tag="screw"):
 
 
 class Universal(CrossedAxes, tag="universal"):
-    """A cardan joint: a point and a right angle between two axes: 4 rows.
+    """Cardan joint: a common point and two perpendicular axes: 4 rows.
 
     ``r_b - r_a = 0``, ``h_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.90): the cross turns
     about h_a against a by `angle1`, and b against the cross about h_b by `angle2`.
@@ -124,15 +124,15 @@ class Universal(CrossedAxes, tag="universal"):
 
     @cached_property
     def angle1(self) -> Angle:
-        """Turn of the cross against a about h_a, rad; 0 where h_b is the x axis of a."""
+        """Rotation of the cross relative to a about h_a, rad; 0 where h_b is the x axis of a."""
         a, b = self.frames
         return Angle(a, reordered(b, Z_FIRST), name=f"{self.name}.angle1", joint=self)
 
     @cached_property
     def angle2(self) -> Angle:
-        """Turn of b against the cross about h_b, rad; 0 where h_a is the y axis of b."""
+        """Rotation of b relative to the cross about h_b, rad; 0 where h_a is the y axis of b."""
         a, b = self.frames
-        # seen from b, h_a turns about -h_b by the same angle
+        # seen from b, h_a rotates about -h_b by the same angle
         back = reordered(b, Y_FIRST_BACK)
         return Angle(back, reordered(a, Z_FIRST), name=f"{self.name}.angle2", joint=self)
 
@@ -142,11 +142,11 @@ class Universal(CrossedAxes, tag="universal"):
         return self.angle1, self.angle2
 
 
-# new axes in columns, in terms of the old ones: (z, x, y) and (y, x, -z)
+# permuted axes in columns, in terms of the original ones: (z, x, y) and (y, x, -z)
 Z_FIRST = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 Y_FIRST_BACK = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 def reordered(marker: Marker, axes: Array) -> Marker:
-    """Return the marker with axes (3, 3) given in its own."""
+    """Return the marker with axes (3, 3) relative to its present ones."""
     return replace(marker, axes=read_only(marker.axes @ axes))

@@ -1,4 +1,4 @@
-"""Joints that hold points: spherical, on a line, on a plane, at a distance."""
+"""Joints of points: coincident, on a line, on a plane, at a constant distance."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Spherical(Joint, tag="spherical"):
 
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:
-        """The two markers as given."""
+        """The two markers, unchanged."""
         return self.a, self.b
 
 
@@ -68,16 +68,16 @@ class Rod(Joint, tag="rod"):
     """
 
     length: OptionalNumber = field(
-        "Distance L; None for that of the initial pose",
+        "Distance L; None for the distance at the initial pose",
         unit="m",
         above=0,
         default=None,
-        remedy="Spherical joins two points",
+        remedy="use Spherical to join two points",
     )
 
     @cached_property
     def frames(self) -> tuple[Marker, Marker]:
-        """The two markers as given."""
+        """The two markers, unchanged."""
         return self.a, self.b
 
     @cached_property
@@ -87,6 +87,6 @@ class Rod(Joint, tag="rod"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """The distance is the length."""
+        """The distance equals the length."""
         length = self.distance.initial if self.length is None else self.length
         return (Line((self.distance,), (1.0,), length),)

@@ -1,4 +1,4 @@
-"""Joints that keep turns: fixed, constant orientation, prismatic and planar."""
+"""Joints that keep orientations: fixed, constant orientation, prismatic and planar."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class ConstantOrientation(Joint, tag="constant-orientation"):
 
 
 class Prismatic(AxisJoint, tag="prismatic"):
-    """A slide without any turn: 5 rows, the displacement along the axis is free.
+    """Slide without rotation: 5 rows; the displacement along the axis is free.
 
     ``f_a . h_b = g_a . h_b = f_a . g_b = 0``, ``f_a . d = g_a . d = 0`` with d = r_b - r_a
     (Rantalainen 2007, eq. 3.90, 3.96 and 3.97)
@@ -70,7 +70,7 @@ class Prismatic(AxisJoint, tag="prismatic"):
 
 
 class Planar(NormalJoint, tag="planar"):
-    """Two planes stay on each other: 3 rows, 2 displacements and the turn in them are free.
+    """Plane on plane: 3 rows; 2 displacements and the rotation in the plane are free.
 
     ``f_a . h_b = g_a . h_b = 0``, ``h_a . (r_b - r_a) = 0`` (Rantalainen 2007, eq. 3.96, 3.92)
 
@@ -81,7 +81,10 @@ class Planar(NormalJoint, tag="planar"):
 
     @cached_property
     def angle(self) -> Angle:
-        """Turn of b against a about the normal, rad; 0 at the initial pose if `as_placed`."""
+        """Rotation of b relative to a about the normal, rad.
+
+        0 at the initial pose if `as_placed`.
+        """
         return free_angle(self)
 
     @property

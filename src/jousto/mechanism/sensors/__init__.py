@@ -1,5 +1,5 @@
-"""Sensors: what the engine records while it steps.
+"""Sensors: quantities that the engine records at every output instant.
 
-Every sensor says its `unit`, the names of its `components`, the `frame` that they are resolved in
+Every sensor has a `unit`, the names of its `components`, the `frame` in which they are resolved,
 and a `description` for results and plots.
 """

@@ -1,4 +1,4 @@
-"""What all sensors share."""
+"""Base of all sensors: the sensor, its reading and its rainflow counts."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from jousto.mechanism.bodies.marker import Marker
 @described
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What the engine reads for a sensor, with objects instead of their numbers in the engine.
+    """Input of the engine for a sensor, with objects in place of their numbers in the engine.
 
     Parameters
     ----------
     kind : str
         Name of the sensor in the header of the engine, ``jousto.h``.
     of : object
-        What is read: a marker, body, joint, coupling, force, friction, coordinate, signal, beam,
-        damage sensor or the word of an energy.
+        Object that is measured: a marker, body, joint, coupling, force, friction, coordinate,
+        signal, beam, damage sensor or the name of an energy.
     other : Marker, Signal or int, optional
-        The observer, the signal that is added, or the place of the first value.
+        Observer, added signal, or index of the first value.
     axes : Marker, optional
-        Axes of the values; None for those of the world.
+        Axes of the values; None for the world frame.
     rows : (k, n) array, optional
-        Values of each mode.
+        Values per unit modal coordinate.
     at : int
         Number of the element of a beam.
     """
@@ -45,18 +45,17 @@ class Reading:
 @described
 @dataclass(frozen=True, eq=False)
 class Meter:
-    """A rainflow count of the engine: its rule, and which value of a sensor it counts.
+    """Rainflow count of the engine: its rule, and the value of a sensor that is counted.
 
     Parameters
     ----------
     rule : MeterRule
-        Curve, mean stress, residue.
-    sensor : Sensor
-        What is counted.
+        S-N curve, mean stress correction and residue.
+    sensor : Sensor Sensor that is counted.
     value : int
-        Which of its values.
+        Index of the counted value.
     factor : float
-        Stress, Pa, for a value of 1.
+        Stress, Pa, per unit of the value.
     """
 
     rule: Any
@@ -66,35 +65,36 @@ class Meter:
 
 
 class Sensor(Declared, section="sensors"):
-    """What the engine records while it steps.
+    """Base of the quantities that the engine records.
 
     Attributes
     ----------
     unit : str
-        Unit of the components; two with a comma between are those of their halves.
+        Unit of the components; two units with a comma are those of the first and second half of the
+        components.
     components : tuple of str
         Names of the components.
     frame : str
-        Name of the axes that they are in.
+        Name of the axes in which they are resolved.
     description : str
         One line for results and plots.
     reading : Reading
-        What the engine reads.
+        Input of the engine.
     """
 
     kind = "sensor"
     flexible: ClassVar[bool] = False
-    """Whether it measures what rigid bodies do not have: modes, stress, strain."""
+    """Whether it measures deformation (modes, stress, strain), which rigid bodies do not have."""
     name: Name = field("Unique among the sensors")
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The markers whose orientation matters, with the name of the argument."""
+        """Markers whose orientation matters, each with the name of the argument."""
         return ()
 
     @property
     def meters(self) -> tuple[Meter, ...]:
-        """The rainflow counts that the engine keeps for it."""
+        """Rainflow counts of the engine for the sensor."""
         return ()
 
     if TYPE_CHECKING:

@@ -35,7 +35,7 @@ class ModalSensor(Sensor, tag="modal"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("modal", self.body)
 
     @property
@@ -48,9 +48,10 @@ class DeformationMomentumSensor(Sensor, tag="deformation-momentum"):
     """Momenta of the deformation of a flexible body relative to its frame, (6,).
 
     ``int Phi p' dm`` in kg m/s and ``int (u0 + Phi p) x Phi p' dm`` in kg m2/s about the origin of
-    the frame, both in its axes (Schwertassek, Wallrapp and Shabana 1999). In the mean frame the
-    first is zero and the second of the order of products of p and p', in that of a node or a
-    chord neither is: they show how far the frame is from Tisserand's.
+    the frame, both resolved in the body frame (Schwertassek, Wallrapp and Shabana 1999). In a
+    Tisserand (mean-axis) frame the first is zero and the second is of the order of products of p
+    and p'; in a nodal or chord frame both are of first order. The momenta measure the distance from
+    a Tisserand frame.
     """
 
     unit: ClassVar[str] = "kg m/s, kg m2/s"
@@ -61,7 +62,7 @@ class DeformationMomentumSensor(Sensor, tag="deformation-momentum"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("deformation momentum", self.body)
 
     @property
@@ -71,13 +72,13 @@ class DeformationMomentumSensor(Sensor, tag="deformation-momentum"):
 
 
 class Sites(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
-    """Labels of stress sites; model files may give positions."""
+    """Field of labels of stress sites; model files may contain positions."""
 
     form = "sites"
     noun = "sequence of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the labels as a tuple, or report wrong ones."""
         if not isinstance(value, Iterable):
             problems.add(where, f"{self.name} is {value!r}, must be labels of stress sites")
             return ()
@@ -85,24 +86,24 @@ class Sites(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
 
 
 class SiteSensor(Sensor):
-    """What all sensors of the stress at named places have in common."""
+    """Base of all sensors of the stress at stress sites."""
 
     engine: ClassVar[str] = "stress"
-    """What the engine calls it."""
+    """Name of the kind in the engine."""
     quantity: ClassVar[str] = "stress"
     values: ClassVar[tuple[str, ...]] = VOIGT
     unit: ClassVar[str] = "Pa"
     frame: ClassVar[str] = "element"
     flexible: ClassVar[bool] = True
-    body: FlexibleField = field("A body whose part has stresses")
+    body: FlexibleField = field("Flexible body whose part has stress data")
     sites: Sites = field(
-        'Labels of the stress sites, such as ``"e3.a.top"`` (in files also positions: the site '
-        "nearest to each); None for all of them",
+        'Labels of the stress sites, such as ``"e3.a.top"`` (in files also positions, for the '
+        "nearest sites); None for all sites",
         default=None,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note sites that the body does not have; None are all."""
+        """Report unknown sites; None becomes all sites."""
         body, labels = self.body, known_sites(where, self.body)
         given = vars(self)["sites"]
         wanted: tuple[Any, ...] = labels if given is None else given
@@ -122,27 +123,27 @@ class SiteSensor(Sensor):
 
     @property
     def indices(self) -> tuple[int, ...]:
-        """Rows of the sites in ``body.reduced.stress``."""
+        """Indices of the sites in ``body.reduced.stress``."""
         position = {label: i for i, label in enumerate(known_sites(self.name, self.body))}
         return tuple(position[site] for site in self.sites)
 
     @property
     def rows(self) -> Array:
-        """Stress of each mode, (6 ns, n) Pa: six components of each site."""
+        """Stress per unit modal coordinate, (6 ns, n) Pa: six components of each site."""
         stress = self.body.reduced.stress
         assert stress is not None
         return read_only(np.vstack([stress.modes[i] for i in self.indices]))
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Names of the components, ``site:s11`` and so on, or the sites alone."""
+        """Names of the components: ``site:s11`` and so on, or the sites only."""
         if len(self.values) == 1:
             return self.sites
         return tuple(f"{site}:{value}" for site in self.sites for value in self.values)
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading(self.engine, self.body, rows=self.rows)
 
     @property
@@ -154,8 +155,7 @@ class SiteSensor(Sensor):
 class StressSensor(SiteSensor, tag="stress"):
     """Stress at section points of a flexible body, (6 ns,) Pa.
 
-    Six components [s11, s22, s33, s12, s23, s13] of each site after each other, in the
-    element's axes.
+    Six components [s11, s22, s33, s12, s23, s13] per site, site after site, in element axes.
     """
 
 
@@ -184,7 +184,7 @@ def known_sites(where: str, body: FlexibleBody) -> tuple[str, ...]:
     Raises
     ------
     InputError
-        If its part has no stress data.
+        If the part has no stress data.
     """
     stress: Any = getattr(body.reduced, "stress", None)
     if stress is None:
@@ -199,7 +199,7 @@ def known_sites(where: str, body: FlexibleBody) -> tuple[str, ...]:
 
 
 def check_site(problems: Problems, where: str, key: str, body: FlexibleBody, site: Any) -> None:
-    """Note a problem unless a body has a stress site of that label."""
+    """Report a problem unless a body has a stress site with the label."""
     labels = known_sites(where, body)
     if site not in labels:
         problems.add(

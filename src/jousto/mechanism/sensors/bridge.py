@@ -28,15 +28,15 @@ KINDS = {1: "quarter", 2: "half", 3: "three-quarter", 4: "full"}
 
 @explained
 def bridge_output(r: ArrayLike) -> Array:
-    """Return the output of a Wheatstone bridge over its supply, V/V.
+    """Return the output of a Wheatstone bridge / supply voltage, V/V.
 
-    ``V/U = (1 + r1)/(2 + r1 + r2) - (1 + r4)/(2 + r3 + r4)``, which is near
-    ``(r1 - r2 + r3 - r4) / 4``: arms 1 and 2 stand in series beside 4 and 3.
+    ``V/U = (1 + r1)/(2 + r1 + r2) - (1 + r4)/(2 + r3 + r4)``, approximately ``(r1 - r2 + r3 - r4) /
+    4``: arms 1 and 2 in series are parallel to arms 4 and 3 in series.
 
     Parameters
     ----------
     r : (..., 4) array_like
-        Relative changes of resistance of arms 1 to 4; those of a gauge are ``k e``.
+        Relative changes of resistance of arms 1 to 4; a gauge has ``k e``.
 
     Examples
     --------
@@ -56,14 +56,14 @@ def bridge_output(r: ArrayLike) -> Array:
 
 @explained
 def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array:
-    """Return the strain of a quarter bridge of its output in V/V, without linearisation.
+    """Return the strain of a quarter bridge from its output, V/V, without linearisation.
 
     ``e = 4 v / (k (1 - 2 v))``, the inverse of ``v = k e / (4 + 2 k e)``.
 
     Raises
     ------
     InputError
-        A strain beyond 10 %: the output was likely given in mV/V.
+        If a strain exceeds 10 %: the output was probably given in mV/V.
 
     Examples
     --------
@@ -79,28 +79,28 @@ def quarter_bridge_strain(output: ArrayLike, gauge_factor: float = 2.0) -> Array
             Problem(
                 "quarter_bridge_strain",
                 f"an output of {big:g} V/V is a strain of "
-                f"{100 * np.nanmax(strain):.3g} %, which no gauge bears; was it in mV/V? "
-                "Divide by 1000",
+                f"{100 * np.nanmax(strain):.3g} %, beyond the range of any gauge; if the output "
+                f"is in mV/V, divide by 1000",
             )
         )
     return np.asarray(4.0 * v / (gauge_factor * (1.0 - 2.0 * v)))[()]
 
 
 class Arms(Field["Sequence[Gauge | None] | Gauge", "tuple[Gauge | None, ...]"]):
-    """Up to four gauges; a model file gives their names."""
+    """Field of up to four gauges; a model file contains their names."""
 
     form = "arms"
     noun = "sequence of Gauge or None"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return four gauges or None."""
+        """Return four gauges or None each, or report wrong ones."""
         given: Any = (value,) if isinstance(value, Gauge) else value
         if not isinstance(given, Sequence) or isinstance(given, str):
             problems.add(where, f"{self.name} is {value!r}, must be up to four gauges")
             return ()
         if not 1 <= len(given) <= 4 or all(arm is None for arm in given):
             problems.add(
-                where, f"has {len(given)} arms, must have one to four with a gauge or more"
+                where, f"has {len(given)} arms, must have one to four and at least one gauge"
             )
         for i, arm in enumerate(given):
             if arm is not None and not isinstance(arm, Gauge):
@@ -110,19 +110,20 @@ class Arms(Field["Sequence[Gauge | None] | Gauge", "tuple[Gauge | None, ...]"]):
             names = ", ".join(sorted({g.body.name for g in gauges}))
             problems.add(where, f"its gauges sit on several bodies ({names}), must be on one")
         if len({id(g) for g in gauges}) < len(gauges):
-            problems.add(where, "one gauge stands in several arms; place one for each arm")
+            problems.add(where, "one gauge is in several arms; give each arm its own gauge")
         if len({id(g.temperature.signal) for g in gauges if g.temperature is not None}) > 1:
             problems.add(
-                where, "its gauges have several temperature signals; give all the same signal"
+                where,
+                "its gauges have different temperature signals; give all gauges the same signal",
             )
         return (*given, *(None,) * (4 - len(given)))
 
 
 class GaugeFactor(Number):
-    """A gauge factor, of either sign."""
+    """Field of a gauge factor of either sign."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number, or note an unlikely one."""
+        """Return the gauge factor, or report an improbable one."""
         k = super().check(problems, where, value)
         if k is not None and not 0.1 <= abs(k) <= 300.0:
             problems.add(where, f"{self.name} is {k:g}, must be near 2 (metal) or 100 (silicon)")
@@ -130,16 +131,17 @@ class GaugeFactor(Number):
 
 
 class Bridge(Sensor, tag="bridge"):
-    """A Wheatstone bridge of one to four gauges on a body, (1,) V/V.
+    """Wheatstone bridge of one to four gauges on a body, (1,) V/V.
 
-    The output over the supply is that of the resistors, see `bridge_output`: a quarter bridge is
-    slightly nonlinear, as a real one. ``rows`` is its linear part,
-    ``k (e1 - e2 + e3 - e4) / 4``.
+    The output / supply voltage is that of four resistors, see `bridge_output`: like a real one, a
+    quarter bridge is slightly nonlinear. ``rows`` is its linear part, ``k (e1 - e2 + e3 - e4) /
+    4``.
 
     Raises
     ------
     InputError
-        No gauge, more than four, gauges of several bodies or of several temperatures.
+        Without a gauge, with more than four, or with gauges on several bodies or of several
+        temperatures.
     """
 
     unit: ClassVar[str] = "V/V"
@@ -147,22 +149,26 @@ class Bridge(Sensor, tag="bridge"):
     components: ClassVar[tuple[str, ...]] = ("ratio",)
     flexible: ClassVar[bool] = True
     arms: Arms = field(
-        "Up to four gauges in the order of the arms; None (and what is not given) is a fixed "
-        "resistor; arms 1 and 3 count positive, 2 and 4 negative: bending is measured by ``(top, "
-        "bottom)``, tension without bending by ``(top, None, bottom)``"
+        "Up to four gauges in the order of the arms; None and missing arms are fixed resistors. "
+        "Arms 1 and 3 count positive, 2 and 4 negative: ``(top, bottom)`` measures bending, "
+        "``(top, None, bottom)`` tension without bending"
     )
-    gauge_factor: GaugeFactor = field("k of ``dR/R = k e``", default=2.0, kw_only=True)
+    gauge_factor: GaugeFactor = field("Gauge factor k of ``dR/R = k e``", default=2.0, kw_only=True)
     resistance: Number = field(
-        "R of each arm, for shunt calibration", unit="ohm", above=0, default=350.0, kw_only=True
+        "Resistance R of each arm, for shunt calibration",
+        unit="ohm",
+        above=0,
+        default=350.0,
+        kw_only=True,
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages."""
+        """Return the prefix of messages."""
         return check_name(problems, "bridge", self.name)
 
     @property
     def gauges(self) -> tuple[Gauge, ...]:
-        """The gauges of its arms."""
+        """Gauges of the arms."""
         return tuple(arm for arm in self.arms if arm is not None)
 
     @property
@@ -172,12 +178,12 @@ class Bridge(Sensor, tag="bridge"):
 
     @property
     def body(self) -> FlexibleBody | ReducedPart:
-        """What its gauges stick to."""
+        """Body on which the gauges are placed."""
         return self.gauges[0].body
 
     @property
     def reduced(self) -> ReducedPart:
-        """The part its gauges stick to."""
+        """Part on which the gauges are placed."""
         return self.gauges[0].reduced
 
     @property
@@ -198,12 +204,12 @@ class Bridge(Sensor, tag="bridge"):
 
     @property
     def rows(self) -> Array:
-        """Output per unit modal coordinate, (1, n) V/V: its linear part."""
+        """Linear part of the output per unit modal coordinate, (1, n) V/V."""
         return read_only(0.25 * (SIGNS @ self.arm_rows)[None])
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads: rows of the arms, then one with their drifts."""
+        """Input of the engine: rows of the arms, then one row with their drifts."""
         rows = np.zeros((5, max(self.arm_rows.shape[1], 4)))
         rows[:4, : self.arm_rows.shape[1]] = self.arm_rows
         rows[4, :4] = self.arm_drift
@@ -224,7 +230,7 @@ class Bridge(Sensor, tag="bridge"):
         return f"{self.kind} bridge ({names}), k = {self.gauge_factor:g}"
 
     def placed(self, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-        """Return position and axis of its first gauge, and its rows on a part (n,)."""
+        """Return position and axis of the first gauge, and rows (n,) of the bridge on a part."""
         total = np.zeros(len(reduced.frequencies))
         position, axis = np.zeros(3), np.zeros(3)
         for sign, arm in reversed(list(zip(SIGNS, self.arms, strict=True))):
@@ -234,14 +240,14 @@ class Bridge(Sensor, tag="bridge"):
         return position, axis, total
 
     def output(self, strains: ArrayLike) -> Array:
-        """Return the output in V/V of the strains (..., m) of its gauges, in their order."""
+        """Return the output, V/V, for strains (..., m) of the gauges, in their order."""
         e = np.asarray(strains, dtype=np.float64)
         if e.shape[-1:] != (len(self.gauges),):
             raise InputError(
                 Problem(
                     f"bridge {self.name!r}",
-                    f"strains have shape {e.shape}, the last must be {len(self.gauges)}: one for "
-                    "each gauge",
+                    f"strains have shape {e.shape}, the last dimension must be "
+                    f"{len(self.gauges)}, the number of gauges",
                 )
             )
         r = np.zeros((*e.shape[:-1], 4))
@@ -250,16 +256,13 @@ class Bridge(Sensor, tag="bridge"):
         return bridge_output(r)
 
     def shunt(self, resistor: float, arm: int = 1) -> float:
-        """Return the output in V/V when a resistor is put in parallel to an arm.
+        """Return the output, V/V, with a shunt resistor parallel to an arm.
 
-        ``r = -R / (R + R_shunt)`` of that arm: the strain ``r/k`` is simulated there.
+        ``r = -R / (R + R_shunt)`` of the arm, which simulates the strain ``r/k``.
 
         Parameters
         ----------
-        resistor : float
-            ohm.
-        arm : int
-            1 to 4.
+        resistor : float Shunt resistance, ohm. arm : int Number of the arm, 1 to 4.
         """
         problems = Problems()
         where = f"bridge {self.name!r}"

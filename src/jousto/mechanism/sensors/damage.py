@@ -1,4 +1,4 @@
-"""Damage sensors: fatigue damage of what another sensor measures, counted by the engine."""
+"""Damage sensors: fatigue damage of the values of another sensor, counted by the engine."""
 
 from __future__ import annotations
 
@@ -14,49 +14,49 @@ from jousto.mechanism.sensors.damage_rule import RESIDUES, MeterRule, meter_rule
 
 
 class Counted(Reference[Any, Any]):
-    """A sensor; a model file gives its name."""
+    """Field of a sensor; a model file contains its name."""
 
     section = "sensors"
     word = "sensor"
     noun = "sensor"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the sensor."""
+        """Return the sensor, or report that the value is none."""
         if not isinstance(value, Sensor) or isinstance(value, DamageSensor):
             problems.add(where, f"{self.name} is {value!r}, must be a sensor of stress")
         return value
 
 
 class Curve(Field[Any, Any]):
-    """An S-N curve."""
+    """Field of an S-N curve."""
 
     form = "sn"
     noun = "SN"
 
 
 class Correction(Field[Any, Any]):
-    """A mean stress correction."""
+    """Field of a mean stress correction."""
 
     form = "mean"
     noun = "MeanStress"
 
 
 class Residue(Choice):
-    """How what the rainflow count leaves over is counted; `meter_rule` checks it."""
+    """Field of the residue rule of the rainflow count; `meter_rule` checks it."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the value."""
+        """Return the value unchanged."""
         return value
 
 
 class Components(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
-    """Components of the sensor that is counted."""
+    """Field of components of the counted sensor."""
 
     form = "words"
     noun = "str or sequence of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the names as a tuple, or report wrong ones."""
         if not isinstance(value, Iterable):
             problems.add(where, f"{self.name} is {value!r}, must be names of components")
             return ()
@@ -64,46 +64,46 @@ class Components(Field["Iterable[str] | str | None", "tuple[str, ...]"]):
 
 
 class Depth(Field[int, int]):
-    """A number of turning points; `meter_rule` checks it."""
+    """Field of a number of turning points; `meter_rule` checks it."""
 
     form = "count"
     noun = "int"
 
 
 class DamageSensor(Sensor, tag="damage"):
-    """Fatigue damage of values of another sensor, (2 k,): Miner's sum and closed cycles of each.
+    """Fatigue damage of another sensor, (2 k,): Miner's sum and closed cycles of each value.
 
-    The engine counts rainflow cycles at every step that it accepts, whatever is stored of them: at
-    the ends of steps of fixed length, and at those of the adaptive method's own steps. Memory is
-    fixed, and part of the state: with steps of fixed length a run that goes on from
-    ``run.state()`` counts on as if it had not been interrupted; the adaptive method chooses its
-    steps anew, and damage differs by what peaks between steps are missed. The value includes the
-    residue as declared.
+    The engine counts rainflow cycles at the end of every accepted step, independent of the output
+    instants. The memory of the count has a fixed size and is part of the state: with a fixed step a
+    run that continues from ``run.state()`` counts as if it had not been interrupted. The adaptive
+    method then chooses other steps, so that damage differs by the peaks missed between steps. The
+    value includes the residue by the given rule.
 
     Attributes
     ----------
     components : tuple of str
-        Names of its values: damage and cycles, of several values with theirs before.
+        Names of the values: damage and cycles, with the component before if there are several.
     measured : tuple of str
-        The components of the other sensor that are counted.
+        Counted components of the other sensor.
     rule : MeterRule
-        How they are counted.
+        Rule of the count.
 
     Warns
     -----
     JoustoWarning
-        If the sensor measures von Mises stress, which has no sign: half of a reversed cycle.
+        If the sensor measures von Mises stress, which has no sign: a reversed cycle counts half its
+        range.
     """
 
     unit: ClassVar[str] = "1"
     frame: ClassVar[str] = "scalar"
     sensor: Counted = field(
-        "What is counted: a sensor of the same mechanism, of stress in Pa or, with a factor, of "
-        "anything that stress follows"
+        "The counted sensor of the same mechanism: stress in Pa or, with a factor, a quantity "
+        "proportional to stress"
     )
-    sn: Curve = field("S-N curve, amplitudes in Pa (in files also its name)")
+    sn: Curve = field("S-N curve with amplitudes in Pa (in files also its name)")
     residue: Residue = field(
-        "How what the rainflow count leaves over counts; see `DamageMeter`",
+        "Rule for the residue of the rainflow count; see `DamageMeter`",
         words=RESIDUES,
         kw_only=True,
     )
@@ -111,17 +111,19 @@ class DamageSensor(Sensor, tag="damage"):
         "Mean stress correction, such as ``Goodman(S_u=..)``", default=None, kw_only=True
     )
     components: Components = field(
-        "Which components of the sensor; None for all of them", default=None, kw_only=True
+        "Components of the sensor; None for all", default=None, kw_only=True
     )
     factor: DefaultNumber = field(
-        "Stress, Pa, for a value of 1, not 0; needed where the sensor does not measure Pa; a "
-        "stress concentration factor too",
+        "Stress, Pa, per unit of the sensor, not 0; needed if the sensor does not measure Pa; may "
+        "include a stress concentration factor",
         default=None,
         kw_only=True,
     )
-    depth: Depth = field("Turning points that each meter remembers", default=32, kw_only=True)
+    depth: Depth = field(
+        "Number of turning points that each meter stores", default=32, kw_only=True
+    )
     resolution: Number = field(
-        "Samples are rounded to multiples of it; 0 takes them as they are",
+        "Resolution to which samples are rounded; 0 for no rounding",
         unit="Pa",
         default=0.0,
         kw_only=True,
@@ -135,7 +137,7 @@ class DamageSensor(Sensor, tag="damage"):
         def rule(self) -> MeterRule: ...  # noqa: D102
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Find what is counted, and how."""
+        """Find the counted components and the rule of the count."""
         sensor, factor = self.sensor, vars(self)["factor"]
         rule = meter_rule(
             problems,
@@ -189,7 +191,7 @@ class DamageSensor(Sensor, tag="damage"):
 
     @property
     def meters(self) -> tuple[Meter, ...]:
-        """The count of each component."""
+        """Rainflow count of each component."""
         known = tuple(self.sensor.components)
         return tuple(
             Meter(self.rule, self.sensor, known.index(name), self.factor) for name in self.measured
@@ -197,7 +199,7 @@ class DamageSensor(Sensor, tag="damage"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("damage", self)
 
     @property

@@ -1,4 +1,4 @@
-"""What a damage meter needs to know: curve, mean stress, residue and how much it remembers."""
+"""Rule of a damage meter: S-N curve, mean stress correction, residue, memory and resolution."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from jousto.base.numbers import number
 from jousto.materials.strength.mean_stress import MeanStress
 
 RESIDUES = ("half", "repeat", "ignore")
-"""How what the rainflow count leaves over is counted."""
+"""Rules for the residue of the rainflow count."""
 SHALLOWEST = 6
 
 
 @dataclass(frozen=True)
 class MeterRule:
-    """How a damage meter counts; the same for all that share it.
+    """Counting rule of a damage meter, common to all meters that share it.
 
     Attributes
     ----------
@@ -30,9 +30,9 @@ class MeterRule:
     residue : str
         One of `RESIDUES`.
     depth : int
-        Turning points that are remembered.
+        Number of stored turning points.
     resolution : float
-        Samples are rounded to multiples of it, Pa; 0 takes them as they are.
+        Resolution to which samples are rounded, Pa; 0 for no rounding.
     """
 
     curve: tuple[float, float, float, float, float]
@@ -43,12 +43,12 @@ class MeterRule:
 
     @property
     def correction(self) -> tuple[str, dict[str, float]]:
-        """The law of the mean stress correction and its values: ``MeanStress.law``."""
+        """Law of the mean stress correction and its parameters: ``MeanStress.law``."""
         return ("none", {}) if self.mean is None else self.mean.law
 
 
 def check_residue(problems: Problems, where: str, residue: Any) -> None:
-    """Note a problem unless the residue rule is known."""
+    """Report a problem unless the residue rule exists."""
     if residue not in RESIDUES:
         known = ", ".join(f'"{name}"' for name in RESIDUES)
         problems.add(
@@ -68,16 +68,15 @@ def meter_rule(
     depth: Any = 64,
     resolution: Any = 0.0,
 ) -> MeterRule:
-    """Return the rule of a meter and note what is wrong with it.
+    """Return the rule of a meter and report what is wrong with its arguments.
 
     Parameters
     ----------
     problems, where
-        As everywhere.
+        Collected problems, and prefix of messages.
     sn : SN
         S-N curve.
-    residue, mean, depth, resolution
-        As of `DamageMeter`.
+    residue, mean, depth, resolution See `DamageMeter`.
     """
     curve = getattr(sn, "numbers", None)
     if not isinstance(curve, tuple) or len(curve) != 5:

@@ -1,4 +1,4 @@
-"""Virtual strain gauges: a strain at a place of a part, averaged over a grid."""
+"""Virtual strain gauges: strain at a position of a part, averaged over a grid."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 NU_CALIBRATION = 0.285
-"""Poisson's ratio of the beam on which makers of strain gauges calibrate."""
+"""Poisson's ratio of the beam on which strain gauges are calibrated."""
 
 REACH = 0.01
-"""Share of the size of a solid, of the section of a beam, that a gauge may lie off the surface."""
+"""Largest distance of a gauge from the surface / size of the solid or beam section."""
 
 LEAVES = 1e-6
-"""Share of the length of a grid that may lie beyond the end of a beam."""
+"""Largest part of a grid beyond the end of a beam / length of the grid."""
 
 TRACE = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
 class Carrier(Reference["FlexibleBody | ReducedPart", "FlexibleBody | ReducedPart"]):
-    """What gauges stick to; a model file gives the name of a body."""
+    """Field of a flexible body or reduced part; a model file contains the name of a body."""
 
     section = "bodies"
     word = "body"
     noun = "FlexibleBody or ReducedPart"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the body or part."""
+        """Return the body or part, or report that the value is neither."""
         if not isinstance(value, FlexibleBody) and not hasattr(value, "modes"):
             problems.add(
                 where, f"{self.name} is {value!r}, must be a flexible body or a reduced part"
@@ -53,21 +53,21 @@ class Carrier(Reference["FlexibleBody | ReducedPart", "FlexibleBody | ReducedPar
 
 
 class Spot(Field[str | ArrayLike, str | Array]):
-    """A position, or the label of a stress site."""
+    """Field of a position, or of the label of a stress site."""
 
     form = "spot"
     noun = "str or (3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the label or the position."""
+        """Return the label or the position, or report what is wrong."""
         return value if isinstance(value, str) else problems.array(where, self.name, value, (3,))
 
 
 class Heading(Direction):
-    """A direction, kept as a unit vector."""
+    """Field of a direction, stored as a unit vector."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the unit vector."""
+        """Return the unit vector (3,), or report what is wrong."""
         found = problems.array(where, self.name, value, (3,))
         if found is not None and not found.any():
             problems.add(where, f"{self.name} is zero")
@@ -76,29 +76,31 @@ class Heading(Direction):
 
 
 class Attached(Sensor):
-    """What all sensors of strain have in common."""
+    """Base of all sensors of strain."""
 
     unit: ClassVar[str] = "m/m"
     frame: ClassVar[str] = "gauge"
     flexible: ClassVar[bool] = True
-    body: Carrier = field("What it sticks to; sensors of a mechanism need a body")
+    body: Carrier = field(
+        "Body or part on which the gauge is placed; sensors of a mechanism need a body"
+    )
     at: Spot = field(
-        "Position in the part frame, m; the nearest place of the surface is taken; or the label of "
-        'a stress site such as ``"e3.a.top"`` or ``"n12"``'
+        "Position in the part frame, m, moved to the nearest point of the surface; or the label"
+        ' of a stress site such as ``"e3.a.top"`` or ``"n12"``'
     )
     direction: Heading = field(
-        "Along the gauge, the first of a rosette, part frame; on solids projected to the tangent "
-        "plane; None is along the beam, on solids it must be given",
+        "Direction of the gauge (of grid a of a rosette), part frame; on solids it is required "
+        "and projected onto the tangent plane; None is along the beam",
         default=None,
     )
     length: Number = field(
-        "Of the grid, over which strain is averaged; zero is a point",
+        "Length of the grid over which strain is averaged; zero for a point",
         unit="m",
         least=0,
         default=0.0,
         kw_only=True,
     )
-    width: Number = field("Of the grid", unit="m", least=0, default=0.0, kw_only=True)
+    width: Number = field("Width of the grid", unit="m", least=0, default=0.0, kw_only=True)
     transverse: Number = field(
         "Transverse sensitivity K, such as 0.005",
         above=-0.5,
@@ -108,28 +110,28 @@ class Attached(Sensor):
         kw_only=True,
     )
     temperature: OptionalItem[Temperature] = field(
-        "Adds the apparent strain of a temperature that changes",
+        "Temperature change that causes apparent strain",
         wanted="a Temperature(signal, part=..., gauge=...)",
         default=None,
         kw_only=True,
     )
     reach: OptionalNumber = field(
-        "How far the position may lie off the surface; 1 % of the size of the part (solids) or of "
-        "the section (beams) if not given",
+        "Largest distance of the position from the surface; None for 1 % of the size of the part "
+        "(solids) or of the section (beams)",
         unit="m",
         least=0,
         default=None,
         kw_only=True,
     )
     E: OptionalNumber = field(
-        "Young's modulus, for parts that do not have it",
+        "Young's modulus, for parts without material data",
         unit="Pa",
         above=0,
         default=None,
         kw_only=True,
     )
     nu: OptionalNumber = field(
-        "Poisson's ratio, for parts that do not have it",
+        "Poisson's ratio, for parts without material data",
         above=-1,
         most=0.5,
         wanted="in (-1, 0.5]",
@@ -139,21 +141,21 @@ class Attached(Sensor):
 
 
 class Gauge(Attached, tag="gauge"):
-    """A virtual strain gauge on a flexible body, (1,) m/m.
+    """Virtual strain gauge on a flexible body, (1,) m/m.
 
-    On solids it is the mean elongation of the surface under the grid, from the displacements of the
-    modes: ``e = sum c . du / sum |dx|`` along the grid, exact for the finite element field. On
-    beams it is ``e = t . eps t`` with Hooke's ``eps = ((1 + nu) s - nu tr(s) 1) / E`` of the
-    section's stress, which is linear along an element: any place along it, and any place of the
-    section for a gauge along the beam.
+    On solids its value is the mean strain of the surface under the grid, from the displacements of
+    the modes: ``e = sum c . du / sum |dx|`` along the grid, exact for the finite element field. On
+    beams it is ``e = t . eps t`` with Hooke's ``eps = ((1 + nu) s - nu tr(s) 1) / E`` of the stress
+    of the section, which is linear along an element. A gauge may be at any position along the
+    element; a gauge along the beam also at any point of the section.
 
-    With the transverse sensitivity K a real gauge, calibrated at Poisson's ratio 0.285, shows
+    With the transverse sensitivity K a gauge calibrated at Poisson's ratio 0.285 indicates
     ``(e + K e_across) / (1 - 0.285 K)`` (ASTM E251).
 
     Attributes
     ----------
     position : (3,) array
-        Where it sticks, part frame, m.
+        Position of the gauge, part frame, m.
     axis : (3,) array
         Unit vector along the grid, part frame.
     rows : (1, n) array
@@ -162,15 +164,15 @@ class Gauge(Attached, tag="gauge"):
     Raises
     ------
     InputError
-        With everything that is wrong: a place off the surface, a grid that leaves it, a direction
-        across the surface, shear where only stress along the beam is known.
+        With all problems: a position off the surface, a grid that leaves the surface, a direction
+        normal to the surface, shear where only the stress along the beam is available.
     """
 
     kind = "gauge"
     components: ClassVar[tuple[str, ...]] = ("e",)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Place it on its part."""
+        """Place the gauge on its part: position, axis and rows."""
         position, axis, rows = self.placed(self.reduced)
         found = {"position": position, "axis": axis, "rows": rows[None]}
         set_fields(self, **{key: read_only(value) for key, value in found.items()})
@@ -186,17 +188,17 @@ class Gauge(Attached, tag="gauge"):
 
     @property
     def reduced(self) -> ReducedPart:
-        """The part it sticks to."""
+        """Part on which the gauge is placed."""
         return self.body.reduced if isinstance(self.body, FlexibleBody) else self.body
 
     @property
     def signal(self) -> Signal | None:
-        """Apparent strain over time."""
+        """Apparent strain as a function of time."""
         return None if self.temperature is None else self.temperature.apparent
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("stress", self.body, self.signal, rows=self.rows)
 
     @property
@@ -207,12 +209,12 @@ class Gauge(Attached, tag="gauge"):
         return f"strain of {self.body.name} at ({at}) along ({along})"
 
     def placed(self, reduced: ReducedPart) -> tuple[Array, Array, Array]:
-        """Return position (3,), axis (3,) and rows (n,) of this gauge on a part.
+        """Return position (3,), axis (3,) and rows (n,) of the gauge on a part.
 
         Raises
         ------
         InputError
-            If it does not fit there.
+            If the gauge does not fit the part.
         """
         where = f"gauge {self.name!r}"
         if isinstance(self.at, str):
@@ -239,14 +241,15 @@ def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Arr
     Parameters
     ----------
     gauges : iterable of Gauge, Rosette or Bridge
-        A gauge gives one row, m/m; a rosette one for each of its grids; a bridge one, V/V.
+        A gauge has one row, m/m; a rosette one per grid, m/m; a bridge one, V/V.
     reduced : ReducedPart, optional
-        The part to place them on, such as the same part with more modes; their own if not given.
+        Part on which the gauges are placed, such as the same part with more modes; None for the
+        parts of the gauges.
 
     Raises
     ------
     InputError
-        Gauges that do not fit the part, or belong to different parts.
+        If gauges do not fit the part, or belong to different parts.
 
     Examples
     --------
@@ -255,7 +258,7 @@ def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Arr
     items = list(gauges)
     problems = Problems()
     if not items:
-        problems.add("gauges", "there are none; give one Gauge or more")
+        problems.add("gauges", "the list is empty; give at least one Gauge")
     blocks = []
     for i, item in enumerate(items):
         if not hasattr(item, "placed") or not hasattr(item, "rows"):
@@ -270,19 +273,19 @@ def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Arr
     if len(counts) > 1:
         names = ", ".join(f"{g.name!r} on '{g.reduced.name}'" for g in items[:4])
         raise InputError(
-            Problem("gauges", f"they stick to parts of different numbers of modes: {names}")
+            Problem("gauges", f"they belong to parts with different numbers of modes: {names}")
         )
     return np.concatenate(blocks)
 
 
 def outward(g: Gauge, given: Array | None = None) -> Array:
-    """Return the unit normal (3,), outwards, where a gauge sticks; part frame.
+    """Return the outward unit normal (3,) at a gauge, part frame.
 
     Parameters
     ----------
     g : Gauge
     given : (3,) array, optional
-        The normal on a beam, if it is not away from the middle of its section.
+        Normal on a beam, if it does not point away from the middle of the section.
     """
     if g.reduced.faces:
         from jousto.reduction.fields.solid_surface_strain import Skin
@@ -328,7 +331,7 @@ def known_stress(where: str, reduced: ReducedPart) -> StressModes:
     Raises
     ------
     InputError
-        If it has no stress data.
+        If the part has no stress data.
     """
     if reduced.stress is None:
         raise InputError(
@@ -343,7 +346,7 @@ def known_stress(where: str, reduced: ReducedPart) -> StressModes:
 
 
 def _across(e: Array, across: Array | float, K: float) -> Array:
-    """Return what a gauge of transverse sensitivity K shows."""
+    """Return the strain (n,) indicated by a gauge of transverse sensitivity K."""
     return np.asarray((e + K * across) / (1.0 - NU_CALIBRATION * K))
 
 
@@ -400,7 +403,7 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
         if g.transverse:
             e = _across(e, point_strain(feet, np.cross(normal, t))(u), g.transverse)
         return foot.x, t, e
-    # a grid of a width alone is as short as wide
+    # a grid with a width only is as long as wide
     length, width = g.length or g.width, g.width
     try:
         e = grid_strain(skin, foot, tangent(t, foot.normal), length, width)(u)
@@ -413,8 +416,8 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
         raise InputError(
             Problem(
                 where,
-                f"its grid of {1e3 * length:.4g} x {1e3 * width:.4g} mm leaves the surface or runs "
-                f"over an edge {1e3 * error.reach:.3g} mm from its middle; move or shorten it",
+                f"its grid of {1e3 * length:.4g} x {1e3 * width:.4g} mm leaves the surface or "
+                f"crosses an edge {1e3 * error.reach:.3g} mm from its middle; move or shorten it",
             )
         ) from error
     return foot.x, t, e
@@ -469,7 +472,7 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
         raise InputError(
             Problem(
                 where,
-                "measures shear, which beams know at their section points only "
+                "measures shear, which is available at the section points of the beam only "
                 f"({', '.join(element.points)}); place it on one of their lines or along the beam",
             )
         )
@@ -486,7 +489,8 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
                 g,
                 where,
                 reduced,
-                f"{100.0 * outside:.3g} % of it lie beyond an end, a bend or a step of the section",
+                f"{100.0 * outside:.3g} % of its length lie beyond an end, a bend or a step of "
+                f"the section",
             )
         )
     sites: dict[int, float] = {}
@@ -498,8 +502,8 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
 
 def _off_beam(g: Gauge, where: str, reduced: ReducedPart, why: str) -> Problem:
     hint = ""
-    if g.length > 0.1:  # no gauge is as long; 3 is likely 3 mm
-        hint = f"; lengths are in m: were {g.length:g} mm meant, length={1e-3 * g.length:g}?"
+    if g.length > 0.1:  # no gauge is that long; 3 is probably 3 mm
+        hint = f"; lengths are in m: if {g.length:g} mm are meant, give {1e-3 * g.length:g}"
     return Problem(
         where,
         f"its grid of {1e3 * g.length:.4g} mm leaves the beam of part '{reduced.name}': {why}; "
@@ -510,9 +514,9 @@ def _off_beam(g: Gauge, where: str, reduced: ReducedPart, why: str) -> Problem:
 def _along(
     fibre: Fibre, beams: list[Element], length: float
 ) -> list[tuple[float, dict[int, float]]]:
-    """Return sites and their shares in the mean over a length of the fibre, element by element.
+    """Return sites and weights of the mean over a length of the fibre, element by element.
 
-    The shares add up to less than one if a piece of the length is on no beam.
+    The weights add up to less than one if a part of the length is on no beam.
     """
     from jousto.reduction.fields.beam_surface_strain import nearest_fibre
 
@@ -539,7 +543,7 @@ def _along(
 
 
 def _past_free_end(there: Fibre, x: Array, beams: list[Element]) -> bool:
-    """Return whether x (3,) is beyond an end of the element on which no other one follows."""
+    """Return whether x (3,) lies beyond an end of an element without a following element."""
     e = there.element
     along = float((x - e.origin) @ e.axes[:, 0])
     if -LEAVES * e.length <= along <= (1.0 + LEAVES) * e.length:
@@ -557,7 +561,7 @@ def _hooke(
     t: Array,
     sites: dict[int, float],
 ) -> Array:
-    """Return the strain (n,) along t, in the axes of the sites, of their mean stress."""
+    """Return the strain (n,) along t from the mean stress of sites, in the axes of the sites."""
     problems = Problems()
     first = next(iter(sites))
     values = []
@@ -567,7 +571,9 @@ def _hooke(
         elif stress.elasticity is not None:
             values.append(float(stress.elasticity[first, column]))
         else:
-            problems.add(where, f"{key} is missing: part '{reduced.name}' does not know it")
+            problems.add(
+                where, f"{key} is missing; give it, part '{reduced.name}' has no material data"
+            )
     problems.raise_if_any()
     E, nu = values
     mean = np.sum([w * stress.modes[i] for i, w in sites.items()], axis=0)
@@ -579,7 +585,7 @@ def _hooke(
 
     e = along(t)
     if g.transverse:
-        # across on the surface of a beam under axial stress and shear: the trace less the other
+        # across, on a surface with axial stress and shear only: trace minus the strain along
         trace = (1.0 - 2.0 * nu) / E * (TRACE @ mean)
         normal = -nu / E * (TRACE @ mean)
         e = _across(e, trace - normal - e, g.transverse)

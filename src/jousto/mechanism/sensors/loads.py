@@ -1,4 +1,4 @@
-"""Sensors of what acts: reactions of joints, couplings and drives, and forces."""
+"""Sensors of loads: reactions of joints, couplings and drives, and force elements."""
 
 from __future__ import annotations
 
@@ -19,52 +19,52 @@ FORCE, MOMENT = ("Fx", "Fy", "Fz"), ("Mx", "My", "Mz")
 
 
 class Held(Reference["Joint | Coupler", "Joint | Coupler"]):
-    """A joint, coupling or drive; a model file gives its name."""
+    """Field of a joint, coupling or drive; a model file contains its name."""
 
     section = ("joints", "couplings")
     word = "joint"
     noun = "Joint, Gear, Rack, Coupling or Drive"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return what is held."""
+        """Return the joint, coupling or drive, or report that the value is none."""
         if not isinstance(value, Joint | Coupler):
             problems.add(where, f"{self.name} is {value!r}, must be a joint, coupling or drive")
         return value
 
 
 class Axes(Field["str | Marker", "str | Marker"]):
-    """The axes of the world, of a joint or of a marker."""
+    """Field of axes: of the world, of a joint or of a marker."""
 
     form = "axes"
     noun = '"world", "joint" or Marker'
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the word or the marker."""
+        """Return the word or the marker, or report that the value is neither."""
         if not (isinstance(value, Marker) or value in ("world", "joint")):
             problems.add(where, f"{self.name} is {value!r}, must be 'world', 'joint' or a marker")
         return value
 
 
 class ReactionSensor(Sensor, tag="reaction"):
-    """What a joint, a coupling or a drive does to the body of its marker b.
+    """Reaction of a joint, coupling or drive on the body of its marker b.
 
-    Of a joint the force and the moment (6,) about the origin of marker b, also where b slides away
-    from a: about a it is ``M + (r_b - r_a) x F``. Of a coupling or drive the force or torque along
-    each of its coordinates, N or N m: the torque that a motor needs, or the forces of both sides of
-    a gear or rack. Where joints repeat one another the reactions are not unique; the results say
-    so.
+    A joint has a force and a moment (6,) about the origin of marker b, also if b slides away from
+    a; about a the moment is ``M + (r_b - r_a) x F``. A coupling or drive has the force or torque
+    along each of its coordinates, N or N m: the torque of a motor, or the forces of both sides of a
+    gear or rack. If constraints are redundant the reactions are not unique; the results contain a
+    warning.
     """
 
     joint: Held = field("What is measured")
     resolved_in: Axes = field(
-        "Axes of the components: the world's, those of the joint on its side a (z is the axis), or "
-        "those of a marker; couplings and drives have none",
+        "Axes of the components: of the world, of the joint on its side a (z is the axis), or of "
+        "a marker; not for couplings and drives",
         default="world",
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note axes of what has none."""
+        """Report axes for a coupling or drive, whose reactions have none."""
         if isinstance(self.joint, Coupler) and self.resolved_in != "world":
             problems.add(
                 where,
@@ -76,21 +76,21 @@ class ReactionSensor(Sensor, tag="reaction"):
 
     @property
     def unit(self) -> str:
-        """Units, one for all components or one for each half of them."""
+        """Units, one for all components or one for each half."""
         if isinstance(self.joint, Joint):
             return "N, N m"
         return joined_units(self.joint.coordinates)
 
     @property
     def components(self) -> tuple[str, ...]:
-        """Force and moment, or the coordinates that a coupling acts on."""
+        """Names of force and moment components, or of the coordinates of a coupling."""
         if isinstance(self.joint, Joint):
             return (*FORCE, *MOMENT)
         return joined_names(self.joint.coordinates)
 
     @property
     def axes(self) -> Marker | None:
-        """The marker whose axes the components are in, None for the world's."""
+        """Marker whose axes the components are resolved in; None for the world."""
         if isinstance(self.resolved_in, Marker):
             return self.resolved_in
         if self.resolved_in == "joint" and isinstance(self.joint, Joint):
@@ -99,19 +99,19 @@ class ReactionSensor(Sensor, tag="reaction"):
 
     @property
     def frame(self) -> str:
-        """Name of the axes that the components are in."""
+        """Name of the axes in which the components are resolved."""
         if isinstance(self.joint, Coupler):
             return "coordinate"
         return "joint" if self.resolved_in == "joint" else frame_name(self.axes)
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The markers whose orientation matters, with the name of the argument."""
+        """Markers whose orientation matters, each with the name of the argument."""
         return () if self.axes is None else (("resolved_in", self.axes),)
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         kind = "reaction" if isinstance(self.joint, Joint) else "multiplier"
         return Reading(kind, self.joint, axes=self.axes)
 
@@ -126,14 +126,14 @@ class ReactionSensor(Sensor, tag="reaction"):
 
 
 class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
-    """A force element; a model file gives its name."""
+    """Field of a force element; a model file contains its name."""
 
     section = ("forces", "frictions")
     word = "force"
     noun = "Force, Torque, Spring, Friction or any other force element"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the force."""
+        """Return the force element, or report that the value is none."""
         if not isinstance(value, ForceElement | Friction):
             problems.add(
                 where, f"{self.name} is {value!r}, must be a force element such as a Spring"
@@ -144,10 +144,10 @@ class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
 
 
 class ForceSensor(Sensor, tag="force"):
-    """What a force element exerts on the body of its marker, or of marker b.
+    """Force and moment of a force element on the body of its marker, or of marker b.
 
-    A `Spring`, `JointForce`, `Servo` or `Friction` gives the force or torque along its coordinates,
-    positive where it pushes the coordinate up; a `Force` or a `MovingLoad` its force (3,) N, a
+    A `Spring`, `JointForce`, `Servo` or `Friction` has the force or torque along its coordinates,
+    positive if it increases the coordinate; a `Force` or a `MovingLoad` its force (3,) N, a
     `Torque` its moment (3,) N m; a `Bushing` and a `UserForce` force and moment (6,) at the origin
     of b; a `ModalLoad` its resultant force and moment (6,) about the origin of the body frame, of
     the undeformed body.
@@ -155,11 +155,11 @@ class ForceSensor(Sensor, tag="force"):
 
     force: Pushing = field("What is measured")
     resolved_in: OptionalMarker = field(
-        "Axes of the components; None for those of the world", default=None, kw_only=True
+        "Axes of the components; None for the world frame", default=None, kw_only=True
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note axes of what has none."""
+        """Report axes for a force along coordinates, which has none."""
         if self.resolved_in is not None and along(self.force):
             problems.add(
                 where,
@@ -170,7 +170,7 @@ class ForceSensor(Sensor, tag="force"):
 
     @property
     def unit(self) -> str:
-        """Units, one for all components or one for each half of them."""
+        """Units, one for all components or one for each half."""
         if found := along(self.force):
             return joined_units(found)
         units = {"force": "N", "moment": "N m"}
@@ -195,22 +195,22 @@ class ForceSensor(Sensor, tag="force"):
 
     @property
     def axes(self) -> Marker | None:
-        """The marker whose axes the components are in, None for the world's."""
+        """Marker whose axes the components are resolved in; None for the world."""
         return self.resolved_in
 
     @property
     def frame(self) -> str:
-        """Name of the axes that the components are in."""
+        """Name of the axes in which the components are resolved."""
         return "coordinate" if along(self.force) else frame_name(self.resolved_in)
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The markers whose orientation matters, with the name of the argument."""
+        """Markers whose orientation matters, each with the name of the argument."""
         return () if self.resolved_in is None else (("resolved_in", self.resolved_in),)
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         if isinstance(self.force, Friction):
             return Reading("friction", self.force)
         return Reading("element", self.force, self.first, self.axes)
@@ -230,7 +230,7 @@ class ForceSensor(Sensor, tag="force"):
 
 
 def along(force: Any) -> tuple[Coordinate, ...]:
-    """Return the coordinates that a force acts along, none if it acts at a marker."""
+    """Return the coordinates along which a force acts; none if it acts at a marker."""
     return force.coordinates if isinstance(force, ForceElement | Friction) else ()
 
 
@@ -241,7 +241,7 @@ def pushed(force: Any) -> Marker:
 
 
 def joined_units(coordinates: tuple[Coordinate, ...]) -> str:
-    """Return the units of forces along coordinates: one for all, or one for each."""
+    """Return the units of forces along coordinates: one for all, or one per coordinate."""
     units = [s.force_unit for s in coordinates]
     return ", ".join(units if len(set(units)) > 1 else units[:1])
 

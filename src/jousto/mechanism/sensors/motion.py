@@ -1,7 +1,7 @@
 """Sensors of the motion of a marker, absolute or as seen from another marker.
 
-An observer o at the origin of the marker `relative_to`, who moves and turns with its axes, sees of
-a marker m, with d = r_m - r_o and the angular velocity W and acceleration W' of his axes::
+In the frame of an observer o, the marker `relative_to`, the motion of a marker m is as follows,
+with d = r_m - r_o and the angular velocity W and acceleration W' of the frame of o::
 
     position              d
     velocity              u = v_m - v_o - W x d
@@ -9,12 +9,12 @@ a marker m, with d = r_m - r_o and the angular velocity W and acceleration W' of
     angular velocity      w = w_m - w_o
     angular acceleration  w_m' - w_o' - W x w
 
-so that in his own axes, which the components are in unless `resolved_in` says otherwise, each is
-the time derivative of the one before. (Modelica's relative sensors and Adams' functions with a
-reference frame measure this. The plain difference of two velocities is that of two sensors without
-`relative_to`.) With `resolved_in` alone the motion is that in the world, in the axes of a marker:
-what a gyroscope fixed to it would show, and an accelerometer but for gravity (here free fall is
-the acceleration of gravity, there zero).
+In the axes of o, the default of `resolved_in`, each row is the time derivative of the one before.
+(Modelica's relative sensors and Adams' functions with a reference frame use the same definition.
+The plain difference of two velocities is the difference of two sensors without `relative_to`.) With
+`resolved_in` only, the motion relative to the world is resolved in the axes of a marker: the output
+of a gyroscope fixed to the marker, or of an accelerometer except for gravity (in free fall the
+sensor has the acceleration of gravity, an accelerometer zero).
 """
 
 from __future__ import annotations
@@ -30,29 +30,28 @@ XYZ = ("x", "y", "z")
 
 
 class MotionSensor(Sensor):
-    """What all sensors of the motion of a marker have in common."""
+    """Base of all sensors of the motion of a marker."""
 
     quantity: ClassVar[str]
     unit: ClassVar[str]
     components: ClassVar[tuple[str, ...]] = XYZ
     turns: ClassVar[bool] = False
     """Whether the orientation of the marker itself matters."""
-    marker: MarkerField = field("What is observed")
+    marker: MarkerField = field("The observed marker")
     relative_to: OptionalMarker = field(
-        "The observer, who moves and turns with this marker; None for one at rest at the world's "
-        "origin",
+        "The observer, a marker whose frame may move; None for the world frame",
         default=None,
         kw_only=True,
     )
     resolved_in: OptionalMarker = field(
-        "Axes of the components; None for those of the observer, the world without one; "
-        '``ground["origin"]`` gives the world\'s',
+        "Axes of the components; None for the axes of the observer, or of the world without an "
+        'observer; ``ground["origin"]`` for the axes of the world',
         default=None,
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a marker that observes itself."""
+        """Report a marker that observes itself."""
         if self.marker is self.relative_to:
             problems.add(
                 where,
@@ -62,17 +61,17 @@ class MotionSensor(Sensor):
 
     @property
     def axes(self) -> Marker | None:
-        """The marker whose axes the components are in, None for the world's."""
+        """Marker whose axes the components are resolved in; None for the world."""
         return self.relative_to if self.resolved_in is None else self.resolved_in
 
     @property
     def frame(self) -> str:
-        """Name of the axes that the components are in."""
+        """Name of the axes in which the components are resolved."""
         return frame_name(self.axes)
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The markers whose orientation matters, with the name of the argument."""
+        """Markers whose orientation matters, each with the name of the argument."""
         found = [("marker", self.marker)] if self.turns else []
         if self.relative_to is not None and (
             self.axes is self.relative_to or not isinstance(self, PositionSensor)
@@ -84,7 +83,7 @@ class MotionSensor(Sensor):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading(self.quantity, self.marker, self.relative_to, self.axes)
 
     @property
@@ -95,16 +94,16 @@ class MotionSensor(Sensor):
 
 
 class PositionSensor(MotionSensor, tag="position"):
-    """Position of a marker, (3,) m: from the world's origin, or from another marker."""
+    """Position of a marker, (3,) m, relative to the world origin or to another marker."""
 
     quantity: ClassVar[str] = "position"
     unit: ClassVar[str] = "m"
 
 
 class VelocitySensor(MotionSensor, tag="velocity"):
-    """Velocity of a marker, (3,) m/s: in the world, or as seen from another marker.
+    """Velocity of a marker, (3,) m/s, in the world or as seen from another marker.
 
-    As seen from a marker, the motion of that marker's axes is taken out: ``v - v_o - W x d``.
+    As seen from a marker, the motion of its frame is subtracted: ``v - v_o - W x d``.
     """
 
     quantity: ClassVar[str] = "velocity"
@@ -112,12 +111,12 @@ class VelocitySensor(MotionSensor, tag="velocity"):
 
 
 class AccelerationSensor(MotionSensor, tag="acceleration"):
-    """Acceleration of a marker, (3,) m/s2: in the world, or as seen from another marker.
+    """Acceleration of a marker, (3,) m/s2, in the world or as seen from another marker.
 
     ``r'' = R'' + A (w' x u + w x (w x u) + 2 w x Phi p' + Phi p'')``: exact, from the accelerations
     that the engine solves for. Gravity is included: a body in free fall has ``a = g``. As seen from
-    a marker the accelerations of that marker's axes are taken out, with Euler's, the centripetal
-    and Coriolis' part.
+    a marker, the acceleration of its frame is subtracted, with the Euler, centripetal and Coriolis
+    terms.
     """
 
     quantity: ClassVar[str] = "acceleration"
@@ -125,9 +124,9 @@ class AccelerationSensor(MotionSensor, tag="acceleration"):
 
 
 class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
-    """Parts of the acceleration of a marker, (15,) m/s2: five vectors after each other.
+    """Five parts of the acceleration of a marker, (15,) m/s2, vector after vector.
 
-    With the moving frame at R, its angular velocity w and u the way from it to the marker::
+    With the moving frame at R, its angular velocity w and u the vector from R to the marker::
 
         frame       R''              acceleration of the moving frame's origin
         normal      w x (w x u)      towards the axis of turning
@@ -149,21 +148,20 @@ class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
         for x in XYZ
     )
     relative_to: OptionalMarker = field(
-        "The moving frame, whose motion the parts separate; None for the frame of the marker's "
-        "own body",
+        "The moving frame of the parts; None for the frame of the marker's own body",
         default=None,
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Seen from itself a marker has the first part only, which is allowed."""
+        """Accept a marker that observes itself: only the first part is nonzero."""
 
 
 class OrientationSensor(MotionSensor, tag="orientation"):
-    """Euler parameters (4,) of a marker's axes, scalar first and not negative.
+    """Euler parameters (4,) of the axes of a marker, scalar first, scalar >= 0.
 
-    Of the turn from the axes of `relative_to`, or of the world, to those of the marker; its axis is
-    resolved as asked.
+    They describe the rotation from the axes of `relative_to` (or of the world) to those of the
+    marker; its axis is resolved in the axes of `resolved_in`.
     """
 
     quantity: ClassVar[str] = "orientation"
@@ -178,7 +176,7 @@ class OrientationSensor(MotionSensor, tag="orientation"):
 
 
 class AngularVelocitySensor(MotionSensor, tag="angular-velocity"):
-    """Angular velocity of a marker, (3,) rad/s: in the world, or as seen from another marker."""
+    """Angular velocity of a marker, (3,) rad/s, in the world or as seen from another marker."""
 
     quantity: ClassVar[str] = "angular velocity"
     unit: ClassVar[str] = "rad/s"
@@ -186,7 +184,7 @@ class AngularVelocitySensor(MotionSensor, tag="angular-velocity"):
 
 
 class AngularAccelerationSensor(MotionSensor, tag="angular-acceleration"):
-    """Angular acceleration of a marker, (3,) rad/s2: in the world, or seen from another marker.
+    """Angular acceleration of a marker, (3,) rad/s2, in the world or as seen from a marker.
 
     Exact, from the accelerations that the engine solves for, with the rotation mode shapes of
     flexible nodes.
@@ -198,7 +196,7 @@ class AngularAccelerationSensor(MotionSensor, tag="angular-acceleration"):
 
 
 def frame_name(marker: Marker | None) -> str:
-    """Return the name of the axes of a marker, ``world`` for None and the ground's own."""
+    """Return the name of the axes of a marker; ``world`` for None and the ground's own axes."""
     if marker is None or marker.label == "ground.origin" and (marker.axes.diagonal() == 1.0).all():
         return "world"
     return marker.label

@@ -1,4 +1,4 @@
-"""Virtual rosettes: two or three gauges at one place."""
+"""Virtual rosettes: two or three gauges at one position."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ KINDS = {**{kind: kind for kind in ANGLES}, "rectangular": "45", "delta": "60", 
 
 
 class Pattern(Field[str, str]):
-    """The angle between the grids."""
+    """Field of the angle between the grids."""
 
     form = "text"
     noun = '{"45", "60", "90"}'
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the angle as a word."""
+        """Return the angle as a word, or report an unknown one."""
         if str(value) not in KINDS:
             problems.add(
                 where, f"kind is {value!r}, must be '45', '60' (delta) or '90' (tee)", "kind"
@@ -41,15 +41,15 @@ class Pattern(Field[str, str]):
 
 
 class Rosette(Attached, tag="rosette"):
-    """A virtual rosette on a flexible body, (3,) or (2,) m/m: stacked grids a, b, c.
+    """Virtual rosette on a flexible body, (3,) or (2,) m/m: stacked grids a, b, c.
 
-    Grid a lies along the direction, the others are turned counterclockwise as seen from outside
-    the body. `rosette_state` makes strains, stresses and principal directions of its values.
+    Grid a lies along the direction, the others are rotated counterclockwise as seen from outside
+    the body. `rosette_state` computes strains, stresses and principal directions from its values.
 
     Attributes
     ----------
     grids : tuple of Gauge
-        One for each grid, with position and axis.
+        Gauge of each grid, with position and axis.
     """
 
     kind: Pattern = field(  # type: ignore[misc]  # what messages say first is in heading()
@@ -59,7 +59,7 @@ class Rosette(Attached, tag="rosette"):
         kw_only=True,
     )
     normal: Heading = field(
-        "Outward normal on beams, part frame; away from the middle of the section if not given",
+        "Outward normal on beams, part frame; None for away from the middle of the section",
         default=None,
         kw_only=True,
     )
@@ -70,7 +70,7 @@ class Rosette(Attached, tag="rosette"):
         def grids(self) -> tuple[Gauge, ...]: ...  # noqa: D102
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages."""
+        """Return the prefix of messages."""
         return check_name(problems, "rosette", self.name)
 
     def consistent(self, problems: Problems, where: str) -> None:
@@ -100,7 +100,7 @@ class Rosette(Attached, tag="rosette"):
 
     @property
     def position(self) -> Array:
-        """Where it sticks, part frame, m."""
+        """Position of the rosette, part frame, m."""
         return self.grids[0].position
 
     @property
@@ -110,7 +110,7 @@ class Rosette(Attached, tag="rosette"):
 
     @property
     def reduced(self) -> ReducedPart:
-        """The part it sticks to."""
+        """Part on which the rosette is placed."""
         return self.grids[0].reduced
 
     @property
@@ -120,12 +120,12 @@ class Rosette(Attached, tag="rosette"):
 
     @property
     def signal(self) -> Signal | None:
-        """Apparent strain over time."""
+        """Apparent strain as a function of time."""
         return self.grids[0].signal
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("stress", self.body, self.signal, rows=self.rows)
 
     @property

@@ -1,4 +1,4 @@
-"""Sensors of one number: coordinates, their rates, energies and signals."""
+"""Scalar sensors: coordinates, their rates, energies and signals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ENERGIES = ("kinetic", "strain", "potential", "springs", "dissipated", "friction
 
 
 class CoordinateSensor(Sensor, tag="coordinate"):
-    """Value of a coordinate, m or rad; angles run on without jumps."""
+    """Value of a coordinate, m or rad; angles are continuous over several turns."""
 
     frame: ClassVar[str] = "coordinate"
     components: ClassVar[tuple[str, ...]] = ("s",)
@@ -27,7 +27,7 @@ class CoordinateSensor(Sensor, tag="coordinate"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("coordinate", self.coordinate)
 
     @property
@@ -50,7 +50,7 @@ class RateSensor(Sensor, tag="rate"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("rate", self.coordinate)
 
     @property
@@ -60,13 +60,13 @@ class RateSensor(Sensor, tag="rate"):
 
 
 class Energy(Field[str, str]):
-    """A term of the energy balance."""
+    """Field of the name of a term of the energy balance."""
 
     form = "text"
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return one of the words."""
+        """Return the name, or report an unknown one."""
         if value not in ENERGIES:
             problems.add(where, f"{self.name} is {value!r}{suggest(str(value), ENERGIES)}")
         return value
@@ -82,7 +82,7 @@ class EnergySensor(Sensor, tag="energy"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("energy", self.energy)
 
     @property
@@ -92,7 +92,7 @@ class EnergySensor(Sensor, tag="energy"):
 
 
 class SignalSensor(Sensor, tag="signal"):
-    """Value of a signal, also of an input."""
+    """Value of a signal or of an input."""
 
     unit: ClassVar[str] = "1"
     frame: ClassVar[str] = "world"
@@ -101,7 +101,7 @@ class SignalSensor(Sensor, tag="signal"):
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("signal", self.signal)
 
     @property

@@ -1,4 +1,4 @@
-"""Sensors of the resultants and strains of beams."""
+"""Sensors of the section resultants and strains of exact beams."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}
 
 
 class Along(Field["str | float | None", "str | float | None"]):
-    """A place along a beam."""
+    """Field of a position along a beam."""
 
     form = "along"
     noun = '"start", "middle", "end" or float'
 
 
 class Element(Field["int | str | None", int]):
-    """An element: its index, from 0, or its label such as ``"e4"``, which counts from 1."""
+    """Field of an element: index from 0, or label such as ``"e4"``, which counts from 1."""
 
     form = "element"
     noun = "int or str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the index."""
+        """Return the index, or report what is wrong."""
         if isinstance(value, str) and re.fullmatch(r"e[1-9]\d*", value):
             return int(value[1:]) - 1
         if isinstance(value, bool) or not isinstance(value, int | np.integer):
@@ -46,31 +46,31 @@ class Element(Field["int | str | None", int]):
 
 
 class SectionSensor(Sensor, tag="section"):
-    """Resultants ``[N, Qy, Qz, Mx, My, Mz]`` of a beam's section (6,), N and N m, or its strains.
+    """Resultants ``[N, Qy, Qz, Mx, My, Mz]`` of a beam section (6,), N and N m, or strains.
 
-    In section axes and about the section's reference axis: what the part of the beam towards its
-    end exerts on the part towards its start; tension is positive. At the start, the end and the
-    nodes they follow from the balance of the element there, as in `section_forces`: the force is
-    that of the element, and the moment is that of its middle and the force times its lever.
-    Strains, and resultants between two nodes, are those in the middle of the element.
+    The resultants are resolved in section axes, about the reference axis of the section. They act
+    from the part of the beam towards its end on the part towards its start; tension is positive. At
+    the start, the end and the nodes they follow from the balance of the element there, as in
+    `section_forces`: the force of the element, and the moment in its middle plus force times lever
+    arm. Strains, and resultants between two nodes, are those in the middle of the element.
     """
 
     beam: BeamField = field("The beam")
     at: Along = field(
-        "Where, the middle if nothing is given; or the distance from the start along the "
-        "unstressed axis, m: that of a node (resultants on its side towards the end), or any in "
-        "an element, whose middle it means",
+        "Position, the middle by default; or the distance from the start along the unstressed "
+        "axis, m. At a node the resultants are those on the side towards the end; within an "
+        "element those of its middle",
         default=None,
     )
     element: Element = field(
-        "The middle of this element instead: its label such as ``e4``, as hot spots name it, or "
-        "its index from 0; -1 is the last",
+        "Element, for the values in its middle, in place of `at`: its label such as ``e4``, as in "
+        "hot spots, or its index from 0; -1 is the last",
         default=None,
         kw_only=True,
     )
     quantity: Choice = field(
         "Resultants, or strains ``[Gamma_x, Gamma_y, Gamma_z]`` m/m and ``[kappa_x, kappa_y, "
-        "kappa_z]`` rad/m of the reference axis, less those of the unstressed beam",
+        "kappa_z]`` rad/m of the reference axis, minus those of the unstressed beam",
         words=("resultants", "strains"),
         default="resultants",
         kw_only=True,
@@ -80,7 +80,7 @@ class SectionSensor(Sensor, tag="section"):
         """Find the element."""
         at, element = self.at, vars(self)["element"]
         if at is not None and element is not None:
-            problems.add(where, "give at, a place along the beam, or element, its number, not both")
+            problems.add(where, "give either at, a position along the beam, or element, not both")
         if at is None and element is None:
             at = "middle"
         place = _element(problems, where, self.beam, at, element)
@@ -88,7 +88,7 @@ class SectionSensor(Sensor, tag="section"):
 
     @cached_property
     def end(self) -> int | None:
-        """Which end of the element is meant, 0 or 1; its middle if None."""
+        """End of the element, 0 or 1; None for its middle."""
         return None if self.quantity == "strains" else _end(self.beam, self.at, self.element)
 
     @property
@@ -103,19 +103,19 @@ class SectionSensor(Sensor, tag="section"):
 
     @property
     def first(self) -> int:
-        """Place of the first component among strains, resultants and those at both ends."""
+        """Index of the first component among strains, resultants and those at both ends."""
         if self.quantity == "strains":
             return 0
         return 6 if self.end is None else 12 + 6 * self.end
 
     @property
     def frame(self) -> str:
-        """Name of the axes that the components are in."""
+        """Name of the axes in which the components are resolved."""
         return "section"
 
     @property
     def reading(self) -> Reading:
-        """What the engine reads."""
+        """Input of the engine."""
         return Reading("section", self.beam, self.first, at=self.element)
 
     @property
@@ -128,7 +128,7 @@ class SectionSensor(Sensor, tag="section"):
 
 
 def _end(beam: BeamBody, at: Any, element: int) -> int | None:
-    """Return the end of the element that is meant, 0 or 1; None for its middle."""
+    """Return the end of the element, 0 or 1, at a position; None for its middle."""
     if at is None or at == "middle":
         return None
     s = PLACES[at] * beam.length if isinstance(at, str) else float(at)
@@ -137,7 +137,7 @@ def _end(beam: BeamBody, at: Any, element: int) -> int | None:
 
 
 def _element(problems: Problems, where: str, beam: BeamBody, at: Any, element: Any) -> int:
-    """Return the number of the element, or note why there is none."""
+    """Return the number of the element, or report that it does not exist."""
     n = beam.n
     if at is None:
         if not -n <= element < n:

@@ -1,4 +1,4 @@
-"""Temperature of strain gauges: what they show without any load."""
+"""Temperature of strain gauges: their apparent strain without load."""
 
 from __future__ import annotations
 
@@ -13,27 +13,31 @@ from jousto.mechanism.signals.base import Signal, SignalField
 
 
 class PerKelvin(Field[float, float]):
-    """A coefficient of temperature."""
+    """Field of a temperature coefficient."""
 
     form = "number"
     noun = "float"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coefficient, or note one that was likely given in 1e-6/K."""
+        """Return the coefficient, or report one that was probably given in 1e-6/K."""
         found = number(problems, where, self.name, value)
         if found is not None and abs(found) > 0.01:
-            problems.add(where, f"{self.name} is {found:g} 1/K; was it meant in 1e-6/K? Give 12e-6")
+            problems.add(
+                where,
+                f"{self.name} is {found:g} 1/K; if it is in 1e-6/K, multiply by "
+                f"1e-6 (12e-6 for steel)",
+            )
         return found
 
 
 class Expansion(PerKelvin):
-    """A coefficient of thermal expansion, or a material that knows it."""
+    """Field of a coefficient of thermal expansion, or of a material with one."""
 
     form = "expansion"
     noun = "float or Material"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coefficient."""
+        """Return the coefficient, or report that there is none."""
         alpha = getattr(value, "alpha", value)
         if alpha is None:
             problems.add(where, f"{self.name}: {value!r} has no alpha; give it in 1/K, as 12e-6")
@@ -42,17 +46,17 @@ class Expansion(PerKelvin):
 
 
 class Temperature(Declared):
-    """Apparent strain of a gauge whose temperature changes.
+    """Apparent strain of a gauge from a change of temperature.
 
-    ``e_T = (alpha_part - alpha_gauge + beta / k) (T - T0)``: part and grid expand differently and
-    the resistance of the foil changes. A gauge made for the part has ``alpha_gauge`` chosen so that
-    nothing is left; a half or full bridge of equal gauges takes it out, too.
+    ``e_T = (alpha_part - alpha_gauge + beta / k) (T - T0)``: part and grid expand differently, and
+    the resistance of the foil changes. A gauge matched to the part has an ``alpha_gauge`` for which
+    the apparent strain vanishes; in a half or full bridge of equal gauges it cancels, too.
 
     Raises
     ------
     InputError
-        Values that are no numbers, a material without ``alpha``, or one so large that it was likely
-        given in 1e-6/K.
+        If a value is no number, the material has no ``alpha``, or a coefficient is so large that it
+        was probably given in 1e-6/K.
 
     Examples
     --------
@@ -70,7 +74,9 @@ class Temperature(Declared):
         "its name)",
         kw_only=True,
     )
-    gauge: PerKelvin = field("That of the grid", unit="1/K", default=0.0, kw_only=True)
+    gauge: PerKelvin = field(
+        "Coefficient of thermal expansion of the grid", unit="1/K", default=0.0, kw_only=True
+    )
     reference: Number = field(
         "Temperature T0 at which the gauge was balanced, in the unit of the signal",
         default=20.0,
@@ -82,7 +88,7 @@ class Temperature(Declared):
         default=0.0,
         kw_only=True,
     )
-    gauge_factor: Number = field("k, for beta only", default=2.0, kw_only=True)
+    gauge_factor: Number = field("Gauge factor k, used with beta only", default=2.0, kw_only=True)
 
     def consistent(self, problems: Problems, where: str) -> None:
         """Note a gauge factor of zero."""
@@ -91,15 +97,15 @@ class Temperature(Declared):
 
     @property
     def per_kelvin(self) -> float:
-        """Apparent strain of one kelvin, 1/K."""
+        """Apparent strain per kelvin, 1/K."""
         return self.part - self.gauge + self.resistance / self.gauge_factor
 
     @cached_property
     def change(self) -> Signal:
-        """T - T0 over time, K."""
+        """T - T0 as a function of time, K."""
         return self.signal - self.reference
 
     @cached_property
     def apparent(self) -> Signal:
-        """Apparent strain over time, m/m."""
+        """Apparent strain as a function of time, m/m."""
         return self.per_kelvin * self.change

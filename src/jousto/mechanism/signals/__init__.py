@@ -1,1 +1,1 @@
-"""Signals of time: factors on forces, motions of drives, references of servos, inputs."""
+"""Signals of time: factors of forces, motions of drives, references of servos, inputs."""

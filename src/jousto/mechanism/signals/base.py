@@ -1,7 +1,7 @@
-"""What all signals share: value, rate and acceleration at a time, sums and products.
+"""Base of all signals: value, rate and acceleration at a time, sums and products.
 
-A signal knows its first two derivatives in time, since drives and reference motions need them.
-At a jump or kink all three are those just after it.
+A signal has its first two derivatives in time, since drives and reference motions need them. At
+a jump or kink, all three are the values just after it.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.fields import Field, Name, field
 from jousto.base.numbers import Number, number, set_fields
 
-# value, rate 1/s, acceleration 1/s2 at the times asked for
+# value, rate 1/s and acceleration 1/s2 at the given times
 Jet = tuple[Array, Array, Array]
 
 
 @dataclass(frozen=True)
 class Use:
-    """The unit of what a signal is used for, which model files know.
+    """Unit of a signal field, in model files.
 
     Parameters
     ----------
     rate : bool
-        Whether it is that of its rate.
+        Whether the unit is that of the rate of the signal.
     """
 
     rate: bool = False
@@ -44,7 +44,7 @@ USE, RATE_OF_USE = Use(), Use(rate=True)
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """What the engine evaluates for a signal, beside the signals that it is made of.
+    """Law of a signal in the engine, without the signals that are its terms.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ class Law:
     data : mapping of str to float
         Its numbers by their names in the header.
     rest : tuple of array_like
-        Numbers that follow, as many as there are.
+        Further numbers, of any count.
     count, degree : int
         Number of the points, and degree of the polynomials between them.
     event : Event, optional
-        What switches it.
+        Event that switches the signal.
     name : str
-        Signals of one name are one.
+        Signals with the same name are one input.
     """
 
     kind: str
@@ -72,7 +72,7 @@ class Law:
 
 
 class Signal(Declared, section="signals"):
-    """A scalar function of time: a factor on a force, the value of a drive, an input.
+    """Scalar function of time: a factor of a force, the value of a drive, an input.
 
     Signals add, subtract and multiply, also with numbers:
 
@@ -82,7 +82,7 @@ class Signal(Declared, section="signals"):
     array([5.5, 7. ])
     """
 
-    # numpy leaves products of its numbers with signals to this class
+    # lets numpy numbers multiply signals by the operators of this class
     __array_ufunc__ = None
 
     def jet(self, t: Array) -> Jet:
@@ -103,7 +103,7 @@ class Signal(Declared, section="signals"):
 
     @property
     def law(self) -> Law:
-        """What the engine evaluates."""
+        """Law of the signal in the engine."""
         raise NotImplementedError(f"{type(self).__name__} has no law of the engine")
 
     @property
@@ -118,7 +118,7 @@ class Signal(Declared, section="signals"):
 
     @property
     def parts(self) -> tuple[Signal, ...]:
-        """The signals this one is made of; empty unless a sum, a product or switched."""
+        """Terms of a sum, a product or a switched signal; empty for other signals."""
         return ()
 
     def __add__(self, other: Any) -> Signal:
@@ -144,18 +144,18 @@ class Signal(Declared, section="signals"):
 
 
 class SignalField(Field["Signal | float", Signal]):
-    """A signal, or a number for a constant one."""
+    """Field of a signal, or of a number for a constant signal."""
 
     form = "signal"
     noun = "Signal or float"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the signal."""
+        """Return the signal, or report that the value is none."""
         return check_signal(problems, where, self.name, value)
 
 
 class OptionalSignal(Field["Signal | float | None", "Signal | None"]):
-    """A signal, a number for a constant one, or None."""
+    """Field of a signal, of a number for a constant signal, or None."""
 
     form = "signal"
     noun = "Signal or float"
@@ -163,14 +163,14 @@ class OptionalSignal(Field["Signal | float | None", "Signal | None"]):
 
 
 class SignalsField(Field["tuple[Signal | float, ...]", "tuple[Signal, ...]"]):
-    """Signals or numbers, which the constructor takes one after the other.
+    """Field of several signals or numbers, which are positional arguments of the constructor.
 
     Parameters
     ----------
     text, unit, default, kw_only
         As for every field.
     rest : object, optional
-        Unit of all but the first; None for the same.
+        Unit of all signals after the first; None for the unit of the first.
     """
 
     form = "signals"
@@ -182,7 +182,7 @@ class SignalsField(Field["tuple[Signal | float, ...]", "tuple[Signal, ...]"]):
         self.rest = rest
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the signals."""
+        """Return the signals as a tuple, or report wrong ones."""
         if not value:
             problems.add(where, f"{self.name} is empty, must have at least one signal")
         return tuple(
@@ -191,7 +191,7 @@ class SignalsField(Field["tuple[Signal | float, ...]", "tuple[Signal, ...]"]):
 
 
 class Constant(Signal, tag="constant", by_value=True):
-    """The same value at all times.
+    """Signal with the same value at all times.
 
     Examples
     --------
@@ -199,7 +199,7 @@ class Constant(Signal, tag="constant", by_value=True):
     array([2.5, 2.5])
     """
 
-    value: Number = field("The value; a number alone is the same", unit=USE)
+    value: Number = field("The value; a plain number means the same", unit=USE)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -208,15 +208,15 @@ class Constant(Signal, tag="constant", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The value."""
+        """Law of the constant."""
         return Law("constant", {}, (self.value,))
 
 
 class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
-    """A straight line without end, ``offset + speed t``: a drive at constant speed from the start.
+    """Straight line without end, ``offset + speed t``: a drive with constant speed from the start.
 
-    The velocities of the mechanism fit it from t = 0 on, and closed loops follow: no ramp is
-    needed.
+    The initial velocities of the mechanism fit the signal from t = 0, closed loops included: no
+    ramp is needed.
 
     Examples
     --------
@@ -225,7 +225,7 @@ class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
     """
 
     speed: Number = field(
-        "Rate of what follows the signal: rad/s (in files also rpm) of an angle, m/s of a length",
+        "Rate of the driven coordinate: rad/s (in files also rpm) for an angle, m/s for a length",
         unit=RATE_OF_USE,
     )
     offset: Number = field("Value at t = 0", unit=USE, default=0.0)
@@ -237,29 +237,29 @@ class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The straight line."""
+        """Law of the straight line."""
         return Law("speed", {"offset": self.offset, "speed": self.speed})
 
 
 class Combined(Signal):
-    """What is made of several signals."""
+    """Combination of several signals."""
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Take those of the same kind apart."""
+        """Replace each term of the same kind by the terms of that one."""
         (key,) = self.fields
         found = [p.parts if type(p) is type(self) else (p,) for p in self.__dict__[key]]
         set_fields(self, **{key: tuple(p for some in found for p in some)})
 
     @property
     def parts(self) -> tuple[Signal, ...]:
-        """The signals."""
+        """The combined signals."""
         (key,) = self.fields
         found: tuple[Signal, ...] = self.__dict__[key]
         return found
 
 
 class Sum(Combined, tag="sum", by_value=True):
-    """The sum of signals and numbers: ``a + b``.
+    """Sum of signals and numbers: ``a + b``.
 
     Examples
     --------
@@ -274,7 +274,7 @@ class Sum(Combined, tag="sum", by_value=True):
         self.__post_init__()
 
     def jet(self, t: Array) -> Jet:
-        """Return value, rate and acceleration: each the sum of those of the terms."""
+        """Return value, rate and acceleration, each the sum over the terms."""
         f, df, ddf = (np.zeros(t.shape) for _ in range(3))
         for term in self.terms:
             g, dg, ddg = term.jet(t)
@@ -283,7 +283,7 @@ class Sum(Combined, tag="sum", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The sum of two signals."""
+        """Law of the sum of two signals."""
         return Law("sum", {})
 
     @property
@@ -298,7 +298,7 @@ class Sum(Combined, tag="sum", by_value=True):
 
 
 class Product(Combined, tag="product", by_value=True):
-    """The product of signals and numbers: ``a * b``.
+    """Product of signals and numbers: ``a * b``.
 
     Examples
     --------
@@ -326,12 +326,12 @@ class Product(Combined, tag="product", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The product of two signals."""
+        """Law of the product of two signals."""
         return Law("product", {})
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Times at which a factor jumps while the others are not zero, s."""
+        """Times at which a factor jumps while the other factors are not zero, s."""
         times = merged(factor.jumps for factor in self.factors)
         return tuple(t for t in times if self._steps(0, t))
 
@@ -344,32 +344,32 @@ class Product(Combined, tag="product", by_value=True):
         return merged((bent, smooth))
 
     def _steps(self, order: int, t: float) -> bool:
-        """Return whether a derivative of the product differs before and after a time."""
+        """Return whether a derivative of the product, of a given order, jumps at a time."""
         try:
             before, after = self.jet(np.array([np.nextafter(t, -np.inf), t]))[order]
-        except InputError:  # an input has no value to tell from
+        except InputError:  # an input has no value as a function of time
             return True
         return bool(abs(after - before) > 1e-12 * max(1.0, abs(before), abs(after)))
 
 
 class Input(Signal, tag="input", by_value=True):
-    """A value that comes from outside while the engine runs: an actuator command, an FMU input.
+    """Value that is set from outside while the engine runs: an actuator command, an FMU input.
 
-    It is held between two steps, so its rate and acceleration are zero. It has no value as a
-    function of time and cannot be called.
+    The value is held between two steps, so rate and acceleration are zero. It is no function of
+    time and cannot be called.
     """
 
     kind = "input"
-    name: Name = field("Name; inputs of one name are one input")
-    initial: Number = field("Value until another one is set", unit=USE, default=0.0)
+    name: Name = field("Name; inputs with the same name are one input")
+    initial: Number = field("Value until a new one is set", unit=USE, default=0.0)
 
     @property
     def law(self) -> Law:
-        """The value that is set from outside."""
+        """Law of the value set from outside."""
         return Law("input", {}, (self.initial,), name=self.name)
 
     def jet(self, t: Array) -> Jet:
-        """Raise InputError: the value is not known as a function of time."""
+        """Raise InputError: an input is no function of time."""
         raise InputError(
             Problem(
                 f"input {self.name!r}",
@@ -379,7 +379,7 @@ class Input(Signal, tag="input", by_value=True):
 
 
 def combine(kind: type[Sum] | type[Product], *items: Any) -> Signal:
-    """Return a sum or product, or NotImplemented for what is no signal and no number."""
+    """Return a sum or product, or NotImplemented if a term is neither a signal nor a number."""
     signal: Any = NotImplemented
     if all(isinstance(item, Signal | int | float | np.number) for item in items):
         signal = kind(*items)
@@ -387,17 +387,17 @@ def combine(kind: type[Sum] | type[Product], *items: Any) -> Signal:
 
 
 def negative(value: Any) -> Any:
-    """Return the negative of a number, anything else as it is."""
+    """Return a number with opposite sign, any other value unchanged (for NotImplemented)."""
     return -value if isinstance(value, int | float | np.number) else value
 
 
 def merged(times: Iterator[tuple[float, ...]] | Any) -> tuple[float, ...]:
-    """Return all times in order, each once."""
+    """Return the sorted times without duplicates."""
     return tuple(sorted({t for some in times for t in some}))
 
 
 def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signal | None:
-    """Return a signal, a number as a constant one, or note why the value is neither."""
+    """Return a signal, with a number as a constant signal, or report that the value is neither."""
     if isinstance(value, Signal):
         return value
     if isinstance(value, int | float | np.number) and not isinstance(value, bool):
@@ -410,7 +410,7 @@ def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signa
 
 
 def leaves(signal: Signal) -> Iterator[Signal]:
-    """Yield the signal itself and all signals it is made of, depth first."""
+    """Yield a signal and all signals it is composed of, depth first."""
     yield signal
     for part in signal.parts:
         yield from leaves(part)

@@ -21,13 +21,15 @@ class Harmonic(Signal, tag="harmonic", by_value=True):
 
     frequency: Number = field("Frequency", unit="Hz", least=0, kw_only=True)
     amplitude: Number = field(
-        "In the unit of what the signal is used for; factors on forces have none",
+        "Amplitude in the unit of the driven quantity; factors of forces have no unit",
         unit=USE,
         default=1.0,
         kw_only=True,
     )
     phase: Number = field("Phase", unit="rad", default=0.0, kw_only=True)
-    offset: Number = field("As the amplitude", unit=USE, default=0.0, kw_only=True)
+    offset: Number = field(
+        "Mean value, in the unit of the amplitude", unit=USE, default=0.0, kw_only=True
+    )
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
@@ -38,6 +40,6 @@ class Harmonic(Signal, tag="harmonic", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The sine."""
+        """Law of the sine."""
         data = {"offset": self.offset, "amplitude": self.amplitude, "phase": self.phase}
         return Law("harmonic", {"omega": 2 * np.pi * self.frequency, **data})

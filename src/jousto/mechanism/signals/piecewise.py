@@ -1,7 +1,7 @@
-"""Signals made of polynomials between points: step, ramp, table and S-curve.
+"""Piecewise polynomial signals: step, ramp, table and S-curve.
 
-Between the times t_i and t_i+1 each is ``sum_j c_ji (t - t_i)^(m-j)``; before the first time
-and after the last it is constant.
+Between the times t_i and t_i+1 each is ``sum_j c_ji (t - t_i)^(m-j)``; it is constant before the
+first time and after the last.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from jousto.mechanism.signals.base import USE, Jet, Law, Signal
 
 
 class Series(Field[ArrayLike, Array]):
-    """Numbers one after the other."""
+    """Field of a sequence of numbers."""
 
     form = "series"
     noun = "(k,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a read-only array."""
+        """Return a read-only array, or report what is wrong."""
         return problems.array(where, self.name, value, (None,))
 
 
 class Step(Signal, tag="step", by_value=True):
-    """A jump: `before` for t < time, `after` from then on.
+    """Signal that jumps: `before` for t < time, `after` from then on.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class Step(Signal, tag="step", by_value=True):
     array([0., 1.])
     """
 
-    time: Number = field("When it jumps", unit="s")
+    time: Number = field("Time of the jump", unit="s")
     before: Number = field("Value until then", unit=USE, default=0.0)
     after: Number = field("Value from then on", unit=USE, default=1.0)
 
@@ -52,7 +52,7 @@ class Step(Signal, tag="step", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The jump."""
+        """Law of the jump."""
         return Law("step", {"time": self.time, "before": self.before, "after": self.after})
 
     @property
@@ -62,9 +62,9 @@ class Step(Signal, tag="step", by_value=True):
 
 
 class Ramp(Signal, tag="ramp", by_value=True):
-    """A straight line from `before` at the time start to `after` at the time end.
+    """Straight line from `before` at the time start to `after` at the time end.
 
-    It is constant before and after.
+    The signal is constant before start and after end.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class Ramp(Signal, tag="ramp", by_value=True):
     after: Number = field("Value from end on", unit=USE, default=1.0)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note an end before the start."""
+        """Report an end that is not after the start."""
         if self.end <= self.start:
             problems.add(
                 where, f"end is {self.end:g} s, must be after start, {self.start:g} s", "end"
@@ -99,7 +99,7 @@ class Ramp(Signal, tag="ramp", by_value=True):
 
     @property
     def law(self) -> Law:
-        """The line as a polynomial of degree 1."""
+        """Law of the line, a polynomial of degree 1."""
         times = np.array([self.start, self.end])
         return polynomials(times, np.array([[self._slope], [self.before]]))
 
@@ -110,13 +110,13 @@ class Ramp(Signal, tag="ramp", by_value=True):
 
 
 class Points(Signal):
-    """What is given by points."""
+    """Signal given by points."""
 
     times: Series = field("Strictly increasing times", unit="s")
     values: Series = field("Values at these times", unit=USE)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note times that do not increase, and other numbers of values."""
+        """Report times that do not increase, and a different number of values."""
         t, y = self.times, self.values
         if len(t) == 0:
             problems.add(where, "times is empty, must have at least one point", "times")
@@ -133,7 +133,7 @@ class Points(Signal):
 
 
 class Table(Points, tag="table"):
-    """Interpolation between points, held constant before the first and after the last.
+    """Signal interpolated between points, constant before the first and after the last.
 
     Examples
     --------
@@ -171,8 +171,8 @@ class Table(Points, tag="table"):
             Column of the times, s, and of the values: its name in the first line or its
             number from 0.
         delimiter : str, optional
-            What separates the columns; None for a semicolon, tab, comma or blank, whichever
-            of these comes first in that order in the first line.
+            Separator of the columns; None for the first of semicolon, tab, comma and blank (in this
+            order) that occurs in the first line.
         interpolation : {"linear", "cubic"}
             As for a table of arrays.
 
@@ -202,7 +202,7 @@ class Table(Points, tag="table"):
 
     @property
     def law(self) -> Law:
-        """Straight lines, or the polynomials of the spline."""
+        """Law of the straight lines, or of the polynomials of the spline."""
         if len(self.times) > 1 and self.interpolation == "cubic":
             return polynomials(self.times, self.coefficients)
         return Law("table", {}, (self.times, self.values), count=len(self.times))
@@ -215,7 +215,7 @@ class Table(Points, tag="table"):
             return ()
         h = np.diff(self.times)
         powers = np.arange(len(c) - 1, -1, -1)
-        # slopes at the end and at the start of each piece
+        # slopes at the end and at the start of each interval
         at_end = sum(p * c[j] * h ** (p - 1) for j, p in enumerate(powers) if p)
         left = np.concatenate([[0.0], np.atleast_1d(at_end)])
         right = np.concatenate([c[-2], [0.0]])
@@ -224,7 +224,7 @@ class Table(Points, tag="table"):
 
 
 class SCurve(Points, tag="s-curve"):
-    """Smooth moves between points, at rest at each of them: the usual motion of a machine axis.
+    """Smooth moves between points with a stop at each point: the usual motion of a machine axis.
 
     ``y_i + (y_i+1 - y_i) (10 s^3 - 15 s^4 + 6 s^5)`` with ``s = (t - t_i) / (t_i+1 - t_i)``:
     rate and acceleration are zero at every point, so both are continuous everywhere. The
@@ -238,7 +238,7 @@ class SCurve(Points, tag="s-curve"):
     """
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note points that make no move."""
+        """Report fewer than two points."""
         super().consistent(problems, where)
         if len(self.times) == 1:
             problems.add(where, "has one point, must have at least two")
@@ -254,7 +254,7 @@ class SCurve(Points, tag="s-curve"):
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration."""
-        # in s, not in t: exact at the end of every move
+        # in s instead of t: exact at the end of every move
         i = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         h, y = np.diff(self.times)[i], self.values
         s = np.clip((t - self.times[i]) / h, 0.0, 1.0)
@@ -267,18 +267,18 @@ class SCurve(Points, tag="s-curve"):
 
     @property
     def law(self) -> Law:
-        """The polynomials of degree 5."""
+        """Law of the polynomials of degree 5."""
         return polynomials(self.times, self.coefficients)
 
 
 def polynomials(times: Array, c: Array) -> Law:
-    """Return the law of polynomials between times with coefficients c (m+1, k-1)."""
+    """Return the law of polynomials between times, with coefficients c (m+1, k-1)."""
     rising = np.asarray(c)[::-1].T
     return Law("pieces", {}, (times, rising), count=len(times), degree=len(c) - 1)
 
 
 def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:
-    """Return value and two derivatives of polynomials with coefficients c (m+1, k-1)."""
+    """Return value, rate and acceleration of polynomials, coefficients c (m+1, k-1), at times t."""
     last = len(times) - 2
     inside = (t >= times[0]) & (t < times[-1])
     held = np.where(t < times[0], values[0], values[-1])
@@ -297,7 +297,7 @@ def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:
 def read_columns(
     path: Path, columns: tuple[str | int, ...], delimiter: str | None
 ) -> list[list[float]]:
-    """Return columns of numbers of a text file; see `Table.from_csv`."""
+    """Return columns of numbers from a text file; see `Table.from_csv`."""
     check_text(path)
     try:
         text = path.read_text(encoding="utf-8-sig")
@@ -347,7 +347,7 @@ def read_columns(
 
 
 def as_float(cell: Any) -> float | None:
-    """Return the number a cell holds, or None."""
+    """Return the number in a cell, or None."""
     try:
         return float(cell)
     except ValueError:

@@ -1,4 +1,4 @@
-"""A signal that an event switches from one to another."""
+"""Signal that an event switches from one signal to another."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from jousto.mechanism.signals.base import USE, Jet, Law, Signal, SignalField
 
 
 class EventField(Field[Any, Any]):
-    """An event; a model file writes its name."""
+    """Field of an event; a model file contains its name."""
 
     form = "event"
     noun = "Event"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the event."""
+        """Return the event, or report that the value is none."""
         if getattr(type(value), "kind", "") != "event":
             problems.add(where, f"{self.name} is {value!r}, must be an Event")
         return value
 
 
 class Switched(Signal, tag="switched"):
-    """`before` until an event has happened for the first time, `after` from then on.
+    """Signal that is `before` until the first occurrence of an event, `after` from then on.
 
-    When that is depends on the motion, so it has no value as a function of time. In a drive both
-    signals have to agree at the event, since positions cannot jump.
+    The time of the event depends on the motion, so the signal is no function of time. In a drive
+    both signals must agree at the event, since positions cannot jump.
     """
 
     event: EventField = field("The event; it must be in the mechanism")
@@ -39,16 +39,16 @@ class Switched(Signal, tag="switched"):
 
     @property
     def parts(self) -> tuple[Signal, ...]:
-        """The signals before and after."""
+        """The signals before and after the event."""
         return self.before, self.after
 
     @property
     def law(self) -> Law:
-        """One signal, then the other."""
+        """Law of the two signals and the event."""
         return Law("switched", {}, event=self.event)
 
     def jet(self, t: Array) -> Jet:
-        """Raise InputError: the value is not known as a function of time."""
+        """Raise InputError: the signal is no function of time."""
         raise InputError(
             Problem(
                 f"signal switched by event {self.event.name!r}",

@@ -11,14 +11,14 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_input
 from jousto.mesh.readers.raw import BIG
 
-# what a field holds, and what marks that a line goes on
+# pattern of data fields, and of continuation marks
 _DATA = re.compile(r"[\d.-]\S*|THRU|UM|ALPHA|BY|EXCEPT", re.IGNORECASE)
 _MARK = re.compile(r"([+*]\S*)?")
 
 
 @dataclass
 class Card:
-    """One entry: its name, its fields from the second one on, and where it begins."""
+    """One entry: name, fields from the second one on, and position in the file."""
 
     name: str
     fields: list[str]
@@ -31,11 +31,11 @@ class Card:
         return f"{self.path.name}:{self.number}: {self.name}"
 
     def field(self, i: int) -> str:
-        """Return field i from 0, after the name of the card; empty if it is left out."""
+        """Return field i, counted from 0 after the name of the card; empty if left out."""
         return self.fields[i] if i < len(self.fields) else ""
 
     def whole(self, i: int, default: int | None = None) -> int:
-        """Return the whole number in field i from 0, after the name of the card."""
+        """Return the whole number in field i, counted from 0 after the name of the card."""
         text = self.field(i)
         if not text and default is not None:
             return default
@@ -59,17 +59,19 @@ class Card:
             raise self.wrong(i, "a number") from None
 
     def wrong(self, i: int, wanted: str) -> InputError:
-        """Return the error of a field that is not as wanted."""
+        """Return the error for a field with a wrong value."""
         found = f"is '{self.field(i)}'" if self.field(i) else "is missing"
         return InputError(
-            Problem(self.where, f"field {i + 2} {found}, must be {wanted}; is the file cut off?")
+            Problem(
+                self.where, f"field {i + 2} {found}, must be {wanted}; the file may be truncated"
+            )
         )
 
 
 def cards(path: Path, depth: int) -> Iterator[Card]:
-    """Yield the entries of the bulk data section, with those of the files it includes."""
+    """Yield the entries of the bulk data section, including those of included files."""
     if depth > 10:
-        raise InputError(Problem(path.name, "INCLUDE goes round in circles"))
+        raise InputError(Problem(path.name, "a file includes itself"))
     text = path.read_text(encoding="latin-1")
     lines = text.splitlines()
     begin = next(
@@ -90,7 +92,7 @@ def cards(path: Path, depth: int) -> Iterator[Card]:
             if not inner.is_file():
                 where = f"{path.name}:{i + 1}"
                 raise InputError(
-                    Problem(where, f"the included file '{title}' is not there; keep it beside")
+                    Problem(where, f"the included file '{title}' does not exist; put it beside")
                 )
             if card is not None:
                 yield card
@@ -110,7 +112,7 @@ def cards(path: Path, depth: int) -> Iterator[Card]:
 
 
 def _split(line: str, where: str) -> tuple[str, list[str]]:
-    """Return the first field and the data fields of a line: 8, 4 long ones, more if free."""
+    """Return the first field and the data fields of a line: 8, 4 long ones, more in free format."""
     if "," in line:
         words = [word.strip() for word in line.split(",")]
         return words[0], _free(words, 4 if words[0].endswith("*") else 8, where)
@@ -122,11 +124,11 @@ def _split(line: str, where: str) -> tuple[str, list[str]]:
 
 
 def _free(words: list[str], wide: int, where: str) -> list[str]:
-    """Return the data fields of a line in free format, filled up to whole lines of `wide` fields.
+    """Return the data fields of a line in free format, padded to whole lines of `wide` fields.
 
-    A line may go on beyond its data fields: with the continuation marks of its last field and of
+    A line may continue beyond its data fields: with the continuation marks of its last field and of
     the first field of the next line (``..., 6, +A, +A, 7, 8``; the marks may be blank), or with
-    the data at once (``..., 6, 7, 8``). A word there that is no data is a mark or a remark.
+    data directly (``..., 6, 7, 8``). A word there that is no data is a mark or a comment.
     """
     fields, rest = words[1 : 1 + wide], words[1 + wide :]
     while any(rest):

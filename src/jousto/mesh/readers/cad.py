@@ -1,4 +1,4 @@
-"""CAD files before they are meshed: kind, completeness, unit."""
+"""Checks of CAD files before meshing: kind, completeness, unit."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO
 
 
 def cad_scale(path: Path, unit: str | None) -> float:
-    """Return the unit of the import in m, after checking the file.
+    """Return the length unit of the import in m, after checks of the file.
 
-    Gmsh turns STEP files into millimetres; the numbers of a BREP file stay as they are.
+    Gmsh converts STEP files to millimetres, and leaves the numbers of BREP files unchanged.
     """
     where = path.name
     if unit is not None:
@@ -26,21 +26,26 @@ def cad_scale(path: Path, unit: str | None) -> float:
     if data.lstrip()[:12] == b"ISO-10303-21":
         if b"END-ISO-10303-21" not in data[-4096:]:
             raise InputError(
-                Problem(where, "has no END-ISO-10303-21 at its end: it is cut off; export it again")
+                Problem(
+                    where,
+                    "has no END-ISO-10303-21 at its end: the file is truncated; export it again",
+                )
             )
         said = step_unit(data)
         return 1e-3 if unit is None else 1e-3 * LENGTHS[unit] / said
     if re.match(rb"\s*(DBRep_DrawableShape|CASCADE Topology|Open CASCADE Topology)", data):
         if unit is None:
             raise InputError(
-                Problem(where, "a BREP file does not say its unit: give unit='mm' or another")
+                Problem(where, "a BREP file contains no unit: give unit='mm' or another")
             )
         return LENGTHS[unit]
     if not data.strip():
         raise InputError(Problem(where, "is empty"))
     if re.match(rb".{72}S *0*1\s", data):
         raise InputError(
-            Problem(where, "is an IGES file, which holds faces and no solid: export STEP instead")
+            Problem(
+                where, "is an IGES file, which contains faces but no solid: export STEP instead"
+            )
         )
     if is_mesh(path):
         raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
@@ -48,7 +53,7 @@ def cad_scale(path: Path, unit: str | None) -> float:
 
 
 def step_unit(data: bytes) -> float:
-    """Return the unit of length of a STEP file in m; mm if it names none.
+    """Return the length unit of a STEP file in m; mm if there is none.
 
     Examples
     --------
@@ -56,7 +61,7 @@ def step_unit(data: bytes) -> float:
     0.001
     """
     text = re.sub(rb"\s+", b"", data)
-    # inches and feet are conversions of millimetres or metres
+    # inches and feet are defined as multiples of millimetres or metres
     found = re.search(
         rb"LENGTH_UNIT\(\)[^;]{0,400}?CONVERSION_BASED_UNIT\('(\w+)'|"
         rb"CONVERSION_BASED_UNIT\('(\w+)',#\d+\)LENGTH_UNIT",

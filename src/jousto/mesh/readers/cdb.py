@@ -25,9 +25,9 @@ from jousto.mesh.readers.nblock import read_nblocks
 from jousto.mesh.readers.raw import RawCells, RawMesh
 from jousto.mesh.readers.subprocess_reader import apart
 
-# surface, contact and target elements, constraint equations: silent
+# surface, contact and target elements, constraint equations: ignored without a message
 _SILENT = {170, 172, 173, 174, 175, 176, 184}
-# fields of an element before its nodes, in mapdl-archive's table
+# fields of an element before its nodes in the table of mapdl-archive
 _HEAD = 10
 _KINDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20", 6: "wedge"} | {
     15: "wedge15",
@@ -37,14 +37,15 @@ _KINDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20", 6: "we
 
 
 def read_cdb(path: Path) -> RawMesh:
-    """Return the mesh of an Ansys archive; components are sets, materials ``mat<number>``.
+    """Return the mesh of an Ansys archive; components become sets, materials ``mat<number>``.
 
-    Bricks whose nodes repeat (Ansys' way to say wedge, pyramid and tetrahedron) become those.
+    Bricks with repeated nodes (the form of wedges, pyramids and tetrahedra in Ansys) become those
+    kinds.
 
     Raises
     ------
     InputError
-        If the extra ``ansys`` is missing, the file is cut off, or midside nodes are missing.
+        If the extra ``ansys`` is missing, the file is truncated, or mid-side nodes are missing.
     """
     if find_spec("mapdl_archive") is None:
         raise InputError(
@@ -56,7 +57,7 @@ def read_cdb(path: Path) -> RawMesh:
     archive = apart(
         path,
         "jousto.mesh.readers.cdb:archive",
-        "the file is likely damaged: write it again with CDWRITE, DB",
+        "the file is probably damaged: write it again with CDWRITE, DB",
     )
     elements = np.split(archive["elem"], np.cumsum(archive["lengths"])[:-1])
     if not len(archive["lengths"]):
@@ -66,7 +67,10 @@ def read_cdb(path: Path) -> RawMesh:
     ):
         if held < number:
             raise InputError(
-                Problem(path.name, f"announces {number} {what} but holds {held}: it is cut off")
+                Problem(
+                    path.name,
+                    f"announces {number} {what} but contains {held}: the file is truncated",
+                )
             )
     raw = RawMesh([ids], [positions])
     types = {int(number): int(code) for number, code in np.asarray(archive["ekey"])}
@@ -122,7 +126,7 @@ def read_cdb(path: Path) -> RawMesh:
 
 
 def archive(path: Path) -> dict[str, Any]:
-    """Return what mapdl-archive finds; runs in a process of its own, since it may crash."""
+    """Return the content read by mapdl-archive; runs in a separate process, since it may crash."""
     import mapdl_archive
 
     try:
@@ -141,12 +145,12 @@ def archive(path: Path) -> dict[str, Any]:
     except Exception as error:
         said = f"{type(error).__name__}: {error}"[:160]
         raise InputError(
-            Problem(path.name, f"cannot be read; is it cut off? (mapdl-archive: {said})")
+            Problem(path.name, f"cannot be read; it may be truncated (mapdl-archive: {said})")
         ) from None
 
 
 def _announced(path: Path, data: bytes) -> tuple[int, int]:
-    """Return how many nodes and elements the archive announces (0: it does not say)."""
+    """Return the numbers of nodes and elements that the archive announces (0: none)."""
     out = []
     for name in (b"NBLOCK", b"EBLOCK"):
         line = re.search(rb"^[ \t]*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)
@@ -154,7 +158,8 @@ def _announced(path: Path, data: bytes) -> tuple[int, int]:
             raise InputError(
                 Problem(
                     path.name,
-                    f"has no {name.decode()}: it is cut off or no archive with blocks; write it"
+                    f"has no {name.decode()}: the file is truncated or no archive with blocks; "
+                    f"write it"
                     " with CDWRITE, DB",
                 )
             )
@@ -167,8 +172,8 @@ def _announced(path: Path, data: bytes) -> tuple[int, int]:
 def _brick(nodes: Ints, full: int) -> tuple[str, Ints]:
     """Return kind and nodes of a brick whose nodes may repeat.
 
-    Ansys says a wedge as ``I J K K M N O O``, a pyramid as ``I J K L M M M M`` and a tetrahedron
-    as ``I J K K M M M M``, with midside nodes after the corners in the order of VTK.
+    Ansys writes a wedge as ``I J K K M N O O``, a pyramid as ``I J K L M M M M`` and a tetrahedron
+    as ``I J K K M M M M``, with mid-side nodes after the corners in the order of VTK.
     """
     a = nodes[:8]
     if len(a) < 8:

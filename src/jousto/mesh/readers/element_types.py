@@ -1,6 +1,6 @@
-"""Elements of other programs: which one stands for each here, and whether it is the same.
+"""Elements of other programs: their kinds in jousto, and differences.
 
-One table for each reader; the page *Meshes and CAD files* shows them.
+There is one table per reader; the page *Meshes and CAD files* contains them.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from jousto.mesh.reference import KINDS as SOLIDS
 
 @dataclass(frozen=True)
 class ElementType:
-    """What an element of another program becomes.
+    """Kind that an element of another program becomes.
 
     Parameters
     ----------
     kind : str
         Kind of :class:`Cells`.
     formulation : str
-        How its stiffness is made, see :class:`Cells`.
+        Formulation of the stiffness, see :class:`Cells`.
     replaced : str
-        What the other program's element has and ours has not; empty if it is the same. Of shells,
-        beams and trusses, which have no stiffness beside solids, what they are.
+        Property of the element in the other program that jousto does not have; empty if equal. For
+        shells, beams and trusses, which have no stiffness beside solids, their description.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class ElementType:
         return self.kind in SOLIDS
 
     def because(self, reason: str) -> ElementType:
-        """Return the type of an element that differs in one more thing."""
+        """Return the type of an element with one more difference."""
         return replace(self, replaced=f"{self.replaced}, {reason}" if self.replaced else reason)
 
 
@@ -55,7 +55,7 @@ _PIEZO = "its electric potential is left out"
 
 # ---- Abaqus and CalculiX -------------------------------------------------------------------------
 
-# letters behind these that change nothing of stiffness and mass: T temperature, P pore pressure
+# letters after these names without effect on stiffness and mass: T temperature, P pore pressure
 ABAQUS = (
     _named("tetra", "C3D4")
     | _named("tetra", "C3D4H", why=_PRESSURE)
@@ -99,7 +99,7 @@ ABAQUS = (
     | _named("line3", "T2D3 T2D3H T3D3 T3D3H", why=TRUSS)
     | _named("line", "R2D2 R3D2 RB3D2 SAX1")
 )
-# families of names with letters that the table does not have
+# families of names with letters that are not in the table
 _FAMILIES = (
     (r"D?C3D(4|5|6|8|10|15|20)(?!\d)", ""),
     (r"(STRI3|STRI65|DS[3468]|S[3468])(?!\d)", SHELL),
@@ -110,7 +110,7 @@ _FAMILIES = (
 
 
 def abaqus(name: str) -> ElementType | None:
-    """Return what an Abaqus or CalculiX element becomes, None if it is not read.
+    """Return the kind that an Abaqus or CalculiX element becomes, None if it is not supported.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def abaqus(name: str) -> ElementType | None:
 # ---- Nastran -------------------------------------------------------------------------------------
 
 _BUBBLE = "its bubble functions are close to it, and the same in a cuboid"
-# card and number of nodes; PSOLID may ask for others, see `nastran_solid`
+# card and number of nodes; PSOLID may select others, see `nastran_solid`
 NASTRAN = (
     {
         ("CTETRA", 4): ElementType("tetra"),
@@ -176,7 +176,7 @@ NASTRAN = (
 
 
 def nastran_solid(card: str, nodes: int, network: str = "", isop: str = "") -> ElementType:
-    """Return what a solid becomes whose PSOLID has the fields IN and ISOP.
+    """Return the kind that a solid with the PSOLID fields IN and ISOP becomes.
 
     ``IN=TWO`` with ``ISOP=FULL`` is the plain isoparametric brick of eight nodes; ``IN=TWO`` has
     2 x 2 x 2 points in that of 20.
@@ -194,22 +194,21 @@ def nastran_solid(card: str, nodes: int, network: str = "", isop: str = "") -> E
 
 # ---- Ansys ---------------------------------------------------------------------------------------
 
-# number of the type and kind of the brick that may be degenerate; those of other shapes follow
+# number of the type and kind of its brick, which may be degenerate; other shapes follow
 _ENHANCED = "its enhanced strain has four more unknowns"
 _14 = "it is integrated at 14 points"
 
 
 def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -> ElementType:
-    """Return what a solid of Ansys becomes.
+    """Return the kind that a solid of Ansys becomes.
 
     Parameters
     ----------
     code : int
-        Such as 185.
-    kind : str
-        Of the shape that its nodes make: bricks may be wedges, pyramids and tetrahedra.
+        Number of the type, such as 185. kind : str Kind of the shape of its nodes: bricks may be
+        wedges, pyramids and tetrahedra.
     options : iterable of (int, int)
-        Its KEYOPTs, number and value; 0 if they are not given.
+        KEYOPTs, number and value; 0 if missing.
     """
     option = dict(options)
     if kind.startswith("pyramid"):
@@ -236,7 +235,7 @@ def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -
 ANSYS_BRICKS = {45: 8, 64: 8, 65: 8, 185: 8, 95: 20, 186: 20}
 ANSYS_TETRAHEDRA = {92: 10, 187: 10, 285: 4}
 ANSYS_SHELLS = (43, 63, 93, 181, 281)
-ANSYS_FACES = (152, 154)  # of loads
+ANSYS_FACES = (152, 154)  # surface elements of loads
 ANSYS_LINES = {4: BEAM, 44: BEAM, 188: BEAM, 189: BEAM, 8: TRUSS, 180: TRUSS}
 
 
@@ -250,7 +249,7 @@ def ansys_name(code: int) -> str:
 
 
 def ansys(code: int, kind: str, options: Mapping[int, int]) -> ElementType:
-    """Return what an element of Ansys becomes, see `ansys_solid`."""
+    """Return the kind that an element of Ansys becomes, see `ansys_solid`."""
     if code in ANSYS_SHELLS:
         return ElementType(kind, replaced=SHELL)
     if code in ANSYS_FACES:

@@ -1,4 +1,4 @@
-"""read_mesh: which reader reads which file."""
+"""read_mesh: choice of the reader of a file."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from jousto.mesh.readers.raw import RawMesh
 log = logging.getLogger(__name__)
 
 
-# text of meshes is packed to a fifth or tenth of its size
+# text meshes are compressed to a fifth or tenth of their size
 MOST_PACKED = 100
 LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
 _MESHED = (
     "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
     " jo.mesh_cad(path, size=...)"
 )
-# files that people try, and what to do with them
+# other files, and the remedy
 _STRANGE = (
     (rb"\AISO-10303-21", _MESHED % ("STEP", "step", "step")),
     (rb"\A(DBRep_DrawableShape|CASCADE Topology)", _MESHED % ("BREP", "brep", "brep")),
-    (rb"\A.{72}S *0*1\s", "an IGES file, which holds faces and no solid: export STEP instead"),
+    (rb"\A.{72}S *0*1\s", "an IGES file, which contains faces but no solid: export STEP instead"),
     (rb"\A\s*solid\b[\s\S]*facet", "an STL surface: fill it with elements in a mesher first"),
     (rb"\APK\x03\x04", "a ZIP archive: unpack it first"),
     (rb"\A\s*<(!DOCTYPE html|html)", "a web page: download the file itself"),
@@ -44,12 +44,12 @@ _STRANGE = (
 
 @explained
 def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None = None) -> Mesh:
-    """Return the mesh of a file.
+    """Return the mesh in a file.
 
-    Read are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran ``.bdf .nas .fem``,
-    ``.med``, VTK ``.vtk .vtu``, universal files ``.unv`` and Ansys ``.cdb`` (extra ``ansys``); a
-    ``.gz`` may follow. Other suffixes are judged by their content. The order and the numbers of
-    nodes and elements and the names of sets stay as they are in the file.
+    The supported formats are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran
+    ``.bdf .nas .fem``, ``.med``, VTK ``.vtk .vtu``, universal files ``.unv`` and Ansys ``.cdb``
+    (extra ``ansys``); a ``.gz`` may follow. Files with other suffixes are recognised by their
+    content. Order and numbers of nodes and elements and the names of sets are those of the file.
 
     Parameters
     ----------
@@ -58,24 +58,24 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     unit : {"m", "mm", "cm", "in", "ft", "um"}
         Unit of the coordinates in the file; mesh files have none.
     name : str, optional
-        Name of the mesh; the file's name if not given.
+        Name of the mesh; None for the name of the file.
 
     Raises
     ------
     InputError
-        If the file is missing, empty, cut off, damaged, of another kind than its suffix, or
-        holds elements that are not read.
+        If the file is missing, empty, truncated, damaged, of another kind than its suffix, or
+        contains unsupported elements.
 
     Warns
     -----
     JoustoWarning
-        Of what the file has and the mesh does not: point masses, springs, elements of other
-        kinds; of a unit of length in the file that differs from the one given.
+        With the ignored content of the file: point masses, springs, elements of other kinds; and if
+        the file contains another unit of length than the given one.
 
     See Also
     --------
     mesh_cad : Mesh a CAD file.
-    Mesh.check : What is wrong or doubtful about the mesh.
+    Mesh.check : Errors and doubtful points of the mesh.
 
     Examples
     --------
@@ -94,7 +94,9 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     if raw.length is not None and not math.isclose(raw.length, factor, rel_tol=1e-6):
         said = next((u for u, f in LENGTHS.items() if math.isclose(f, raw.length)), None)
         remedy = f"; give unit='{said}'" if said else ""
-        warn(where, f"says that its unit of length is {raw.length:.6g} m, read in {unit}{remedy}")
+        warn(
+            where, f"contains the unit of length {raw.length:.6g} m, but is read in {unit}{remedy}"
+        )
     log.info("%s: %s", where, mesh)
     return mesh
 
@@ -109,7 +111,7 @@ def _read(form: Format, path: Path) -> RawMesh:
 
 
 def exists(path: Path) -> None:
-    """Raise if there is no such file, with the nearest name in its folder."""
+    """Raise InputError if the file does not exist; the message suggests the most similar name."""
     check_input(path)
     if not path.is_file():
         near = [file.name for file in path.parent.glob("*")] if path.parent.is_dir() else []
@@ -118,7 +120,7 @@ def exists(path: Path) -> None:
 
 
 def which(path: Path) -> Format:
-    """Return the format of a file by suffix and content, or raise if they contradict."""
+    """Return the format of a file by suffix and content; raise InputError if they contradict."""
     where = path.name
     with open(path, "rb") as file:
         head = file.read(HEAD)
@@ -133,7 +135,7 @@ def which(path: Path) -> Format:
     inside = next((fmt for fmt in FORMATS if fmt.begins(head)), None)
     if named is None and inside is None:
         known = f"{' '.join(MESHES)}; CAD files to be meshed: {' '.join(CAD)}"
-        raise InputError(Problem(where, f"is of no kind that is read; known: {known}"))
+        raise InputError(Problem(where, f"has no supported format; known: {known}"))
     if named is None:
         assert inside is not None
         return inside
@@ -144,7 +146,7 @@ def which(path: Path) -> Format:
     raise InputError(
         Problem(
             where,
-            f"is named like {named.name} but holds {inside.name}; rename it to"
+            f"has the suffix of {named.name} but contains {inside.name}; rename it to"
             f" '{path.stem}{inside.suffixes[0]}'",
         )
     )
@@ -159,7 +161,7 @@ def unit_factor(where: str, unit: str) -> float:
 
 
 def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:
-    """Read a file compressed by gzip through an unpacked copy."""
+    """Read a file compressed by gzip, by way of an unpacked copy."""
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -173,8 +175,8 @@ def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:
                         raise InputError(
                             Problem(
                                 path.name,
-                                f"unpacks to more than {MOST_PACKED} times its size, as no mesh "
-                                "does; unpack it yourself if that is right",
+                                f"unpacks to more than {MOST_PACKED} times its size, which is "
+                                f"suspicious for a mesh; unpack it yourself if it is right",
                             )
                         )
         except (OSError, EOFError) as error:

@@ -1,4 +1,4 @@
-"""Abaqus and CalculiX input files (.inp): nodes, elements, sets, surfaces, materials' names."""
+"""Abaqus and CalculiX input files (.inp): nodes, elements, sets, surfaces, material names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jousto.mesh.readers.inp_sets import Names, add_set, add_surface
 from jousto.mesh.readers.inp_system import LocalSystem
 from jousto.mesh.readers.raw import RawCells, RawMesh, joined
 
-# what ties nodes to one another
+# keywords of ties between nodes
 _TIES = (
     *("COUPLING", "DISTRIBUTING COUPLING", "EMBEDDED ELEMENT", "EQUATION"),
     *("KINEMATIC COUPLING", "MPC", "RIGID BODY", "TIE"),
@@ -27,19 +27,19 @@ OUTSIDE = (
     *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "TEMPERATURE", "FIELD", "BASE MOTION"),
     *("INITIAL CONDITIONS", "PRE-TENSION SECTION", "INERTIA RELIEF"),
 )
-"""Keywords of supports, loads and starts, which are those of the machine."""
+"""Keywords of supports, loads and initial conditions, which are ignored."""
 
 _GENERATORS = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY")
 
 
 @dataclass
 class Deck:
-    """What an input file contains.
+    """Content of an input file.
 
     Attributes
     ----------
     raw : RawMesh
-        Nodes, elements and sets of all instances, numbered so that no two share a number.
+        Nodes, elements and sets of all instances, with unique numbers.
     sections : list of (str, Block, Instance)
         Element set, keyword and instance of the sections of beams, shells and solids.
     others : list of Block
@@ -55,17 +55,17 @@ class Deck:
 
 
 def read_inp(path: Path) -> RawMesh:
-    """Return the mesh of an Abaqus or CalculiX input file as it is written there.
+    """Return the mesh of an Abaqus or CalculiX input file.
 
-    The own parser keeps what general libraries drop: numbers of nodes and elements, surfaces by
+    The parser keeps data that general libraries drop: numbers of nodes and elements, surfaces by
     element faces, sets of sets, names regardless of case, ``*SOLID SECTION``, instances of parts.
-    With several instances the names of their sets begin with theirs, ``A-1.corner``, and numbers of
-    the second one and those behind it are raised by a power of ten each.
+    With several instances the names of sets have the prefix of the instance, ``A-1.corner``, and a
+    power of ten is added to the numbers of each further instance.
 
     Raises
     ------
     InputError
-        If the file is not an input deck, or cut off, or makes nodes or elements from others
+        If the file is no input deck, or truncated, or generates nodes or elements from others
         (``*NGEN``, ``*ELCOPY`` ...).
     """
     deck = read_deck(path)
@@ -75,7 +75,7 @@ def read_inp(path: Path) -> RawMesh:
 
 
 def loads_left_out(deck: Deck, path: Path) -> str:
-    """Return a sentence that names supports and loads of a deck with their lines, or nothing."""
+    """Return the message about ignored supports and loads of a deck with their lines, or ''."""
     acting: dict[str, list[str]] = {}
     for other in deck.others:
         if other.keyword in OUTSIDE:
@@ -86,14 +86,11 @@ def loads_left_out(deck: Deck, path: Path) -> str:
     )
     if not names:
         return ""
-    return (
-        f"{names} not taken: supports and loads of a part are the joints and forces of the"
-        " machine, in the model file"
-    )
+    return f"{names} ignored: declare supports and loads as joints and forces in the model file"
 
 
 def read_deck(path: Path) -> Deck:
-    """Return the mesh of an input file with the keywords of its properties; see `read_inp`."""
+    """Return the mesh of an input file and the keywords of its properties; see `read_inp`."""
     deck, names = Deck(), Names()
     parts = assembly(blocks(path))
     found: list[tuple[Instance, Deck]] = []
@@ -106,7 +103,7 @@ def read_deck(path: Path) -> Deck:
         instance.shift = i * step
         _merge(deck.raw, own.raw, instance.shift)
         deck.masses += [(block, at + instance.shift) for block, at in own.masses]
-    # what belongs to no instance, such as reference points: numbers behind those of the instances
+    # nodes and elements of no instance, such as reference points: numbered after the instances
     model = Instance("", parts.model, shift=len(found) * step if found else 0)
     if len(found) == 1:
         _apart(deck.raw, names, parts)
@@ -114,7 +111,8 @@ def read_deck(path: Path) -> Deck:
     if not deck.raw.seen:
         raise InputError(
             Problem(
-                path.name, "holds neither *NODE nor *ELEMENT, so it is no Abaqus or CalculiX mesh"
+                path.name,
+                "contains neither *NODE nor *ELEMENT, so it is no Abaqus or CalculiX mesh",
             )
         )
     ties = dict.fromkeys(f"*{block.keyword}" for block in deck.others if block.keyword in _TIES)
@@ -124,7 +122,7 @@ def read_deck(path: Path) -> Deck:
     with open(path, "rb") as file:
         file.seek(-1, 2)
         if file.read(1) not in b"\r\n":
-            sentence = "does not end with a line end; is the file cut off?"
+            sentence = "does not end with a line end; the file may be truncated"
             deck.raw.left_out.append((path.name, sentence))
     return deck
 
@@ -158,11 +156,11 @@ def _read(
             system = LocalSystem.of(block)
         elif block.keyword in _GENERATORS:
             raise block.wrong(
-                "makes nodes or elements from others, which is not done here; export the full"
-                " mesh, every node under *NODE and every element under *ELEMENT"
+                "generates nodes or elements from others, which is not supported; export the "
+                "full mesh, every node under *NODE and every element under *ELEMENT"
             )
         elif not block.keyword and block.lines:
-            lost = f"'{block.lines[0][:40]}' stands below no *KEYWORD and is not read"
+            lost = f"'{block.lines[0][:40]}' is below no *KEYWORD and is ignored"
             raw.left_out.append((block.place, lost))
         elif block.keyword == "MASS":
             heavy.append(block)
@@ -181,7 +179,7 @@ def _read(
 
 
 def _merge(raw: RawMesh, own: RawMesh, shift: int) -> None:
-    """Add the mesh of an instance, its numbers raised."""
+    """Add the mesh of an instance with shifted numbers."""
     for nodes, here, there in (
         (True, own.node_sets, raw.node_sets),
         (False, own.element_sets, raw.element_sets),
@@ -204,7 +202,7 @@ def _merge(raw: RawMesh, own: RawMesh, shift: int) -> None:
 
 
 def _apart(raw: RawMesh, names: Names, parts: Assembly) -> None:
-    """Name sets of the only instance ``A-1.corner`` where the assembly has a set of that name."""
+    """Rename sets of the only instance to ``A-1.corner`` if the assembly has a set of that name."""
     (instance,) = parts.instances
     kinds = {"NSET": (raw.node_sets, "NSET"), "ELSET": (raw.element_sets, "ELSET")}
     for block in parts.model:
@@ -247,8 +245,8 @@ def _elements(block: Block, raw: RawMesh, names: Names, instance: Instance) -> N
     values = block.whole(block.tokens)
     if len(values) % wide:
         raise block.wrong(
-            f"{len(values)} numbers do not make whole {etype} elements of {wide} numbers each;"
-            " is the file cut off?"
+            f"{len(values)} numbers do not make whole {etype} elements of {wide} numbers each; "
+            f"the file may be truncated"
         )
     table = values.reshape(-1, wide) + instance.shift
     nodes, ids = table[:, 1:], table[:, 0]
@@ -261,13 +259,13 @@ def _elements(block: Block, raw: RawMesh, names: Names, instance: Instance) -> N
 
 
 def _check_lines(block: Block, etype: str, wide: int) -> None:
-    """Refuse an element with more numbers than it has nodes; the next would take what is left."""
+    """Raise InputError for an element with more numbers than nodes, which shifts the next."""
     held = 0
     for line in block.lines:
         words = len(line.replace(",", " ").split())
         held = words if held >= wide else held + words
         if held > wide:
             raise block.wrong(
-                f"'{line[:40]}' has too many numbers for a {etype}: number and"
-                f" {wide - 1} nodes; is the type right?"
+                f"'{line[:40]}' has too many numbers for a {etype}, which has its number and "
+                f"{wide - 1} nodes; check the type"
             )

@@ -1,4 +1,4 @@
-"""Parts and instances of Abaqus input files: where each stands, and its names and numbers."""
+"""Parts and instances of Abaqus input files: positions, names and numbers."""
 
 from __future__ import annotations
 
@@ -16,23 +16,21 @@ from jousto.mesh.readers.inp_blocks import Block, real
 
 @dataclass
 class Instance:
-    """A part where it stands: ``x' = R (x + t - a) + a``.
+    """Instance of a part at its position: ``x' = R (x + t - a) + a``.
 
     Attributes
     ----------
     name : str
     blocks : list of Block
-        Those of its part and its own.
+        Blocks of its part and of the instance.
     move : (3,) ndarray
-        Translation t, first.
-    turn : (3, 3) ndarray
-        Rotation R, then.
+        Translation t, applied first. turn : (3, 3) ndarray Rotation R, applied second.
     about : (3,) ndarray
-        A point a of its axis.
+        Point a of the axis of rotation.
     shift : int
-        What is added to its numbers of nodes and elements.
+        Number added to its node and element numbers.
     prefix : str
-        What stands before its names: ``A-1.``; empty where there is one instance.
+        Prefix of its names: ``A-1.``; empty for a single instance.
     """
 
     name: str
@@ -64,27 +62,27 @@ class Instance:
         if len(numbers) > 1:
             a, b, angle = numbers[1][:3], numbers[1][3:6], numbers[1][6]
             if not np.linalg.norm(b - a) > 0.0:
-                raise block.wrong("the two points of its axis are one")
+                raise block.wrong("the two points of its axis coincide")
             self.about = a
             self.turn = exp_rotation(np.radians(angle) * (b - a) / np.linalg.norm(b - a))
 
 
 @dataclass
 class Assembly:
-    """What a deck consists of: instances and what belongs to none.
+    """Content of a deck: instances, and blocks of no instance.
 
     Attributes
     ----------
     instances : list of Instance
     model : list of Block
-        All else, in order; sets of it may refer to the instances.
+        Other blocks, in order; their sets may refer to the instances.
     """
 
     instances: list[Instance]
     model: list[Block]
 
     def find(self, block: Block, name: str) -> Instance:
-        """Return the instance of a name, or raise."""
+        """Return the instance with a name, or raise InputError."""
         for instance in self.instances:
             if instance.name.upper() == name.upper():
                 return instance
@@ -92,7 +90,7 @@ class Assembly:
         raise block.wrong(f"there is no instance '{name}'{suggest(name, known)}")
 
     def split(self, word: str) -> tuple[Instance | None, str]:
-        """Return the instance and the rest of a word such as ``A-1.corner`` or ``A-1.17``."""
+        """Return instance and remainder of a word such as ``A-1.corner`` or ``A-1.17``."""
         for instance in self.instances:
             head = f"{instance.name}."
             if word.upper().startswith(head.upper()):
@@ -103,7 +101,7 @@ class Assembly:
 def assembly(blocks: Iterable[Block]) -> Assembly:
     """Return the instances of a deck with their blocks.
 
-    A deck without parts has no instances; parts without an instance stand where they are.
+    A deck without parts has no instances; parts without an instance are not moved.
 
     Raises
     ------
@@ -135,7 +133,7 @@ def assembly(blocks: Iterable[Block]) -> Assembly:
 def _instance(
     block: Block, parts: dict[str, list[Block]], found: Assembly, names: list[str]
 ) -> list[Block]:
-    """Add an instance and return the list for its own blocks."""
+    """Add an instance and return the list for its blocks."""
     name, part = block.text("NAME"), block.text("PART")
     if "LIBRARY" in block.parameters or "INSTANCE" in block.parameters:
         raise block.wrong("is taken from the results of another analysis; export its mesh")
@@ -157,5 +155,5 @@ def step_above(numbers: list[Ints]) -> int:
 
 
 def is_number(word: str) -> bool:
-    """Whether a word is a whole number."""
+    """Return whether a word is a whole number."""
     return re.fullmatch(r"[+-]?\d+", word) is not None

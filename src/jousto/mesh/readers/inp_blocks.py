@@ -1,4 +1,4 @@
-"""Keywords of Abaqus and CalculiX input files with their data lines, included files in place."""
+"""Keywords of Abaqus and CalculiX input files with their data lines, and included files."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_input
 from jousto.mesh.readers.raw import BIG
 
-# keywords whose INPUT names a file of data lines; of others it is a results file or such
+# keywords whose INPUT is a file of data lines; for others it is, for example, a results file
 _DATA_FILES = ("NODE", "ELEMENT", "NSET", "ELSET")
 # keywords whose blank data lines mean defaults
 _BLANK = ("BEAM GENERAL SECTION",)
-# files in one another; Abaqus allows five
+# depth of nested files; Abaqus allows five
 DEPTH = 10
 
 
 @dataclass
 class Block:
-    """One keyword with its parameters, its data lines and where it stands."""
+    """Keyword with its parameters, data lines and position in the file."""
 
     keyword: str
     parameters: dict[str, str]
@@ -44,12 +44,12 @@ class Block:
 
     @property
     def place(self) -> str:
-        """File and line."""
+        """File and line of the keyword."""
         return f"{self.path.name}:{self.number}"
 
     @property
     def where(self) -> str:
-        """Beginning of messages."""
+        """Prefix of messages."""
         return f"{self.place}: *{self.keyword}"
 
     def text(self, parameter: str) -> str:
@@ -69,7 +69,7 @@ class Block:
         ]
 
     def whole(self, words: list[str]) -> Ints:
-        """Return words as whole numbers, or raise."""
+        """Return words as whole numbers, or raise InputError."""
         try:
             return np.array(words, dtype=np.int64)
         except (ValueError, OverflowError):
@@ -79,26 +79,26 @@ class Block:
             plain = re.fullmatch(r"([+-]?\d+)(\.0*)?", word.strip())
             if plain is None or abs(int(plain[1][:25])) > BIG:
                 wrong = "is no whole number" if plain is None else "is too large for a number"
-                raise self.wrong(f"'{word[:25]}' {wrong}; is the file cut off or damaged?")
+                raise self.wrong(f"'{word[:25]}' {wrong}; the file may be truncated or damaged")
             numbers.append(int(plain[1]))
         return np.array(numbers, dtype=np.int64)
 
     def wrong(self, sentence: str) -> InputError:
-        """Return the error that says what is wrong with the block."""
+        """Return the error with a message about the block."""
         return InputError(Problem(self.where, sentence))
 
 
 def real(word: str) -> float:
-    """Return a number; blank means zero, Fortran's ``1.5D+00`` is one."""
+    """Return a number; blank means zero, and Fortran's ``1.5D+00`` is accepted."""
     word = word.strip()
     return float(re.sub(r"(?<=[\d.])[dD](?=[+-]?\d+$)", "e", word)) if word else 0.0
 
 
 def blocks(path: Path) -> Iterator[Block]:
-    """Yield the keyword blocks of a file; data before any keyword as one without a keyword.
+    """Yield the keyword blocks of a file; data before any keyword as a block without keyword.
 
-    The lines of an included file stand where ``*INCLUDE`` stands: data at its beginning continue
-    the keyword that is open, and its last keyword stays open behind it, as in Abaqus and CalculiX.
+    The lines of an included file replace ``*INCLUDE``: data at its beginning belong to the previous
+    keyword, and data after it to its last keyword, as in Abaqus and CalculiX.
 
     Raises
     ------
@@ -125,10 +125,10 @@ _Line = tuple[Path, int, str, bool]
 def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
     """Yield file, number, text and whether it is a keyword, with the lines of included files.
 
-    Keyword lines go on after a comma; they are joined to one.
+    Keyword lines that continue after a comma are joined to one line.
     """
     if len(above) > DEPTH:
-        raise InputError(Problem(path.name, "*INCLUDE goes round in circles"))
+        raise InputError(Problem(path.name, "**INCLUDE: a file includes itself"))
     above = (*above, path)
     begun, first = "", 0
     with open(path, encoding="latin-1") as file:
@@ -136,7 +136,7 @@ def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
             text = line.strip()
             if line.startswith("**") or (begun and not text):
                 continue
-            if begun and re.match(r"[-+.\d]", text):  # a comma too many, data follow
+            if begun and re.match(r"[-+.\d]", text):  # a superfluous comma, data follow
                 yield from _opened(begun.rstrip(","), first, above)
                 begun = ""
             if begun or text.startswith("*"):
@@ -152,17 +152,17 @@ def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
 
 
 def _opened(text: str, number: int, above: tuple[Path, ...]) -> Iterator[_Line]:
-    """Yield a keyword line, or what the file contains that it includes."""
+    """Yield a keyword line, or the lines of the file that it includes."""
     block = Block.of(text, above[-1], number)
     if block.keyword != "INCLUDE":
         yield above[-1], number, text, True
     target = block.text("INPUT")
     if block.keyword != "INCLUDE" and (not target or block.keyword not in _DATA_FILES):
         return
-    # beside the file that includes it or, as Abaqus and CalculiX do, where the deck is
+    # beside the including file or, as in Abaqus and CalculiX, beside the deck
     found = [file.parent / target for file in (above[-1], above[0])]
     inner = next((file for file in found if target and file.is_file()), None)
     if inner is None:
-        raise block.wrong(f"the included file '{target}' is not there; keep it beside")
+        raise block.wrong(f"the included file '{target}' does not exist; put it beside")
     check_input(inner)
     yield from _lines(inner, above)

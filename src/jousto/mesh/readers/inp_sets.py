@@ -15,7 +15,7 @@ _SIDE = re.compile(r"S(\d)$|(SPOS|SNEG|SP|SN)$", re.IGNORECASE)
 
 
 class Names:
-    """Names of sets as they were first spelt; Abaqus and CalculiX do not look at the case."""
+    """Set names in their first spelling; Abaqus and CalculiX ignore case."""
 
     def __init__(self) -> None:
         self.spelt: dict[str, str] = {}
@@ -84,7 +84,7 @@ def add_surface(
 def _title(block: Block, parameter: str, names: Names, instance: Instance) -> str:
     title = block.text(parameter)
     if not title:
-        raise block.wrong(f"has no name; write {parameter}=... behind it")
+        raise block.wrong(f"has no name; add {parameter}=...")
     return names(instance.prefix + title)
 
 
@@ -98,7 +98,7 @@ def _members(
     *,
     nodes: bool,
 ) -> Members | None:
-    """Return what a word names: a number or a set, perhaps of an instance; None if nothing."""
+    """Return the members of a word: a number or a set, also of an instance; None for nothing."""
     sets = raw.node_sets if nodes else raw.element_sets
     of, rest = parts.split(word)
     if is_number(word) or (of is not None and is_number(rest)):

@@ -14,14 +14,14 @@ from jousto.mesh.readers.raw import sensible
 
 @dataclass
 class LocalSystem:
-    """The rectangular system that holds for nodes: x = origin + axes x'."""
+    """Rectangular coordinate system of nodes: x = origin + axes x'."""
 
     origin: Array = field(default_factory=lambda: np.zeros(3))
     axes: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod
     def of(cls, block: Block) -> LocalSystem:
-        """Return what the points a (origin), b (on x') and c (in the plane x'y') say.
+        """Return the system from the points a (origin), b (on x') and c (in the plane x'y').
 
         Without c, z' is the global z and x' the projection of ab; without b, axes are global.
         """
@@ -41,7 +41,9 @@ class LocalSystem:
         z = np.cross(x, more[1] - a) if len(more) > 1 else np.array([0.0, 0.0, 1.0])
         x = x - z * (float(x @ z) / max(float(z @ z), float(np.finfo(np.float64).tiny)))
         if not (np.linalg.norm(x) > 0.0 and np.linalg.norm(z) > 0.0):
-            raise InputError(Problem(block.where, "its points lie on a line, which gives no axes"))
+            raise InputError(
+                Problem(block.where, "its points lie on a line, so that the axes are undefined")
+            )
         x, z = x / np.linalg.norm(x), z / np.linalg.norm(z)
         return cls(a, np.stack([x, np.cross(z, x), z], axis=1))
 
@@ -57,7 +59,7 @@ class LocalSystem:
             raise InputError(
                 Problem(
                     block.where,
-                    f"SYSTEM={found} is not read; export the nodes with SYSTEM=R (x, y, z) or"
+                    f"SYSTEM={found} is not supported; export the nodes with SYSTEM=R (x, y, z) or"
                     " SYSTEM=C (radius, degrees, z)",
                 )
             )

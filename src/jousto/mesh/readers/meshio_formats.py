@@ -18,7 +18,7 @@ from jousto.mesh.quality import volumes
 from jousto.mesh.readers.raw import Members, RawCells, RawMesh
 from jousto.mesh.readers.subprocess_reader import apart
 
-# whole-number arrays with up to this many values become sets
+# largest number of different values of whole-number arrays that become sets
 _VALUES = 64
 
 
@@ -30,12 +30,15 @@ def read_vtu(path: Path) -> RawMesh:
 def read_vtk(path: Path) -> RawMesh:
     """Return the mesh of a legacy VTK file; see :func:`read_vtu`."""
     mesh = _load(path, "vtk")
-    # meshio takes what it finds of a file that is cut off
+    # meshio reads truncated files without an error
     told = re.search(rb"^CELL_TYPES\s+(\d+)", path.read_bytes(), re.MULTILINE)
     found = sum(len(block.data) for block in mesh.cells)
     if told and int(told[1]) > found:
         raise InputError(
-            Problem(path.name, f"announces {int(told[1])} cells but holds {found}; it is cut off")
+            Problem(
+                path.name,
+                f"announces {int(told[1])} cells but contains {found}; the file is truncated",
+            )
         )
     return _with_data(path, mesh)
 
@@ -65,7 +68,7 @@ def read_med(path: Path) -> RawMesh:
 def _with_data(path: Path, mesh: Any) -> RawMesh:
     raw = _plain(path, mesh)
     _mirror(raw, only="wedge")
-    # numbers of nodes and elements by the names that programs give them
+    # numbers of nodes and elements, by the array names of various programs
     for title, values in mesh.point_data.items():
         _sets(raw.node_sets, title, [np.asarray(values)], [raw.node_ids[0]])
     for title, parts in mesh.cell_data.items():
@@ -75,7 +78,7 @@ def _with_data(path: Path, mesh: Any) -> RawMesh:
 
 
 def _sets(sets: dict[str, Members], title: str, values: list[Any], ids: list[Ints]) -> None:
-    """Make sets of data that hold few whole numbers."""
+    """Create sets from data with few different whole numbers."""
     if not values or any(v.ndim != 1 or v.dtype.kind not in "iu" for v in values):
         return
     every = np.unique(np.concatenate(values))
@@ -91,7 +94,7 @@ def _sets(sets: dict[str, Members], title: str, values: list[Any], ids: list[Int
 
 
 def load_meshio() -> Any:
-    """Return the package meshio; its table of dimensions lacks the wedge of 15 nodes."""
+    """Return the package meshio, with the 15-node wedge added to its table of dimensions."""
     import meshio
 
     with contextlib.suppress(ImportError):
@@ -102,7 +105,7 @@ def load_meshio() -> Any:
 
 
 def _load(path: Path, form: str) -> Any:
-    """Return meshio's mesh; whatever goes wrong there becomes one sentence."""
+    """Return meshio's mesh; any error becomes one message."""
     try:
         meshio = load_meshio()
     except ImportError:
@@ -110,14 +113,16 @@ def _load(path: Path, form: str) -> Any:
             Problem(path.name, f"a .{form} file needs the package meshio: pip install meshio")
         ) from None
     if form == "med":  # HDF5 may crash on damaged files
-        found = apart(path, f"{__name__}:med_arrays", "the file is likely damaged: export it again")
+        found = apart(
+            path, f"{__name__}:med_arrays", "the file is probably damaged: export it again"
+        )
         cells = [SimpleNamespace(type=kind, data=data) for kind, data in found.pop("cells")]
         return SimpleNamespace(**found, cells=cells)
     return _loaded(meshio, path, form)
 
 
 def med_arrays(path: Path) -> dict[str, Any]:
-    """Return what meshio finds in a MED file; runs in a process of its own."""
+    """Return the content of a MED file read by meshio; runs in a separate process."""
     mesh = _loaded(load_meshio(), path, "med")
     return {
         "points": mesh.points,
@@ -132,7 +137,7 @@ def med_arrays(path: Path) -> dict[str, Any]:
 def _loaded(meshio: Any, path: Path, form: str) -> Any:
     heard = io.StringIO()
     try:
-        # meshio prints its complaints and leaves the program
+        # meshio prints its messages and exits
         with contextlib.redirect_stdout(heard), contextlib.redirect_stderr(heard):
             return meshio.read(path, file_format=form)
     except SystemExit:
@@ -142,7 +147,8 @@ def _loaded(meshio: Any, path: Path, form: str) -> Any:
     raise InputError(
         Problem(
             path.name,
-            f"cannot be read as a .{form} file; is it cut off or damaged? (meshio: {said[:200]})",
+            f"cannot be read as a .{form} file; it may be truncated or damaged (meshio: "
+            f"{said[:200]})",
         )
     )
 
@@ -182,10 +188,10 @@ def _plain(path: Path, mesh: Any) -> RawMesh:
 
 
 def _mirror(raw: RawMesh, only: str = "") -> None:
-    """Turn elements that are all inside out because the format counts the other way round.
+    """Mirror elements of negative volume if all have it, because of the format's node order.
 
-    MED lists the nodes of all solids so that their volumes come out negative, VTK those of linear
-    wedges; files of programs that do not do so are left as they are.
+    The node order of MED leads to negative volumes of all solids, that of VTK for linear wedges;
+    files of programs with another order are left unchanged.
     """
     nodes = raw.nodes[0]
     for block in raw.cells:

@@ -14,7 +14,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.mesh.cells import KINDS
 from jousto.mesh.readers.raw import RawCells, RawMesh
 
-# Gmsh's numbers of element kinds
+# element numbers of Gmsh
 KIND = {
     1: "line",
     2: "triangle",
@@ -32,9 +32,9 @@ KIND = {
     18: "wedge15",
     19: "pyramid13",
 }
-# kinds that are refused, with what to do
+# refused kinds, with the remedy
 _FULL = {10: "quad9", 12: "hexahedron27", 13: "wedge18", 14: "pyramid14"}
-# position in Gmsh's element of each node in VTK's order, where they differ
+# position in Gmsh's element of each node in VTK's order, if different
 ORDER = {
     "tetra10": [0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
     "hexahedron20": [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
@@ -51,14 +51,14 @@ def vtk_order(kind: str, nodes: Ints) -> Ints:
 def read_msh(path: Path) -> RawMesh:
     """Return the content of a Gmsh mesh file.
 
-    The own parser keeps the numbers of nodes and elements, which general libraries drop. Physical
+    The parser keeps the numbers of nodes and elements, which general libraries drop. Physical
     groups keep their names: volumes as element sets, surfaces as surfaces, curves and points as
     node sets; groups without a name are ``volume1``, ``surface2`` and so on.
 
     Raises
     ------
     InputError
-        If the file is cut off, of another version, or uses elements of full second order.
+        If the file is truncated, of another version, or uses elements of full second order.
     """
     data = path.read_bytes()
     head = re.match(rb"\s*\$MeshFormat\s+([\d.]+)\s+(\d)\s+(\d+)[ \t]*\r?\n", data)
@@ -66,7 +66,9 @@ def read_msh(path: Path) -> RawMesh:
         raise InputError(Problem(path.name, "does not begin with $MeshFormat: no Gmsh mesh"))
     version, binary = head[1].decode(), head[2] == b"1"
     if head[3] not in (b"4", b"8"):
-        raise InputError(Problem(path.name, f"says a data size of {head[3].decode()}, not 4 or 8"))
+        raise InputError(
+            Problem(path.name, f"has a data size of {head[3].decode()}, must be 4 or 8")
+        )
     reader = _Reader(path, data, binary, int(head[3]))
     if binary and data[head.end() : head.end() + 4] != b"\x01\0\0\0":
         raise InputError(Problem(path.name, "is a big-endian binary file; save it as text"))
@@ -77,7 +79,7 @@ def read_msh(path: Path) -> RawMesh:
     raise InputError(
         Problem(
             path.name,
-            f"is of Gmsh's format {version}; formats 2.2 and 4.1 are read: open the mesh in Gmsh"
+            f"has Gmsh's format {version}; formats 2.2 and 4.1 are supported: open the mesh in Gmsh"
             " and save it again",
         )
     )
@@ -96,14 +98,14 @@ class _Reader:
             self.names[int(dim), int(tag)] = name.decode(errors="replace")
 
     def section(self, name: str, needed: bool = True) -> bytes:
-        """Return what stands between $Name and $EndName."""
+        """Return the text between $Name and $EndName."""
         begin = re.search(rb"^\$%s[ \t]*\r?\n" % name.encode(), self.data, re.MULTILINE)
         end = self.data.rfind(b"$End%s" % name.encode())
         if begin is None or end < begin.end():
             if not needed and begin is None:
                 return b""
             where = self.path.name
-            found = "has no" if begin is None else "is cut off in"
+            found = "has no" if begin is None else "is truncated in"
             raise InputError(Problem(where, f"{found} ${name}; save the mesh in Gmsh again"))
         return self.data[begin.end() : end]
 
@@ -113,7 +115,7 @@ class _Reader:
         return _Binary(where, text, self.size) if self.binary else _Text(where, text)
 
     def group(self, dim: int, tag: int, ids: Ints) -> None:
-        """Note that elements belong to a physical group."""
+        """Store that elements belong to a physical group."""
         title = self.names.get((dim, tag), f"{_NAMES[dim]}{tag}")
         self.raw.element_sets.setdefault(title, []).append(ids)
 
@@ -211,7 +213,7 @@ class _Reader:
         n, rest = self._counted("Nodes", nodes)
         record = np.dtype([("id", "<i4"), ("x", "<f8", 3)])
         if len(rest) < n * record.itemsize:
-            raise InputError(Problem(self.path.name, "is cut off in $Nodes"))
+            raise InputError(Problem(self.path.name, "is truncated in $Nodes"))
         table = np.frombuffer(rest, dtype=record, count=n)
         self.raw.node_ids.append(table["id"].astype(np.int64))
         self.raw.nodes.append(table["x"].copy())
@@ -228,15 +230,17 @@ class _Reader:
             self._rows_2(code, rows[:, 0], rows[:, 1:], tags)
 
     def _counted(self, name: str, data: bytes) -> tuple[int, bytes]:
-        """Return the number in the first line of a binary section, and what follows."""
+        """Return the number in the first line of a binary section, and the bytes after it."""
         first, _, rest = data.partition(b"\n")
         if not first.strip().isdigit():
             where = f"{self.path.name}: ${name}"
-            raise InputError(Problem(where, "does not begin with a number; is the file damaged?"))
+            raise InputError(
+                Problem(where, "does not begin with a number; the file may be damaged")
+            )
         return int(first), rest
 
     def _rows_2(self, code: int, ids: Ints, rest: Ints, tags: int) -> None:
-        """Add elements of one kind: tags, the first of which is the group, then nodes."""
+        """Add elements of one kind: tags, of which the first is the group, then nodes."""
         kind = self.kind(code)
         dim = 0 if kind == "vertex" else 1 if "line" in kind else 2
         if kind not in ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8"):
@@ -245,7 +249,7 @@ class _Reader:
             for tag in np.unique(rest[:, 0]):
                 if tag:
                     self.group(dim, abs(int(tag)), ids[rest[:, 0] == tag])
-        # an element in two groups stands there twice
+        # an element in two groups is listed twice
         same = np.column_stack([ids, rest[:, tags:]])
         _, keep = np.unique(same, axis=0, return_index=True)
         keep = np.sort(keep)
@@ -253,17 +257,17 @@ class _Reader:
 
 
 def whole(where: str, values: NDArray[np.float64]) -> Ints:
-    """Return numbers read as text as whole ones, or raise."""
+    """Return numbers read from text as whole numbers, or raise InputError."""
     bad = values[~((values == np.round(values)) & (np.abs(values) < 2.0**53))]
     if len(bad):
         raise InputError(
-            Problem(where, f"'{bad[0]:g}' is no whole number in range; is the file damaged?")
+            Problem(where, f"'{bad[0]:g}' is no whole number in range; the file may be damaged")
         )
     return values.astype(np.int64)
 
 
 class _Text:
-    """Numbers of a section written as text, taken one group after another."""
+    """Numbers of a section written as text, read one group after another."""
 
     def __init__(self, where: str, data: bytes) -> None:
         self.where, self.at = where, 0
@@ -271,7 +275,7 @@ class _Text:
             self.values = np.array(data.split(), dtype=np.float64)
         except ValueError:
             raise InputError(
-                Problem(where, "holds something that is no number; is the file damaged?")
+                Problem(where, "contains a word that is no number; the file may be damaged")
             ) from None
 
     def floats(self, n: int) -> NDArray[np.float64]:
@@ -290,15 +294,17 @@ class _Text:
         if self.at != len(self.values):
             extra = len(self.values) - self.at
             raise InputError(
-                Problem(self.where, f"holds {extra} numbers too many; is the file damaged?")
+                Problem(
+                    self.where, f"contains {extra} superfluous numbers; the file may be damaged"
+                )
             )
 
     def cut_off(self) -> Any:
-        raise InputError(Problem(self.where, "ends too early; is the file cut off?"))
+        raise InputError(Problem(self.where, "ends too early; the file is truncated"))
 
 
 class _Binary:
-    """Numbers of a binary section, taken one group after another."""
+    """Numbers of a binary section, read one group after another."""
 
     def __init__(self, where: str, data: bytes, size: np.dtype[Any]) -> None:
         self.where, self.data, self.at, self.size = where, data, 0, size
@@ -307,7 +313,7 @@ class _Binary:
         kind = np.dtype(dtype)
         end = self.at + n * kind.itemsize
         if n < 0 or end > len(self.data):
-            raise InputError(Problem(self.where, "ends too early; is the file cut off?"))
+            raise InputError(Problem(self.where, "ends too early; the file is truncated"))
         out = np.frombuffer(self.data, dtype=kind, count=n, offset=self.at)
         self.at = end
         return out

@@ -1,4 +1,4 @@
-"""Nastran bulk data files (.bdf, .nas): grid points in their coordinate systems, elements, sets."""
+"""Nastran bulk data files (.bdf, .nas): grid points in coordinate systems, elements, sets."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.mesh.readers.bulk import Card, cards
 from jousto.mesh.readers.element_types import NASTRAN, SHELL, ElementType, nastran_solid
 from jousto.mesh.readers.raw import Members, RawCells, RawMesh, joined, sensible
 
-# card -> (kind with corners only, kind with midside nodes)
+# card -> (kind with corners only, kind with mid-side nodes)
 _SOLIDS = {
     "CTETRA": ("tetra", "tetra10"),
     "CHEXA": ("hexahedron", "hexahedron20"),
@@ -33,13 +33,13 @@ _SHELLS = {
     "CQUAD8": ("quad", "quad8"),
 }
 _LINES = {"CROD": 2, "CBAR": 2, "CBEAM": 2, "CTUBE": 2, "CONROD": 1}  # first field of the nodes
-# nastran lists the midside nodes of the upright edges before those of the top
+# Nastran lists the mid-side nodes of the upright edges before those of the top
 _ORDER = {
     "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
 }
 _THIN = ("PSHELL", "PCOMP", "PSHEAR", "PBAR", "PBEAM", "PROD", "PTUBE")
-# cards that say nothing about the mesh or its mass
+# cards without effect on the mesh or its mass
 _SILENT = re.compile(
     r"(PARAM|MAT|P[A-Z]|SPC|FORCE|MOMENT|LOAD|GRAV|EIG|TABLE|TSTEP|FREQ|PLOTEL|DMIG|SPOINT|ASET"
     r"|BSET|CSET|QSET|USET|SUPORT|DLOAD|RLOAD|TLOAD|DAREA|DELAY|DPHASE|TEMP|MPCADD|NSM|CORD|SET"
@@ -47,24 +47,24 @@ _SILENT = re.compile(
 )
 
 
-# what to do about cards that are not read
+# remedies for unsupported cards
 _REMEDIES = (
     (r"CONM|CMASS", "; give point masses to Part.solid"),
     (
         r"MPC|RBAR|RBE1|RROD|RTRPLT|RSPLINE|RJOINT",
         ": the nodes are not tied; tie them by an Interface of the part",
     ),
-    (r"", ": nothing of them gets into the mesh"),
+    (r"", ": they are ignored in the mesh"),
 )
 
 
 def read_bulk(path: Path) -> RawMesh:
-    """Return the mesh of a Nastran bulk data file as it is written there.
+    """Return the mesh of a Nastran bulk data file.
 
-    Read are GRID in coordinate systems CORD1R/C/S and CORD2R/C/S, CTETRA, CHEXA, CPENTA and CPYRAM
-    with or without all their midside nodes, shells and lines for drawing, SET1, and the nodes of
-    RBE2 and RBE3 as the node sets ``rbe2_<number>``. Properties become element sets
-    ``pid<number>``, their materials ``mat<number>``. The own parser keeps numbers and coordinate
+    Supported are GRID in coordinate systems CORD1R/C/S and CORD2R/C/S, CTETRA, CHEXA, CPENTA and
+    CPYRAM with or without all their midside nodes, shells and lines for drawing, SET1, and the
+    nodes of RBE2 and RBE3 as the node sets ``rbe2_<number>``. Properties become element sets
+    ``pid<number>``, their materials ``mat<number>``. The parser keeps numbers and coordinate
     systems, which general libraries drop.
 
     Warns
@@ -84,7 +84,7 @@ def read_bulk(path: Path) -> RawMesh:
     networks: dict[int, tuple[str, str]] = {}  # IN and ISOP of PSOLID
     thin = set[
         int
-    ]()  # properties of shells, beams and rods; Gmsh names surfaces by shells without one
+    ]()  # properties of shells, beams and rods; Gmsh names surfaces by shells without a property
     properties: dict[int, list[int]] = {}
     materials: dict[int, int] = {}
     numbers: list[tuple[Card, Members]] = []
@@ -98,7 +98,7 @@ def read_bulk(path: Path) -> RawMesh:
             points.append((card.whole(0), cp, *xyz))
         elif name == "GRDSET":
             if default not in (None, card.whole(1, 0)):
-                problems.add(card.where, "stands there twice with different systems; keep one")
+                problems.add(card.where, "is defined twice with different systems; remove one")
             default = card.whole(1, 0)
         elif name in _SOLIDS or name in _SHELLS:
             kind, nodes = _element(card, problems, partial)
@@ -122,12 +122,14 @@ def read_bulk(path: Path) -> RawMesh:
     problems.raise_if_any()
     if not points:
         raise InputError(
-            Problem(path.name, "holds no GRID entries; is it a bulk data file, and complete?")
+            Problem(
+                path.name, "contains no GRID entries; check that it is a complete bulk data file"
+            )
         )
 
     ids = np.array([p[0] for p in points])
     raw.node_ids.append(ids)
-    # blank fields of GRID are those of GRDSET, 0 is the basic system
+    # blank fields of GRID have the values of GRDSET; 0 is the basic system
     points = [(p[0], (default or 0) if p[1] == -1 else p[1], *p[2:]) for p in points]
     raw.nodes.append(_positions(path, points, systems))
     for kind, rows in elements.items():
@@ -152,7 +154,7 @@ def read_bulk(path: Path) -> RawMesh:
         _add_set(raw, card, found, ids)
     text = path.read_text(encoding="latin-1").upper()
     if "BEGIN BULK" in text and "ENDDATA" not in text:
-        raw.left_out.append((path.name, "has no ENDDATA; is the file cut off?"))
+        raw.left_out.append((path.name, "has no ENDDATA; the file may be truncated"))
     if partial:
         names = some([f"{n} {name}" for name, n in partial.items()])
         raw.left_out.append((path.name, f"{names} lack some midside nodes: read by their corners"))
@@ -183,16 +185,18 @@ def _element(card: Card, problems: Problems, partial: Counter[str]) -> tuple[str
         problems.add(
             card.where,
             f"element {card.field(0)} has {len(given)} of {len(middle)} midside"
-            " nodes; export with all of them or with none (is the file cut off?)",
+            " nodes; export with all of them or with none (the file may be truncated)",
         )
     return low, corners
 
 
 def _type(card: Card, kind: str, networks: dict[int, tuple[str, str]]) -> ElementType:
-    """Return what an element becomes, with the integration that its PSOLID asks for."""
+    """Return the kind that an element becomes, with the integration of its PSOLID."""
     if card.name in _SOLIDS and not kind.startswith("pyramid"):
         return nastran_solid(card.name, KINDS[kind], *networks.get(card.whole(1, 0), ("", "")))
-    known = NASTRAN.get((card.name, KINDS[kind]))  # shells without midside nodes are not listed
+    known = NASTRAN.get(
+        (card.name, KINDS[kind])
+    )  # shells without mid-side nodes are not in the table
     return known or ElementType(kind, replaced=SHELL)
 
 
@@ -232,7 +236,7 @@ def _members(card: Card) -> Members:
 
 
 def _add_set(raw: RawMesh, card: Card, members: Members, nodes: Ints) -> None:
-    """Add the nodes of a rigid element, or a set, to the nodes or elements that it means."""
+    """Add the nodes of a rigid element, or of a set, to the node or element sets."""
     elements = raw.numbers(nodes=False)
     sets = raw.node_sets if _of_nodes(members, nodes, elements) else raw.element_sets
     if card.name == "SET1" and sets is raw.element_sets:
@@ -240,14 +244,14 @@ def _add_set(raw: RawMesh, card: Card, members: Members, nodes: Ints) -> None:
         lost = single[~np.isin(single, elements)]
         if len(lost):
             names = some([str(i) for i in lost])
-            raw.left_out.append((card.where, f"{names} is no node and no element that is read"))
+            raw.left_out.append((card.where, f"{names} is neither a node nor a supported element"))
         if not np.isin(joined(members, elements), elements).any():
             return
     sets.setdefault(_title(card), []).extend(members)
 
 
 def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
-    """Tell whether a set that does not say so is one of nodes: they are all there."""
+    """Return whether an undeclared set is one of nodes: all its members are nodes."""
     ends = [i for part in members if isinstance(part, range) for i in (part[0], part[-1])]
     single = np.concatenate([part for part in members if not isinstance(part, range)])
     if not np.all(np.isin(single, nodes)) or np.all(np.isin(ends, nodes)):
@@ -259,7 +263,7 @@ def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
 
 
 def _system(card: Card, systems: dict[int, Card]) -> None:
-    """Note the coordinate systems of a card; CORD1x may hold two."""
+    """Store the coordinate systems of a card; CORD1x may contain two."""
     if card.name[:5] == "CORD1":
         for first in (0, 4):
             if card.field(first):
@@ -308,7 +312,10 @@ def _positions(
     def position(number: int, above: tuple[int, ...]) -> Array:
         if number not in place:
             raise InputError(
-                Problem(path.name, f"a coordinate system stands on grid point {number}: not there")
+                Problem(
+                    path.name,
+                    f"a coordinate system refers to grid point {number}, which does not exist",
+                )
             )
         i = place[number]
         x: Array = _basic(local[i : i + 1], *frame(int(cp[i]), above))[0]
@@ -321,7 +328,7 @@ def _positions(
 
 
 def _basic(x: Array, kind: str, origin: Array, axes: Array) -> Array:
-    """Return coordinates (n, 3) of a rectangular, cylindrical or spherical system as positions."""
+    """Return positions (n, 3) from rectangular, cylindrical or spherical coordinates."""
     a, b, c = x.T
     if kind == "C":
         x = np.stack([a * np.cos(np.radians(b)), a * np.sin(np.radians(b)), c], axis=1)

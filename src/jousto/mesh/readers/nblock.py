@@ -1,4 +1,4 @@
-"""Nodes of Ansys archives: NBLOCK, whose lines have the widths that a Fortran format gives."""
+"""Nodes of Ansys archives: NBLOCK, with line fields of widths given by a Fortran format."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _END = re.compile(rb"^[ \t]*(-1[ \t]*\r?$|N,|[A-Z/*!])", re.I | re.M)
 
 
 def read_nblocks(path: Path, data: bytes) -> tuple[Ints, Array]:
-    """Return numbers (nn,) and positions (nn, 3) of the nodes of all NBLOCK of an archive.
+    """Return numbers (nn,) and positions (nn, 3) of the nodes in all NBLOCKs of an archive.
 
-    A line has as many numbers as its format says; zeros at its end may be left out, also all
+    The format defines the count of numbers in a line; zeros at the end may be left out, also all
     three coordinates of a node at the origin.
 
     Raises
     ------
     InputError
-        If a format is of another kind or a field holds no number, with its line.
+        If a format is of another kind or a field contains no number; the message has the line.
     """
     ids, positions = [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for found in _BLOCK.finditer(data):
@@ -55,7 +55,7 @@ def read_nblocks(path: Path, data: bytes) -> tuple[Ints, Array]:
 def _column(
     path: Path, first: int, lines: list[bytes], places: tuple[int, int], kind: type
 ) -> NDArray[Any]:
-    """Return the numbers that stand in the given places of all lines; 0 where they are left out."""
+    """Return the numbers at given positions of all lines; 0 if left out."""
     a, b = places
     words = [line[a:b].strip() or b"0" for line in lines]
     try:
@@ -64,7 +64,7 @@ def _column(
         i = next(i for i, word in enumerate(words) if not _is(kind, word))
         said = words[i].decode("latin-1")
         what = "whole number" if kind is int else "number"
-        sentence = f"'{said}' is no {what}; is the file cut off or damaged?"
+        sentence = f"'{said}' is no {what}; the file may be truncated or damaged"
         raise InputError(Problem(f"{path.name}:{first + i}", sentence)) from None
 
 

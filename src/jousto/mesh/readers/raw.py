@@ -1,4 +1,4 @@
-"""What a mesh file says, by the file's own numbers, and how it becomes a Mesh."""
+"""Content of a mesh file in the numbering of the file, and its conversion to a Mesh."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from jousto.mesh.quality import volumes
 from jousto.mesh.readers.element_types import ElementType
 from jousto.mesh.surface import face_kind
 
-# coordinates and numbers of nodes and elements beyond these are damage
+# limits of coordinates and numbers of nodes and elements; beyond, the file is damaged
 FAR = 1e12
 BIG = 2**62
 
-# numbers one by one, or a range of which those count that are there
+# single numbers, or a range of which only existing numbers count
 Members = list[Ints | range]
 
 
 @dataclass
 class RawCells:
-    """Elements of one kind by the numbers of the file."""
+    """Elements of one kind in the numbering of the file."""
 
     kind: str
     nodes: Ints  # (ne, k) node numbers
@@ -38,7 +38,7 @@ class RawCells:
 
 @dataclass
 class RawMesh:
-    """Collects what a reader finds; nodes in the file's unit, everything by the file's numbers."""
+    """Data collected by a reader; nodes in the unit of the file, all numbers as in the file."""
 
     node_ids: list[Ints] = field(default_factory=list)
     nodes: list[Array] = field(default_factory=list)
@@ -49,21 +49,21 @@ class RawMesh:
     sides: dict[str, list[tuple[Ints, Ints]]] = field(default_factory=dict)
     # materials of element sets
     materials: dict[str, str] = field(default_factory=dict)
-    # what was left out: place and sentence
+    # ignored content: place and message
     left_out: list[tuple[str, str]] = field(default_factory=list)
-    # elements of kinds that are not read, by the name of their type
+    # elements of unsupported kinds, by the name of their type
     unread: Counter[str] = field(default_factory=Counter)
-    # whether the format lets nodes of solids be listed in either sense of rotation
+    # whether the format allows both node orders of solids
     either_sense: bool = False
-    # unit of length in m, where the file says one
+    # unit of length in m, if the file contains one
     length: float | None = None
-    # elements that are not quite what the file says, by type and what they become
+    # elements that differ from those of the file, by type and replacement
     replaced: Counter[tuple[str, ElementType]] = field(default_factory=Counter)
-    # whether the file has nodes or elements at all
+    # whether the file has nodes and elements
     seen: bool = False
 
     def note(self, name: str, found: ElementType, number: int) -> None:
-        """Note elements of a type of the file that is replaced by another."""
+        """Store elements of a type of the file that is replaced by another."""
         if found.replaced:
             self.replaced[name, found] += number
 
@@ -73,7 +73,7 @@ class RawMesh:
         return np.concatenate([np.zeros(0, np.int64), *parts])
 
     def build(self, where: str, name: str, factor: float) -> Mesh:
-        """Return the mesh in m, or raise with everything that does not fit together."""
+        """Return the mesh in m, or raise InputError with all inconsistencies."""
         problems = Problems()
         ids, nodes = self._all_nodes(problems, where)
         index = Numbers(ids)
@@ -87,8 +87,8 @@ class RawMesh:
                 wrong = len(np.unique(missing[:, 0]))
                 problems.add(
                     where,
-                    f"element {block.ids[i]} needs node {block.nodes[i, j]}, which the file does"
-                    f" not hold ({count(wrong, 'element')} like that); is the file complete?",
+                    f"element {block.ids[i]} needs node {block.nodes[i, j]}, which the file does "
+                    f"not contain ({count(wrong, 'element')} like that); is it complete?",
                 )
             else:
                 if self.either_sense:
@@ -101,12 +101,13 @@ class RawMesh:
             raise InputError(
                 Problem(
                     where,
-                    f"holds elements of type {types} only, which are not read; read are "
-                    f"{' '.join(SOLIDS)}, besides shells, beams and trusses for their names",
+                    f"contains only elements of type {types}, which are not supported; supported "
+                    f"are "
+                    f"{' '.join(SOLIDS)}, and, for names only, shells, beams and trusses",
                 )
             )
         if not blocks:
-            raise InputError(Problem(where, "holds no elements; is the file complete?"))
+            raise InputError(Problem(where, "contains no elements; the file may be incomplete"))
 
         node_sets = {}
         for title, parts in self.node_sets.items():
@@ -114,7 +115,9 @@ class RawMesh:
             at = index(members)
             if np.any(at < 0):
                 lost = some([str(i) for i in members[at < 0]])
-                problems.add(where, f"node set '{title}' holds node {lost}, which is not there")
+                problems.add(
+                    where, f"node set '{title}' contains node {lost}, which does not exist"
+                )
             node_sets[title] = np.unique(at[at >= 0])
         problems.raise_if_any()
         elements, surfaces, more = self._element_sets(blocks)
@@ -126,28 +129,28 @@ class RawMesh:
 
     def _all_nodes(self, problems: Problems, where: str) -> tuple[Ints, Array]:
         if not self.node_ids or not sum(len(part) for part in self.node_ids):
-            raise InputError(Problem(where, "holds no nodes; is the file complete?"))
+            raise InputError(Problem(where, "contains no nodes; the file may be incomplete"))
         ids, nodes = np.concatenate(self.node_ids), np.concatenate(self.nodes)
         values, first, number = np.unique(ids, return_index=True, return_counts=True)
         if np.any(number > 1):
-            # the same node said twice at one place is harmless
+            # a node that is repeated at the same position is harmless
             order = np.argsort(ids, kind="stable")
             again = np.flatnonzero(np.diff(ids[order]) == 0)
             apart = nodes[order[again]] != nodes[order[again + 1]]
             wrong = np.unique(ids[order[again[apart.any(axis=1)]]])
             if len(wrong):
                 names = some([str(i) for i in wrong])
-                problems.add(where, f"node {names} stands there twice, at different places")
+                problems.add(where, f"node {names} is defined twice, at different positions")
             keep = np.sort(first)
             ids, nodes = ids[keep], nodes[keep]
         bad = ids[~(np.abs(nodes) < FAR).all(axis=1)]
         if len(bad):
-            problems.add(where, f"node {some([str(i) for i in bad])} has no sensible position")
+            problems.add(where, f"node {some([str(i) for i in bad])} has a position out of range")
         problems.raise_if_any()
         return ids, nodes
 
     def _twice(self, problems: Problems, where: str) -> None:
-        """Note numbers of two elements: sets and materials could mean either."""
+        """Report numbers of two elements, for which sets and materials are ambiguous."""
         ids = self.numbers(nodes=False)
         values, number = np.unique(ids, return_counts=True)
         wrong = values[number > 1]
@@ -157,8 +160,8 @@ class RawMesh:
             names = some([str(i) for i in wrong])
             problems.add(
                 where,
-                f"number {names} belongs to more than one element, so that sets and materials are"
-                " not clear; export with each number once",
+                f"number {names} belongs to more than one element, so that sets and materials are "
+                f"ambiguous; export with unique numbers",
             )
 
     def _by_material(self) -> list[RawCells]:
@@ -187,14 +190,16 @@ class RawMesh:
         ]
 
     def _say_replaced(self, where: str, solid: bool) -> None:
-        """Note what elements of other programs became that are not the same here."""
+        """Warn about elements of other programs that became different elements."""
         bare: dict[str, list[str]] = {}
         for (name, found), number in self.replaced.items():
             if found.solid:
                 how = "" if found.formulation == "full" else f", formulation '{found.formulation}'"
                 sentence = f"{number} {name} read as {found.kind}{how}: {found.replaced}"
                 self.left_out.append((where, sentence))
-            elif solid and "pyramid" not in found.kind:  # pyramids are an error of the part
+            elif (
+                solid and "pyramid" not in found.kind
+            ):  # pyramids are reported as an error of the part
                 bare.setdefault(found.replaced, []).append(f"{number} {name}")
         for what, names in bare.items():
             sentence = f"{some(names)}: {what} has no stiffness and mass beside solids here"
@@ -203,7 +208,7 @@ class RawMesh:
     def _element_sets(
         self, blocks: Sequence[Cells]
     ) -> tuple[dict[str, Ints], dict[str, Ints], dict[str, Ints]]:
-        """Return sets of solid elements, surfaces (of shells) and nodes (of lines)."""
+        """Return sets of solid elements, surfaces (from shells) and nodes (from lines)."""
         solid = [block for block in blocks if block.kind in SOLIDS]
         number = Numbers(np.concatenate([np.zeros(0, np.int64), *(b.ids for b in solid)]))
         others = [(block, Numbers(block.ids)) for block in blocks if block.kind not in SOLIDS]
@@ -227,7 +232,7 @@ class RawMesh:
         return elements, surfaces, nodes
 
     def _side_sets(self, blocks: Sequence[Cells], where: str) -> dict[str, Ints]:
-        """Return surfaces given as sides of elements."""
+        """Return surfaces given by sides of elements."""
         problems = Problems()
         out: dict[str, Ints] = {}
         numbers = [(block, Numbers(block.ids)) for block in blocks]
@@ -253,7 +258,7 @@ class RawMesh:
                     if wrong.any():
                         problems.add(
                             where,
-                            f"surface '{title}' names face {sides[wrong][0] + 1} of element"
+                            f"surface '{title}' has face {sides[wrong][0] + 1} of element"
                             f" {some([str(i) for i in members[wrong]])}; a {block.kind} has"
                             f" {len(known)}",
                         )
@@ -262,14 +267,17 @@ class RawMesh:
                         parts.append(block.nodes[at[chosen]][:, face])
                 if missing.any():
                     lost = some([str(i) for i in members[missing]])
-                    problems.add(where, f"surface '{title}' holds element {lost}, not in the file")
+                    problems.add(
+                        where,
+                        f"surface '{title}' contains element {lost}, which is not in the file",
+                    )
             out[title] = padded([part for part in parts if len(part)])
         problems.raise_if_any()
         return out
 
 
 def right_handed(kind: str, cells: Ints, nodes: Array) -> Ints:
-    """Return solid cells (ne, k), those mirrored whose corners span a negative volume."""
+    """Return solid cells (ne, k), those of negative volume mirrored."""
     if kind not in SOLIDS or not len(cells):
         return cells
     straight = Cells(base(kind), cells[:, : SOLIDS[base(kind)]])
@@ -279,13 +287,13 @@ def right_handed(kind: str, cells: Ints, nodes: Array) -> Ints:
 
 
 def sensible(x: Array) -> Array:
-    """Return coordinates, nan for those that are damage, so that they go through a rotation."""
+    """Return coordinates with nan for values out of range, so that rotations preserve them."""
     out: Array = np.where(np.abs(x) < FAR, x, np.nan)
     return out
 
 
 def joined(parts: Members, known: Ints) -> Ints:
-    """Return the numbers of a set; of ranges those that are known."""
+    """Return the numbers of a set; of ranges only the existing numbers."""
     out = [np.zeros(0, np.int64)]
     for part in parts:
         if isinstance(part, range):
@@ -298,7 +306,7 @@ def joined(parts: Members, known: Ints) -> Ints:
 
 
 class Numbers:
-    """Index of each number of the file: -1 for a number that is not there."""
+    """Index of each number of the file; -1 for a missing number."""
 
     def __init__(self, ids: Ints) -> None:
         self.order = np.argsort(ids, kind="stable")
@@ -314,9 +322,9 @@ class Numbers:
 
 
 def padded(parts: Sequence[Ints]) -> Ints:
-    """Return faces of different kinds as one array, corners first, rows filled up with -1.
+    """Return faces of different kinds as one array, corners first, rows padded with -1.
 
-    A face with fewer nodes keeps its own order: its corners, its midside nodes, then -1.
+    A face with fewer nodes has its corners, its mid-side nodes, then -1.
     """
     width = max((part.shape[1] for part in parts), default=3)
     face_kind(width)

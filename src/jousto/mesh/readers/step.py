@@ -24,17 +24,17 @@ from jousto.mesh.readers.subprocess_reader import apart
 
 log = logging.getLogger(__name__)
 
-# round faces refine down to this part of the size and no further
+# smallest size on curved faces / size of the elements
 FINEST = 0.25
-FACETS = 24  # of a full turn of a curved surface that is drawn
-SHARE = 0.2  # of the length of a part, for elements that only its surface needs
-# elements with a scaled Jacobian below this get straighter edges: a little above what is a sliver
+FACETS = 24  # facets of a full turn of a curved surface, for drawing
+SHARE = 0.2  # element size / length of a part, if only its surface is needed
+# scaled Jacobian below which edges are straightened: a little above that of a flat element
 POOR = 0.06
-# sizes grow away from a refined face by this much per length
+# growth of the element size per distance from a refined face
 GROWTH = 0.4
-# more tetrahedra than this are refused: 10 million degrees of freedom
+# largest number of tetrahedra: 10 million degrees of freedom
 TOO_MANY = 2_000_000
-# tetrahedra in a cube of their size
+# number of tetrahedra in a cube of their size
 _PER_CUBE = 8.0
 
 
@@ -53,39 +53,40 @@ def mesh_cad(
     """Return a mesh of tetrahedra of a CAD file (STEP or BREP), by Gmsh.
 
     Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on;
-    ``mesh.holes()`` finds the bores. Several solids that touch share the nodes there and are the
-    element sets ``solid1``, ``solid2``, besides the names of their products in the file.
+    ``mesh.holes()`` returns the bores. Touching solids share the nodes there; they are the element
+    sets ``solid1``, ``solid2``, in addition to sets by product name.
 
     Parameters
     ----------
     path : path
         A ``.step``, ``.stp`` or ``.brep`` file.
     size : float
-        Wanted length of the elements' edges in m.
+        Desired edge length of the elements, m.
     order : {2, 1}
         2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
     unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
         Unit of the numbers in the file. A STEP file contains it (mostly mm) and is converted to
-        m; give it to overrule the file. A BREP file has none, so it must be given.
+        m; a given unit overrides that of the file. A BREP file has none, so it must be given.
     curved : bool
-        Whether midside nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
+        Whether mid-side nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
     refine : mapping of str to float, optional
-        Smaller sizes in m on named faces, such as ``{"face12": 2e-3}``, from where they grow.
+        Smaller sizes in m on named faces, such as ``{"face12": 2e-3}``; the size grows away from
+        these faces.
     per_circle : int
-        Elements along a full turn of a curved face, at least.
+        Smallest number of elements along a full turn of a curved face.
     name : str, optional
-        Name of the mesh; the file's name if not given.
+        Name of the mesh; None for the name of the file.
 
     Raises
     ------
     InputError
-        If Gmsh is not installed, the file is missing, damaged or without a solid, a face is not
-        known, or the size does not fit the part.
+        If Gmsh is not installed, the file is missing, damaged or without a solid, a face is
+        unknown, or the size does not fit the part.
 
     Warns
     -----
     JoustoWarning
-        If curved elements had to be straightened because they would be folded.
+        If curved elements were straightened because they would be folded.
 
     Examples
     --------
@@ -107,7 +108,7 @@ def mesh_cad(
     found = apart(
         path,
         "jousto.mesh.readers.step:meshed",
-        "the file is likely damaged: export it again, or try another size",
+        "the file is probably damaged: export it again, or try another size",
         size=float(size),
         order=order,
         curved=bool(curved),
@@ -131,16 +132,16 @@ def mesh_cad(
 
 
 def cad_surface(path: Path, unit: str | None) -> Array:
-    """Return the triangles (nt, 3, 3), m, of the surface of a CAD file, normals outwards.
+    """Return the triangles (nt, 3, 3), m, of the surface of a CAD file, outward normals.
 
-    Flat faces have few, and a full turn of a curved one `FACETS`.
+    Flat faces have few triangles; a full turn of a curved face has `FACETS`.
 
     Parameters
     ----------
     path : Path
         A ``.step``, ``.stp`` or ``.brep`` file.
     unit : str or None
-        As for `mesh_cad`.
+        See `mesh_cad`.
 
     Raises
     ------
@@ -155,7 +156,7 @@ def cad_surface(path: Path, unit: str | None) -> Array:
     found = apart(
         path,
         "jousto.mesh.readers.step:meshed",
-        "the file is likely damaged: export it again",
+        "the file is probably damaged: export it again",
         size=0.0,
         order=1,
         curved=False,
@@ -180,7 +181,7 @@ def meshed(
     per_circle: int,
     scale: float,
 ) -> dict[str, Any]:
-    """Return nodes (m), tetrahedra, sets, faces and products; runs in a process of its own."""
+    """Return nodes (m), tetrahedra, sets, faces and products; runs in a separate process."""
     where = path.name
     gmsh = _gmsh(where)
     with _session(gmsh, where):
@@ -208,7 +209,7 @@ def _gmsh(where: str) -> Any:
 
 @contextmanager
 def _session(gmsh: Any, where: str) -> Iterator[None]:
-    """Start Gmsh, and turn its errors into one sentence."""
+    """Start Gmsh, and convert its errors into one message."""
     gmsh.initialize(["gmsh"], readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
@@ -218,7 +219,7 @@ def _session(gmsh: Any, where: str) -> Iterator[None]:
         gmsh.model.add("jousto")
         yield
     except Exception as error:
-        if type(error) is not Exception:  # Gmsh raises plain ones with a message
+        if type(error) is not Exception:  # Gmsh raises plain exceptions with a message
             raise
         said = " ".join(str(error).split())[:200]
         raise InputError(
@@ -238,7 +239,7 @@ def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
     except Exception as error:
         said = " ".join(str(error).split())[:160]
         raise InputError(
-            Problem(path.name, f"cannot be read; is it damaged? (Gmsh: {said})")
+            Problem(path.name, f"cannot be read; it may be damaged (Gmsh: {said})")
         ) from None
     solids = [shape for shape in shapes if shape[0] == 3]
     if not solids:
@@ -246,18 +247,19 @@ def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
         raise InputError(
             Problem(
                 path.name,
-                f"holds no solid, only {count(faces, 'face')}; sew the faces to a solid in the CAD"
+                f"contains no solid, only {count(faces, 'face')}; sew the faces to a solid in the "
+                f"CAD"
                 " program and export that",
             )
         )
     occ.synchronize()
     titles = [gmsh.model.getEntityName(*solid).rpartition("/")[2].strip() for solid in solids]
     labels: dict[str, list[int]] = {}
-    if len(solids) > 1:  # solids that touch must share nodes
+    if len(solids) > 1:  # touching solids must share nodes
         _, made = occ.fragment(solids, [])
         occ.synchronize()
         for title, parts in zip(titles, made, strict=True):
-            # what OpenCASCADE calls a product without a name
+            # name of a product without a name in OpenCASCADE
             if title and not title.startswith("Open CASCADE STEP translator"):
                 labels.setdefault(title, []).extend(tag for dim, tag in parts if dim == 3)
     return labels
@@ -288,9 +290,9 @@ def _sizes(
     names: Mapping[str, tuple[int, int]],
     scale: float,
 ) -> None:
-    """Set the size of elements in m, smaller near refined faces; the model's unit is `scale` m.
+    """Set the element size in m, smaller near refined faces; the model's unit is `scale` m.
 
-    A size of 0 is `SHARE` of the part.
+    A size of 0 means `SHARE` times the size of the part.
     """
     problems = Problems()
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
@@ -351,7 +353,7 @@ def _sizes(
 def _collect(
     gmsh: Any, order: int, names: Mapping[str, tuple[int, int]], scale: float
 ) -> dict[str, Any]:
-    """Return the tetrahedra with their faces' names, nodes numbered from 1."""
+    """Return the tetrahedra with the names of their faces, nodes numbered from 1."""
     solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
     code, wide = (4, 4) if order == 1 else (11, 10)
     tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -386,7 +388,7 @@ def _collect(
 
 
 def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
-    """Return the mesh with element sets for the products that its solids are."""
+    """Return the mesh with element sets for the products of its solids."""
     sets = dict(mesh.element_sets)
     for title, tags in labels.items():
         members = [mesh.element_sets[f"solid{tag}"] for tag in tags]
@@ -396,11 +398,11 @@ def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
 
 
 def _eased(mesh: Mesh, where: str) -> Mesh:
-    """Return the mesh with the midside nodes of poor elements nearer to straight edges.
+    """Return the mesh with the mid-side nodes of poor elements nearer to straight edges.
 
-    A flat element between curved faces is folded or nearly so by its curved edges. The curving of
-    its edges is lessened until the element is good, or as good as with straight edges. (Gmsh's own
-    search for better places ends elsewhere in every run and may abort the process.)
+    The curved edges of a flat element between curved faces may fold it. Their curvature is reduced
+    until the element is good, or as good as with straight edges. (The optimisation of Gmsh has
+    another result in every run and may abort the process.)
     """
     ends = edges("tetra10")
     cells = mesh.solids[0].nodes
@@ -411,7 +413,7 @@ def _eased(mesh: Mesh, where: str) -> Mesh:
     quality = mesh.quality()
     folded = quality.negative
     share = np.ones(len(mesh.nodes))
-    for step in range(9):  # an easier edge may make the neighbour worse
+    for step in range(9):  # a straighter edge may worsen the neighbour
         now = quality.scaled_jacobian
         poor = np.flatnonzero((now < POOR) & (now < best - 0.01))
         if not len(poor):
@@ -422,9 +424,9 @@ def _eased(mesh: Mesh, where: str) -> Mesh:
     if len(folded):
         warn(
             where,
-            f"{count(len(folded), 'element')} (element {mesh.element_ids[folded[0]]}) would be"
-            " folded between curved faces; their edges are straighter now. A smaller size there"
-            " follows the faces",
+            f"{count(len(folded), 'element')} (element {mesh.element_ids[folded[0]]}) would be "
+            f"folded between curved faces; their edges were straightened. Use a smaller size "
+            f"there to follow the faces",
         )
     eased = int(np.sum(np.any(share[cells] < 1.0, axis=1)))
     if eased:

@@ -1,4 +1,4 @@
-"""Libraries that may crash on damaged files run in a process of their own."""
+"""Separate process for libraries that may crash on damaged files."""
 
 from __future__ import annotations
 
@@ -20,37 +20,35 @@ TASK, ANSWER, ARRAYS = "task.json", "answer.json", "arrays.npz"
 
 
 def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
-    """Return what a function returns that runs in a new Python process.
+    """Return the result of a function that runs in a new Python process.
 
-    The data come back as JSON and NumPy arrays without objects, so that nothing in them is run.
+    The data are returned as JSON and NumPy arrays without objects, so that they contain no code.
 
     Parameters
     ----------
     path : Path
-        The file that is read, for messages; the function gets it as its argument `path`.
+        File that is read, for messages; also the argument `path` of the function.
     function : str
         ``"package.module:function"``. It returns nested lists and mappings of arrays and plain
         values.
     remedy : str
-        What to do if the process dies.
-    **arguments
-        Plain values.
+        Remedy for a crash of the process. **arguments Plain values.
 
     Raises
     ------
     InputError
-        What the function raises; if the process dies.
+        For errors of the function, and if the process dies.
 
     Warns
     -----
     JoustoWarning
-        What the function warns of.
+        For warnings of the function.
     """
     with tempfile.TemporaryDirectory(prefix="jousto-") as name:
         folder = Path(name)
         task = {"function": function, "arguments": {"path": str(path.absolute()), **arguments}}
         (folder / TASK).write_text(json.dumps(task), encoding="utf-8")
-        # -P: modules that lie in the working folder are not imported
+        # -P: do not import modules of the working folder
         command = [sys.executable, "-P", "-m", "jousto.mesh.readers.subprocess_worker", name]
         paths = os.pathsep.join(entry for entry in sys.path if entry)
         with open(folder / "told", "w+b") as told:
@@ -79,7 +77,7 @@ def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
 
 
 def ending(code: int, said: str) -> str:
-    """Return how a process of a reader ended that gave no answer.
+    """Return the reason why the process of a reader ended without a result.
 
     >>> ending(-11, "")
     'the library that reads it crashed (SIGSEGV)'
@@ -89,12 +87,12 @@ def ending(code: int, said: str) -> str:
         return f"the library that reads it failed (exit code {code}){tail}"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else str(code)
     if name == "SIGKILL":
-        return "the process that reads it was killed; is there enough memory?"
+        return "the process that reads it was killed, probably for lack of memory"
     return f"the library that reads it crashed ({name})"
 
 
 def packed(value: Any, arrays: dict[str, np.ndarray[Any, Any]]) -> Any:
-    """Return a value as JSON can say it; arrays are put into the mapping and named.
+    """Return a value in JSON form; arrays are replaced by names and stored in the mapping.
 
     >>> arrays = {}
     >>> packed({"a": [1, np.arange(2)]}, arrays), list(arrays)
@@ -105,7 +103,7 @@ def packed(value: Any, arrays: dict[str, np.ndarray[Any, Any]]) -> Any:
         arrays[key] = value
         return {"array": key}
     if isinstance(value, Mapping):
-        # keys may be numbers, which JSON would turn into text
+        # keys may be numbers, which JSON would convert to text
         return {"map": [[packed(k, arrays), packed(v, arrays)] for k, v in value.items()]}
     if isinstance(value, list | tuple):
         return {"list": [packed(item, arrays) for item in value]}
@@ -115,7 +113,7 @@ def packed(value: Any, arrays: dict[str, np.ndarray[Any, Any]]) -> Any:
 
 
 def unpacked(value: Any, arrays: Mapping[str, np.ndarray[Any, Any]]) -> Any:
-    """Return the value that was packed; tuples come back as lists."""
+    """Return the packed value; tuples become lists."""
     if not isinstance(value, dict):
         return value
     ((kind, content),) = value.items()

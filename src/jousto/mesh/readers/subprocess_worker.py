@@ -1,4 +1,4 @@
-"""The other process of `apart`: runs one function and puts what it returns into a folder."""
+"""Worker process of `subprocess_reader`: runs one function and writes the result to a folder."""
 
 from __future__ import annotations
 

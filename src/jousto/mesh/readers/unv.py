@@ -1,8 +1,8 @@
 """Universal files (.unv) of I-DEAS, Salome, Gmsh and NX: nodes, elements and groups.
 
 Data sets 2411, 781 and 15 (nodes), 2412 and 780 (elements), 2420 (coordinate systems), 164 (units)
-and 752, 2417 to 2477 (groups), as the reference of the Structural Dynamics Research Laboratory of
-the University of Cincinnati describes them. Midside nodes stand between the corners there.
+and 752, 2417 to 2477 (groups), as described by the Structural Dynamics Research Laboratory of the
+University of Cincinnati. Mid-side nodes are listed between the corners.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _KINDS = (
 _BEAMS = (11, 21, 22, 23, 24, 31, 32)
 # springs, masses, rigid elements
 _SILENT = (121, 122, 136, 137, 138, 139, 141, 142, 151, 152, 161)
-# where a kind's nodes stand in the file
+# positions of the nodes of a kind in the file
 _ORDER = {
     "triangle6": [0, 2, 4, 1, 3, 5],
     "quad8": [0, 2, 4, 6, 1, 3, 5, 7],
@@ -43,7 +43,7 @@ _ORDER = {
     "hexahedron20": [0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11],
 }
 _NODES, _ELEMENTS = (15, 781, 2411), (780, 2412)
-# groups, with the numbers that each member has
+# data sets of groups, and count of numbers per member
 _GROUPS = dict.fromkeys((752, 2417, 2429, 2430, 2432), 2) | dict.fromkeys(
     (2435, 2452, 2467, 2477), 4
 )
@@ -51,7 +51,7 @@ _GROUPS = dict.fromkeys((752, 2417, 2429, 2430, 2432), 2) | dict.fromkeys(
 
 @dataclass(frozen=True)
 class _Set:
-    """One data set: its number, its lines and the line of the file at which they begin."""
+    """Data set: its number, its lines and its first line in the file."""
 
     number: int
     lines: list[str]
@@ -63,17 +63,19 @@ class _Set:
         return f"{self.name}:{self.first + i}: data set {self.number}"
 
     def whole(self, i: int, least: int) -> list[int]:
-        """Return the whole numbers of line i, of which there must be some."""
+        """Return the whole numbers of line i, at least a given count."""
         words = self.lines[i].split() if i < len(self.lines) else []
         if len(words) < least or not all(re.fullmatch(r"[+-]?\d{1,18}", word) for word in words):
             raise self.wrong(i, f"{least} whole numbers")
         return [int(word) for word in words]
 
     def wrong(self, i: int, wanted: str) -> InputError:
-        """Return the error of a line that is not as wanted."""
+        """Return the error for a line with wrong content."""
         said = f"'{self.lines[i].strip()[:60]}'" if i < len(self.lines) else "the end"
         return InputError(
-            Problem(self.where(i), f"{said}, must be {wanted}; is the file cut off or damaged?")
+            Problem(
+                self.where(i), f"{said}, must be {wanted}; the file may be truncated or damaged"
+            )
         )
 
 
@@ -83,13 +85,12 @@ def read_unv(path: Path) -> RawMesh:
     Warns
     -----
     JoustoWarning
-        If the file says a unit of length, which is not that of the coordinates given to
-        `read_mesh` where the two differ.
+        If the file has another unit of length than the one given to `read_mesh`.
 
     Raises
     ------
     InputError
-        With the line of what is cut off, and for nodes in systems other than the basic one.
+        With the line of truncated data, and for nodes in other systems than the basic one.
     """
     raw = RawMesh(either_sense=True)
     found = list(_sets(path))
@@ -115,12 +116,14 @@ def read_unv(path: Path) -> RawMesh:
 
 
 def _sets(path: Path) -> Iterator[_Set]:
-    """Yield the data sets: they stand between lines of -1."""
+    """Yield the data sets, which are enclosed in lines of -1."""
     lines = path.read_text(encoding="latin-1").splitlines()
     marks = [i for i, line in enumerate(lines) if line.strip() == "-1" and len(line) <= 6]
     if len(marks) % 2:
         raise InputError(
-            Problem(f"{path.name}:{marks[-1] + 1}", "a data set is not closed: the file is cut off")
+            Problem(
+                f"{path.name}:{marks[-1] + 1}", "a data set is not closed: the file is truncated"
+            )
         )
     for a, b in zip(marks[::2], marks[1::2], strict=True):
         head = re.match(r"\s*(\d+)", lines[a + 1]) if b > a + 1 else None
@@ -140,7 +143,7 @@ def _turned(data: _Set) -> list[int]:
 
 
 def _reals(data: _Set, lines: range) -> list[list[float]]:
-    """Return three real numbers of each line, ``1.5D+00`` too."""
+    """Return three real numbers of each line, also ``1.5D+00``."""
     out = []
     for i in lines:
         words = data.lines[i].replace("D", "E").replace("d", "e").split()
@@ -154,7 +157,7 @@ def _reals(data: _Set, lines: range) -> list[list[float]]:
 
 
 def _nodes(data: _Set, raw: RawMesh, systems: set[int]) -> None:
-    if data.number == 15:  # number, systems and place in one line
+    if data.number == 15:  # number, systems and position in one line
         rows = [data.lines[i].split() for i in range(len(data.lines))]
         split = [line for row in rows for line in (" ".join(row[:4]), " ".join(row[4:]))]
         data = _Set(15, split, data.first, data.name)
@@ -199,7 +202,7 @@ def _elements(data: _Set, raw: RawMesh) -> None:
         nodes = [nodes[0], nodes[-1]] if kind == "line" else nodes
         if len(nodes) != KINDS[kind] or count != given:
             said = f"element {label} of type {code} has {count} nodes, {given} are listed"
-            sentence = f"{said}; must be {KINDS[kind]}: is the file cut off or damaged?"
+            sentence = f"{said}; must be {KINDS[kind]}; the file may be truncated or damaged"
             raise InputError(Problem(data.where(i - 1), sentence))
         order = _ORDER.get(kind, range(len(nodes)))
         rows.setdefault(kind, []).append((label, [nodes[j] for j in order]))
@@ -235,6 +238,6 @@ def _groups(data: _Set, raw: RawMesh) -> None:
 
 
 def _length(data: _Set) -> float:
-    """Return the length of a unit in m: coordinates are divided by the factor of the data set."""
+    """Return the length unit in m: coordinates are divided by the factor of the data set."""
     factor = _reals(data, range(1, 2))[0][0] if len(data.lines) > 1 else 1.0
     return 1.0 / factor if factor > 0.0 else 1.0

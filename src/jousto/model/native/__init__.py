@@ -1,1 +1,1 @@
-"""The C engine as Python sees it: its library, structures, kernels and failures."""
+"""The C engine in Python: its library, structures, kernels and failures."""

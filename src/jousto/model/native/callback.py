@@ -1,4 +1,4 @@
-"""User functions as the engine calls them: compiled ones directly, Python ones through cffi."""
+"""User functions as callbacks of the engine: compiled ones directly, Python ones through cffi."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]  # every ctypes function
+FUNCTION: Any = ctypes.CFUNCTYPE(None).__mro__[1]  # base class of all ctypes functions
 SIGNATURE = "int (*)(double, const double *, double *, void *)"
 
 
 class BadAnswer(ValueError):
-    """A user's Python function returned something that is no force and torque."""
+    """Error of a user's Python function that returned no force and torque."""
 
 
 def callback(ffi: Any, function: Any, raised: list[BaseException]) -> tuple[Any, Any, Any]:
-    """Return a jo_callback, its user pointer and what has to stay alive.
+    """Return a jo_callback, its user pointer and the objects that must stay alive.
 
     Parameters
     ----------
@@ -25,10 +25,10 @@ def callback(ffi: Any, function: Any, raised: list[BaseException]) -> tuple[Any,
     function : callable
         A ctypes function, a numba cfunc, a `scipy.LowLevelCallable` with the signature of
         jo_callback, or a Python function of time, s, and x (18,) = [r_b - r_a, orientation
-        (9, row-major), velocity, angular velocity] of b against a, resolved in a, that returns
+        (9, row-major), velocity, angular velocity] of b relative to a, resolved in a, that returns
         the force and torque (6,) on b, resolved in a.
     raised : list
-        Receives what a Python function raises.
+        List to which exceptions of a Python function are appended.
     """
     user = ffi.NULL
     compiled: Any = function

@@ -1,4 +1,4 @@
-"""Damage meters: fatigue damage of histories of any length, counted as they come."""
+"""Damage meters: fatigue damage of histories of any length, counted sample by sample."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from jousto.model.native.header import kinds
 
 MARKS = {
     "S-N curve (S_D in Pa, N_D, k, slope below, limit in Pa)": slice(0, 5),
-    "mean stress correction (kind and values)": slice(5, 8),
+    "mean stress correction (kind and parameters)": slice(5, 8),
     "resolution (Pa)": slice(8, 9),
 }
-"""What a saved memory was counted with: its last numbers."""
+"""Parameters stored as the last numbers of a saved memory."""
 
 
 def native_rule(ffi: Any, rule: MeterRule) -> Any:
@@ -36,61 +36,61 @@ def native_rule(ffi: Any, rule: MeterRule) -> Any:
 
 
 def meter_size(rule: MeterRule) -> int:
-    """Return how many numbers a meter remembers."""
+    """Return the count of numbers in the memory of a meter."""
     return int(library.real_library().JO_METER) + rule.depth
 
 
 def _place(name: str) -> int:
-    """Return where a number stands in the memory of a meter."""
+    """Return the index of a number in the memory of a meter."""
     return kinds("jo_meter_place")[name]
 
 
 def fingerprint(rule: MeterRule) -> Array:
-    """Return the numbers (9,) that the damage of a memory depends on; see `MARKS`."""
+    """Return the parameters (9,) on which the damage of a memory depends; see `MARKS`."""
     law, values = rule.correction
     mean = [kinds("jo_mean")[law], *values.values(), 0.0, 0.0][:3]
     return np.array([*rule.curve, *mean, rule.resolution])
 
 
 class DamageMeter:
-    """Rainflow count and Miner's sum of stress histories as they come, in fixed memory.
+    """Rainflow count and Miner's sum of stress histories, sample by sample, in fixed memory.
 
     Cycles are closed by the four-point rule: of the turning points A B C D the range B C counts if
-    it lies within A D. They, and so the damage, are those of the count of the whole history at
-    once, however it is cut into blocks. Damage of a cycle is ``1 / N(S)`` of the S-N curve, after
-    the mean stress correction. What is not closed, the residue, counts as declared when the damage
-    is read; reading does not disturb the count.
+    it lies within A D. Cycles and damage equal those of the count of the whole history, for any
+    division into blocks. The damage of a cycle is ``1 / N(S)`` of the S-N curve, after the mean
+    stress correction. Turning points without a closed cycle, the residue, count by the residue rule
+    when the damage is read; reading does not change the count.
 
-    A meter remembers `depth` turning points. While the ranges of the residue grow, the oldest point
-    can leave without harm: it is half a cycle, as in ASTM E1049. A residue that shrinks and is
-    longer than that (a free vibration that decays for dozens of cycles) is closed by force from its
-    small end: `forced` is their number, `largest_forced` the largest of their ranges, and the
+    A meter stores `depth` turning points. While the ranges of the residue grow, the oldest point
+    can be removed without error: it is half a cycle, as in ASTM E1049. A decreasing residue with
+    more points (a free vibration that decays over dozens of cycles) is closed by force from its
+    small end: `forced` is the number of these cycles, `largest_forced` their largest range, and the
     damage is never below the exact one. With ``residue="ignore"`` forced cycles count as well,
-    although a decay closes none: read it with more depth. With a `resolution` no two of the growing
-    or shrinking points fall into one class: ``depth >= 2 (max - min) / resolution + 4`` never
-    forces any. With ``residue="repeat"`` oldest points that left count as full cycles, also the
-    careful side.
+    although a decay closes no cycle: use a larger depth. With a `resolution`, no two growing or
+    decreasing points are in one class: ``depth >= 2 (max - min) / resolution + 4`` never forces a
+    cycle. With ``residue="repeat"`` removed oldest points count as full cycles, also a conservative
+    choice.
 
     Parameters
     ----------
     sn : SN
         S-N curve, amplitudes in Pa.
     residue : str
-        "half": half cycles, as in ASTM E1049. "repeat": the history starts again.
-        "ignore": not at all.
+        "half": half cycles, as in ASTM E1049. "repeat": the history is repeated. "ignore": no
+        damage.
     mean : MeanStress, optional
-        Mean stress correction, such as ``Goodman(S_u=..)``; None leaves amplitudes as they are.
+        Mean stress correction, such as ``Goodman(S_u=..)``; None for no correction.
     n : int
-        Number of histories that are counted side by side.
+        Number of histories that are counted in parallel.
     depth : int
-        Turning points that each meter remembers; 64 are 616 bytes.
+        Number of turning points that each meter stores; 64 need 616 bytes.
     resolution : float
-        Samples are rounded to multiples of it, Pa; 0 takes them as they are.
+        Resolution to which samples are rounded, Pa; 0 for no rounding.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class DamageMeter:
         )
         count: Any = n
         if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
-            problems.add("DamageMeter", f"n is {n!r}, must be a whole number from 1 on")
+            problems.add("DamageMeter", f"n is {n!r}, must be a whole number of at least 1")
         problems.raise_if_any()
         self.sn = sn
         self.mean = mean
@@ -154,8 +154,8 @@ class DamageMeter:
             lines.append(f"{self.dropped.sum()} samples were not finite and left out")
         if self.forced.any():
             lines.append(
-                f"{self.forced.sum()} cycles up to {self.largest_forced.max() / 1e6:.4g} MPa of"
-                " range were closed by force; more depth, or a resolution, would not"
+                f"{self.forced.sum()} cycles up to {self.largest_forced.max() / 1e6:.4g} MPa of "
+                f"range were closed by force; a larger depth or a resolution avoids this"
             )
         return "\n".join(lines)
 
@@ -165,7 +165,7 @@ class DamageMeter:
     def _columns(self, block: ArrayLike) -> Array:
         x: Array = np.ascontiguousarray(block, dtype=np.float64)
         if x.ndim < 2:
-            # of one history its samples, of several one instant
+            # a vector is several samples of one history, or one instant of several
             x = x.reshape(-1, 1) if self.n == 1 else x.reshape(1, -1)
         if x.ndim != 2 or x.shape[1] != self.n:
             raise InputError(
@@ -178,12 +178,12 @@ class DamageMeter:
         return x
 
     def push(self, block: ArrayLike) -> None:
-        """Count the next samples.
+        """Count further samples.
 
         Parameters
         ----------
         block : (nt, n) array_like
-            Stress, Pa, a row for each instant; (nt,) of one history, (n,) of one instant. Samples
+            Stress, Pa, a row per instant; (nt,) for one history, (n,) for one instant. Samples
             that are not finite are left out and counted in `dropped`.
         """
         x = self._columns(block)
@@ -192,13 +192,16 @@ class DamageMeter:
         )
 
     def trace(self, samples: ArrayLike) -> Array:
-        """Count the next samples of a single history and return its closed cycles, (k, 2) Pa.
+        """Count further samples of a single history and return its closed cycles, (k, 2) Pa.
 
         Each is [from, to] in the order in which they close.
         """
         if self.n != 1:
             raise InputError(
-                Problem("DamageMeter.trace", f"has {self.n} histories, follows a single one only")
+                Problem(
+                    "DamageMeter.trace",
+                    f"has {self.n} histories; trace works with a single history only",
+                )
             )
         x = self._columns(samples)
         cycles = np.zeros((len(x) // 2 + self.rule.depth, 2))
@@ -217,7 +220,7 @@ class DamageMeter:
         Parameters
         ----------
         residue : str, optional
-            Another rule for the residue than the meter's own.
+            Rule for the residue; None for the rule of the meter.
         """
         rule = self.rule.residue if residue is None else residue
         problems = Problems()
@@ -244,22 +247,22 @@ class DamageMeter:
 
     @property
     def samples(self) -> NDArray[np.int64]:
-        """Samples counted, (n,)."""
+        """Number of counted samples, (n,)."""
         return self._counts("samples")
 
     @property
     def dropped(self) -> NDArray[np.int64]:
-        """Samples that were not finite and left out, (n,)."""
+        """Number of samples that were not finite and left out, (n,)."""
         return self._counts("dropped")
 
     @property
     def forced(self) -> NDArray[np.int64]:
-        """Cycles that were closed by force because the memory was full, (n,)."""
+        """Number of cycles closed by force because the memory was full, (n,)."""
         return self._counts("forced")
 
     @property
     def shed(self) -> NDArray[np.int64]:
-        """Half cycles that left a growing residue because the memory was full, (n,)."""
+        """Number of half cycles removed from a growing residue by a full memory, (n,)."""
         return self._counts("shed")
 
     @property
@@ -273,9 +276,9 @@ class DamageMeter:
         return self._memory[:, [_place("smallest"), _place("largest")]].copy()
 
     def residue(self, history: int = 0) -> Array:
-        """Return the turning points that no cycle has taken yet, Pa; the last is the newest sample.
+        """Return the turning points outside of closed cycles, Pa; the last is the newest sample.
 
-        Of `residue` "half", points that left a full memory are missing.
+        With `residue` "half", points removed from a full memory are missing.
         """
         first = int(self._library.JO_METER)
         count = int(self._memory[history, _place("points")])
@@ -284,22 +287,22 @@ class DamageMeter:
     # -- checkpoints ------------------------------------------------------------------------
 
     def save(self) -> Array:
-        """Return all that the meter remembers, (n, size); `load` continues from it.
+        """Return the memory of the meter, (n, size); `load` continues from it.
 
         The last numbers of each row are curve, mean stress correction and resolution.
         """
         return np.hstack([self._memory, np.tile(fingerprint(self.rule), (self.n, 1))])
 
     def load(self, memory: ArrayLike) -> None:
-        """Go on from what `save` returned, of a meter that counts in the same way.
+        """Continue from a memory returned by `save` of a meter with the same rule.
 
-        Curve, mean stress correction, depth and resolution must be the same: the damage so far
-        holds for them alone. The residue rule may be another.
+        Curve, mean stress correction, depth and resolution must be the same: the stored damage
+        depends on them. The residue rule may differ.
 
         Raises
         ------
         InputError
-            If it is none of such a meter.
+            If the memory is not that of such a meter.
         """
         found = np.ascontiguousarray(memory, dtype=np.float64)
         where = "DamageMeter.load"
@@ -325,9 +328,9 @@ class DamageMeter:
                 )
                 problems.add(
                     where,
-                    f"row {rows[0]} of memory was counted with another {name}, {there}; this"
-                    f" meter's is {here}. Load it into a meter like the one that was saved, or"
-                    " count anew",
+                    f"row {rows[0]} of memory was counted with another {name}, {there}; this "
+                    f"meter has {here}. Load it into a meter with the saved rule, or count from "
+                    f"the start",
                 )
         problems.raise_if_any()
         for i, one in enumerate(found):
@@ -339,7 +342,7 @@ class DamageMeter:
 def count_cycles(
     samples: ArrayLike,
 ) -> tuple[Array, NDArray[np.int64], Array, NDArray[np.int64]]:
-    """Count a whole history at once by the four-point rule, without limit of memory.
+    """Count a whole history by the four-point rule, with unlimited memory.
 
     Parameters
     ----------
@@ -349,10 +352,10 @@ def count_cycles(
     Returns
     -------
     cycles, where : (k, 2) arrays
-        Values [from, to] of the closed cycles in the order in which they close, and their places in
+        Values [from, to] of the closed cycles in the order of closing, and their indices in
         `samples`.
     residue, residue_where : (m,) arrays
-        The turning points that are left, and their places.
+        Remaining turning points, and their indices.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""The engine's header for cffi: parsed once when the engine is built, not at every start.
+"""Header of the engine for cffi, parsed once when the engine is built.
 
-Run as a script by CMakeLists.txt, where jousto itself cannot be imported yet.
+CMakeLists.txt runs this file as a script, before jousto can be imported.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-MODULE = "declared"  # beside the libraries
+MODULE = "declared"  # name of the module beside the libraries
 
 
 def declarations(header: Path) -> str:
-    """Return the C declarations of jousto.h for cffi: its rows of forces and all from BEGIN to END.
+    """Return the C declarations of jousto.h for cffi: its rows of forces, and BEGIN to END.
 
-    ``jo_real`` appears in them only behind pointers, so that they fit all builds.
+    They use ``jo_real`` only behind pointers, so that they fit all builds.
     """
     head, body = header.read_text(encoding="utf-8").split("/* END */")[0].split("/* BEGIN */")
     rows = re.findall(r"^    ROW\((\w+), (.+)\) \\$", head, flags=re.MULTILINE)
@@ -30,7 +30,7 @@ def declarations(header: Path) -> str:
 
 
 def parsed(text: str) -> Any:
-    """Return the cffi view of declarations."""
+    """Return the cffi view of C declarations."""
     import cffi
 
     view = cffi.FFI()
@@ -39,7 +39,7 @@ def parsed(text: str) -> Any:
 
 
 def write(header: Path, target: Path) -> None:
-    """Write the module that holds the declarations as cffi has parsed them."""
+    """Write the module with the declarations parsed by cffi."""
     text = declarations(header)
     view = parsed(text)
     view.set_source(MODULE, None)
@@ -51,14 +51,14 @@ def write(header: Path, target: Path) -> None:
 
 
 def view(header: Path, folder: Path) -> Any:
-    """Return the cffi view of a header: as written when the engine was built, else parsed.
+    """Return the cffi view of a header: that written by the build, else parsed now.
 
     Parameters
     ----------
     header : Path
         The file jousto.h.
     folder : Path
-        Where the build puts the module; one of another header is not used.
+        Folder with the module of the build, which is used if it belongs to the same header.
     """
     text = declarations(header)
     file = folder / f"{MODULE}.py"

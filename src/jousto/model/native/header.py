@@ -1,4 +1,4 @@
-"""What jousto.h declares, by name: the kinds of an enum and the data of an object."""
+"""Declarations of jousto.h by name: kinds of enums and data of structs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.model.native.library import ffi
 
 @functools.cache
 def kinds(enum: str) -> dict[str, int]:
-    """Return the numbers of an enum by name: of ``JO_FORCE_modal_load`` that of "modal load"."""
+    """Return the values of an enum by name, ``JO_FORCE_modal_load`` as "modal load"."""
     numbers: dict[str, int] = ffi().typeof(enum).relements
     prefix = f"{enum}_".upper()  # jo_residue: JO_RESIDUE_
     if not all(name.startswith(prefix) for name in numbers):
@@ -27,13 +27,13 @@ def kinds(enum: str) -> dict[str, int]:
 
 
 def kind(enum: str, number: int) -> str:
-    """Return the name of a number of an enum; see `kinds`."""
+    """Return the name of a value of an enum; see `kinds`."""
     return next((name for name, value in kinds(enum).items() if value == number), str(number))
 
 
 @functools.cache
 def places(struct: str) -> dict[str, slice]:
-    """Return where the fields of a struct of jo_reals lie in a flat array."""
+    """Return the offsets of the fields of a struct of jo_reals in a flat array."""
     real = ffi().sizeof("jo_real")
     return {
         name: slice(field.offset // real, (field.offset + ffi().sizeof(field.type)) // real)
@@ -43,7 +43,7 @@ def places(struct: str) -> dict[str, slice]:
 
 @functools.cache
 def columns(struct: str) -> np.dtype[Any]:
-    """Return the memory of a struct for NumPy: its numbers, arrays of numbers and pointers."""
+    """Return the NumPy layout of a struct: numbers, arrays of numbers and pointers."""
     numbers = {"int": np.intc, "double": np.float64}
     formats: dict[str, tuple[Any, int]] = {}
     for name, field in ffi().typeof(struct).fields:
@@ -51,7 +51,7 @@ def columns(struct: str) -> np.dtype[Any]:
         count = kind.length if kind.kind == "array" else 0
         kind = kind.item if count else kind
         number: Any = np.uintp if kind.kind == "pointer" else numbers.get(kind.cname)
-        if number is not None:  # not of functions
+        if number is not None:  # function pointers have no number
             formats[name] = ((number, (count,)) if count else number, field.offset)
     names = list(formats)
     return np.dtype(
@@ -65,9 +65,9 @@ def columns(struct: str) -> np.dtype[Any]:
 
 
 def named(struct: str, data: NDArray[Any]) -> Any:
-    """Return the fields of a struct of jo_reals in flat data (..., size), as views of it.
+    """Return views of the fields of a struct of jo_reals in flat data (..., size).
 
-    A number has the shape (...), an array (..., k); what the data are too short for is 0.
+    A number has the shape (...), an array (..., k); fields beyond the end of the data are 0.
     """
     size = max(place.stop for place in places(struct).values())
     if data.shape[-1] < size:
@@ -82,13 +82,13 @@ def named(struct: str, data: NDArray[Any]) -> Any:
 
 
 def packed(struct: str, /, *rest: ArrayLike, **values: ArrayLike) -> NDArray[np.float64]:
-    """Return the flat data of a struct of jo_reals, and what follows behind it."""
+    """Return the flat data of a struct of jo_reals, and the numbers after it."""
     data = rows(struct, 1, {name: np.asarray(value)[None] for name, value in values.items()})[0]
     return np.concatenate([data, *(np.ravel(x) for x in rest)]) if rest else data
 
 
 def rows(struct: str, count: int, values: Mapping[str, ArrayLike]) -> NDArray[np.float64]:
-    """Return the flat data (count, size) of structs of jo_reals, 0 where nothing is given.
+    """Return the flat data (count, size) of structs of jo_reals, 0 for missing fields.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""States of measured channels by the engine, sample by sample."""
+"""Health states of measured channels by the engine, sample by sample."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 
 from jousto.model.native import library
 
-FOLLOW = 0.02  # share by which the usual step of a channel follows that of a sample
-WARM = 50  # samples before spikes are looked for
-PERSIST = 3  # samples at a new level that make a jump real
+FOLLOW = 0.02  # weight of a new sample in the usual step length of a channel
+WARM = 50  # number of samples before spikes are detected
+PERSIST = 3  # number of samples at a new level that make a jump real
 
 
 class HealthCheck:
-    """Says of every value whether it can be believed.
+    """Check of the credibility of every value of measured channels.
 
     Parameters
     ----------
     rules : ChannelRules
-        With `range` (m/m), `stuck` (samples), `spike` (usual steps) and `back` (samples).
+        Rules with `range` (m/m), `stuck` (samples), `spike` (usual steps) and `back` (samples).
     cells : tuple of two int
-        Numbers of an empty cell and of one with an infinite value.
+        Codes of an empty cell and of an infinite value.
     """
 
     def __init__(self, rules: Any, *, cells: tuple[int, int]) -> None:
@@ -40,17 +40,17 @@ class HealthCheck:
         values: NDArray[np.float64],
         cells: NDArray[Any] | None,
     ) -> NDArray[np.uint8]:
-        """Return the states (k, n) of values (k, n); `memory` (8, n) moves on.
+        """Return the states (k, n) of values (k, n); `memory` (8, n) is updated.
 
         Parameters
         ----------
         memory : (8, n) array
-            As of jo_health_check, contiguous.
+            Memory of jo_health_check, contiguous.
         before : (n,) uint8 array
-            States of the sample before.
+            States of the previous sample.
         values : (k, n) array
         cells : (k, n) array
-            What stood there; None if the values say it all.
+            Codes of the cells; None if all cells have values.
         """
         x = np.ascontiguousarray(values, dtype=np.float64)
         kind = None if cells is None else np.ascontiguousarray(cells, dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""Layout: a Model as the structs of jousto.h, with arrays padded and blocked as it says."""
+"""Layout: a Model as the structs of jousto.h, with padded and blocked arrays."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from jousto.model.native.damage_meter import meter_size, native_rule
 from jousto.model.native.header import columns, kinds, packed
 from jousto.model.newton_pattern import NewtonPattern, newton_pattern
 
-Records: TypeAlias = NDArray[Any]  # structs as NumPy sees their memory
+Records: TypeAlias = NDArray[Any]  # structs in NumPy's view of their memory
 
-CHUNK = 4096  # scalars that are allocated together
+CHUNK = 4096  # number of scalars that are allocated together
 
 
 @dataclass(frozen=True, eq=False)
 class _Laid:
-    """What engines of one model share: the filled jo_model and the memory that it points to."""
+    """Data shared by the engines of one model: the filled jo_model and its memory."""
 
     model: Any
     keep: list[Any]
     counts: dict[int, int]
 
 
-# by build of the engine, and whether with the pattern of Newton's matrix
+# by build of the engine, and whether it has the pattern of Newton's matrix
 _LAID: WeakKeyDictionary[Model, dict[tuple[int, bool], _Laid]] = WeakKeyDictionary()
 
 
 class Layout:
-    """The constants of one model in the engine's memory.
+    """Constants of one model in the memory of the engine.
 
-    They are laid out once a model; its engines share them, but for gravity.
+    They are laid out once per model; its engines share them, except gravity.
 
     Parameters
     ----------
@@ -50,20 +50,20 @@ class Layout:
     dtype : numpy dtype
         Scalars of the build, float64 or complex128.
     override : dict
-        Replaces arrays of the model by name, see `Engine`.
+        Arrays that replace those of the model, by name, see `Engine`.
     strict : bool
-        A singular position is an error.
+        Whether a singular position is an error.
     implicit : bool
-        With the pattern of Newton's matrix; beams always have it.
+        Whether the pattern of Newton's matrix is included; always for beams.
 
     Attributes
     ----------
     model : cffi pointer
         The jo_model; it lives as long as this object.
     raised : list of exceptions
-        What Python functions of the user raised during a call of the engine.
+        Exceptions of Python functions of the user during a call of the engine.
     counts : dict
-        How many structs or numbers lie at an address that the model refers to.
+        Number of structs or numbers at each address in the model.
     """
 
     def __init__(
@@ -93,9 +93,9 @@ class Layout:
         self.model = self._native_model()
 
     def _native_model(self) -> Any:
-        """Return the jo_model, from the constants that an engine of this model has laid out."""
+        """Return the jo_model, with the constants of an existing engine of the model if any."""
         m = self._source
-        # functions of the user report what they raise to one engine, and may refer to the model
+        # user functions report exceptions to one engine, and may refer to the model
         own = bool(self._override) or any(force.function is not None for force in m.forces)
         known = {} if own else _LAID.setdefault(m, {})
         build = id(self._library), self._implicit
@@ -114,7 +114,7 @@ class Layout:
         return model
 
     def memory(self) -> tuple[list[NDArray[np.float64]], list[Any]]:
-        """Return the numbers of the model and its structs, as they lie in memory."""
+        """Return the numbers and structs of the model as they lie in memory."""
         laid = self._keep[0].keep
         return [x for x in laid if isinstance(x, np.ndarray)], [
             x for x in laid if not isinstance(x, np.ndarray)
@@ -123,10 +123,10 @@ class Layout:
     def _constant(
         self, array: Any, key: tuple[str, int, str] | None = None, shared: Any = None
     ) -> Any:
-        """Copy an array to the engine's scalar type and keep it alive; None stays NULL.
+        """Copy an array to the engine's scalar type and keep it alive; None becomes NULL.
 
-        Arrays made of the same object `shared` are copied once: bodies of one reduced part use
-        the same memory, and the processor's cache holds them all.
+        Arrays of the same object `shared` are copied once: bodies of one reduced part share memory,
+        which saves cache.
         """
         if key is not None and key in self._override:
             array = self._override[key]
@@ -141,11 +141,11 @@ class Layout:
         return pointer
 
     def _cast(self, struct: str, array: Any, key: tuple[str, int, str]) -> Any:
-        """Return `_constant` as a pointer to the struct that it consists of."""
+        """Return `_constant` as a pointer to structs."""
         return self._ffi.cast(f"{struct} *", self._constant(array, key))
 
     def _place(self, flat: NDArray[Any]) -> Any:
-        """Copy an array behind the one before; large ones start on a cache line."""
+        """Copy an array behind the previous one; large ones start on a cache line."""
         size = self._dtype.itemsize
         line = 64 // size
         if flat.size >= 2 * line:
@@ -261,7 +261,7 @@ class Layout:
         return model
 
     def _copied(self, kind: str, objects: Sequence[Any], more: int = 0) -> Any:
-        """Return structs with the numbers of the same name in the objects, their type by kind.
+        """Return structs filled with the equally named numbers of objects, types by kind.
 
         `more` empty structs follow.
         """
@@ -277,16 +277,16 @@ class Layout:
         return array
 
     def _records(self, structs: Any, objects: Sequence[Any]) -> Records:
-        """Return the memory of the structs of some objects, field by field for all of them."""
+        """Return the memory of the structs of objects, filled field by field."""
         layout = columns(self._ffi.typeof(structs).item.cname)
         return np.frombuffer(self._ffi.buffer(structs), layout)[: len(objects)]
 
     def _refer(
         self, records: Records, kind: str, names: Sequence[str], sources: Sequence[Any]
     ) -> None:
-        """Copy arrays of the objects, object after object, and let their structs refer to them.
+        """Copy arrays of the objects one after the other, and set the pointers of their structs.
 
-        The arrays of one name are of one size; `override` calls the objects `kind`.
+        Arrays of one name have one size; `kind` is the name of the objects in `override`.
         """
         if not sources:
             return
@@ -307,7 +307,7 @@ class Layout:
             starts = starts + row.shape[1] * size
 
     def _fill(self, kind: str, values: Sequence[Any]) -> Any:
-        """Return structs that consist of ints alone, or ints, with these values."""
+        """Return structs of ints, or ints, with given values."""
         array = self._structs(kind, len(values))
         if len(values):
             rows = chain.from_iterable(values) if isinstance(values[0], tuple) else values
@@ -317,7 +317,7 @@ class Layout:
         return array
 
     def _sides(self) -> dict[int, list[tuple[int, int]]]:
-        """Joints and their sides on each moving body."""
+        """Return the joints and their sides on each moving body."""
         m = self._source
         sides: dict[int, list[tuple[int, int]]] = {}
         for k, joint in enumerate(m.joints):
@@ -327,7 +327,7 @@ class Layout:
         return sides
 
     def _pulls(self, sides: dict[int, list[tuple[int, int]]]) -> list[tuple[int, int, int, int]]:
-        """Joint sides on hubs and the blocks of joint and hub that they contribute to."""
+        """Return joint sides on hubs and the blocks of joint and hub to which they contribute."""
         m, found = self._source, []
         place = {item: c for c, item in enumerate(m.elimination.order)}
         for i, body in enumerate(m.elimination.hubs):
@@ -341,7 +341,7 @@ class Layout:
     def _pairs(
         self, sides: dict[int, list[tuple[int, int]]]
     ) -> list[tuple[int, int, int, int, int]]:
-        """Pairs of joint sides on one body and the block of S that they contribute to."""
+        """Return pairs of joint sides on one body and the block of S to which they contribute."""
         m = self._source
         place = {joint: c for c, joint in enumerate(m.elimination.order)}
         pairs = []
@@ -350,7 +350,7 @@ class Layout:
                 for j, side_j in sides[body]:
                     if place[k] >= place[j]:
                         pairs.append((k, side_k, j, side_j, m.elimination.blocks[k, j]))
-        if m.mixed:  # those between joints that are no links come first
+        if m.mixed:  # pairs of joints that are no links come first
             inside = {place for link in m.links for place in (link.joint, link.drive)}
             pairs.sort(key=lambda pair: pair[0] in inside or pair[2] in inside)
         return pairs
@@ -439,7 +439,7 @@ class Layout:
         for i in range(len(hubs)):
             s = structs[len(joints) + i]
             s.nrow, s.lock, s.release = 6, -1, -1
-            s.side[0] = s.side[1] = self._on_hub(hubs[i])  # what an error is about
+            s.side[0] = s.side[1] = self._on_hub(hubs[i])  # for messages about errors
         records["nrow"] = [joint.rows for joint in joints]
         lines = np.array([len(joint.lines) for joint in joints], dtype=np.intc)
         records["nline"], records["line"] = lines, np.cumsum(lines) - lines
@@ -502,7 +502,7 @@ class Layout:
 
 
 def _blocked(E: NDArray[Any], padded_n: int, rows: int, dense: int) -> NDArray[Any]:
-    """Order (c, j, k) as jousto.h says: blocks of rows, or for large n triangles of tiles."""
+    """Return E (c, j, k) in the order of jousto.h: blocks of rows, or tiles for large n."""
     n = E.shape[2]
     if n == 0:
         return E
@@ -519,14 +519,14 @@ def _blocked(E: NDArray[Any], padded_n: int, rows: int, dense: int) -> NDArray[A
 
 
 def _filled(out: NDArray[np.intc], rows: Sequence[Sequence[int]]) -> list[int]:
-    """Write rows of numbers to the beginnings of those of `out`; return their lengths."""
+    """Write rows of numbers to the beginnings of the rows of `out`; return their lengths."""
     for k in range(out.shape[1]):
         out[:, k] = [row[k] if k < len(row) else 0 for row in rows]
     return [len(row) for row in rows]
 
 
 def _padded(array: NDArray[Any], length: int) -> NDArray[Any]:
-    """Pad the last axis with zeros."""
+    """Return an array with the last axis padded by zeros."""
     out = np.zeros((*array.shape[:-1], length), array.dtype)
     out[..., : array.shape[-1]] = array
     return out

@@ -1,4 +1,4 @@
-"""The compiled engine: which of its builds fits this processor, and its header read by cffi."""
+"""Compiled engine: choice of the build for this processor, and the header read by cffi."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jousto.model.native.declarations import view
 _HERE = Path(__file__).parent
 
 BUILDS = {"v3": 3, "baseline": 0}
-"""Builds of the engine, the fastest first, and the x86-64 level that each of them needs."""
+"""Builds of the engine, fastest first, with the x86-64 level that each needs."""
 
 
 def _path(name: str) -> Path | None:
@@ -36,17 +36,17 @@ def ffi() -> Any:
 
 @functools.cache
 def _loaded(name: str) -> tuple[Any, Any]:
-    """Return a build and its path, whatever interface it has."""
+    """Return a build and its path, without a check of its interface."""
     path = _path(name)
     if path is None:
         raise InputError(
             Problem(
                 f"the compiled engine {name}",
-                f"is missing from {_HERE / 'lib'}; install jousto again with a C compiler at hand "
-                "(pip install .)",
+                f"is missing from {_HERE / 'lib'}; install jousto again on a computer with a C "
+                f"compiler (pip install .)",
             )
         )
-    # memory of an engine may be given back after its library is, when Python ends: keep it loaded
+    # keep it loaded: at exit of Python engine memory may be freed after its library
     return ffi().dlopen(str(path), getattr(ffi(), "RTLD_NODELETE", 0)), path
 
 
@@ -68,16 +68,15 @@ def _open(name: str) -> Any:
 
 @functools.cache
 def real_library() -> Any:
-    """Return the build that runs the models: the fastest that this processor has instructions for.
+    """Return the build that runs the models: the fastest one for this processor.
 
-    The environment variable ``JOUSTO_CPU`` asks for another one of `BUILDS`. All builds run the
+    The environment variable ``JOUSTO_CPU`` selects another one of `BUILDS`. All builds run the
     same sources; they differ in instructions and therefore in round-off.
 
     Raises
     ------
     InputError
-        If ``JOUSTO_CPU`` names no build, or one that is not installed or that this processor
-        cannot run.
+        If ``JOUSTO_CPU`` is no build, or one that is not installed or cannot run on this processor.
     """
     asked = os.environ.get("JOUSTO_CPU", "").strip()
     if asked and asked not in BUILDS:
@@ -87,7 +86,7 @@ def real_library() -> Any:
 
 
 def build(name: str) -> Any:
-    """Return the build of this name, one of `BUILDS`."""
+    """Return the build with a name of `BUILDS`."""
     if _level() < BUILDS[name]:
         raise InputError(Problem("engine", f"this processor cannot run the build {name}"))
     return _open(_file(name))
@@ -106,16 +105,16 @@ def _file(name: str) -> str:
 
 
 LANES = {"v4": 4, "v3": 3}
-"""Builds for machines side by side, the widest first, and the x86-64 level that each needs."""
+"""Builds for machines in parallel, widest vectors first, with the x86-64 level that each needs."""
 
 
 @functools.cache
 def lanes() -> Any:
-    """Return the build that steps several machines at once, or None if there is none for here."""
+    """Return the build that steps several machines at once; None if this processor has none."""
     asked = os.environ.get("JOUSTO_CPU", "").strip()
     for name, level in LANES.items():
         if _level() >= level and asked in ("", name) and _path(f"jousto_lanes_{name}") is not None:
-            with suppress(OSError):  # what cannot be loaded is as good as none
+            with suppress(OSError):  # a library that cannot be loaded counts as missing
                 return _open(f"jousto_lanes_{name}")
     return None
 

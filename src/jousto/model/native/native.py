@@ -1,4 +1,4 @@
-"""Engine: a Model in the memory layout of jousto.h, with one state to step."""
+"""Engine: a Model in the memory layout of jousto.h, with one state."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from jousto.model.newton_pattern import newton_entries, newton_pattern
 
 Scalars = NDArray[Any]  # float64, or complex128 in the build for derivatives
 
-# what a twin of an engine needs to stand where it stands
+# state copied when an engine is cloned
 STATE = (
     *("q", "v", "a", "lam", "time", "input", "turn", "happened"),
     *("locked", "held", "slip", "direction", "states"),
 )
 # fields of jo_pace
 PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
-CLOSED = 1e-14  # of the size of the mechanism or its distance from the origin: joints are closed
-IMAGINARY = 1e-30  # imaginary step: derivatives to round-off
+CLOSED = 1e-14  # closure of joints / size of the mechanism, or / its distance from the origin
+IMAGINARY = 1e-30  # imaginary step, for derivatives exact to round-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Tangent:
     Attributes
     ----------
     M, D, K : arrays (nv, nv)
-        ``dr/da``, ``dr/dv``, ``dr/dq``; K holds the second derivatives of the constraints, times
+        ``dr/da``, ``dr/dv``, ``dr/dq``; K contains the second derivatives of the constraints, times
         lam.
     Cq : array (nrow, nv)
         Constraint Jacobian, ``dC'/dv``.
@@ -55,13 +55,13 @@ class Tangent:
 
 
 class SingularJoints(InputError):
-    """Constraint rows that repeat one another."""
+    """Error of redundant constraint rows."""
 
 
 @explained
 @described
 class Engine:
-    """The compiled engine with the constants of one model and one state.
+    """The compiled engine with the constants of one model, and one state.
 
     ``q``, ``v``, ``a``, ``lam`` and ``time`` are views of the engine's own memory; assign with
     ``engine.q[:] = ...``.
@@ -71,15 +71,15 @@ class Engine:
     model : Model
         The mechanism.
     complex_scalars : bool
-        Use the build with complex numbers: an imaginary step of 1e-30 in any constant or
+        Whether to use the build with complex numbers: an imaginary step of 1e-30 in any constant or
         initial value gives derivatives to machine precision.
     override : dict, optional
-        Replaces arrays of the model by name, for example
+        Arrays that replace those of the model, by name, for example
         ``{("body", 0, "K"): perturbed_stiffness}``; for derivatives.
     strict : bool
-        A singular position is an error; otherwise it is passed with multipliers of least norm.
+        Whether a singular position is an error; otherwise the multipliers are those of least norm.
     implicit : bool
-        Lay out Newton's matrix, which implicit methods factorise; without it they are refused.
+        Whether Newton's matrix is laid out, which implicit methods need.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Engine:
         self.a = self._view(self._library.jo_data_a(data), model.nv)
         self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
         self.time = self._view(self._library.jo_data_time(data), 1)
-        self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine alone
+        self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine only
         self.work = self._view(self._library.jo_data_work(data), len(places("jo_work")))
         self.power = self._view(self._library.jo_data_power(data), len(places("jo_work")))
         self.input = self._view(self._library.jo_data_input(data), len(model.inputs))
@@ -144,10 +144,10 @@ class Engine:
         self.v[:] = model.v0
         self.start_states()
 
-    # -- what the engine computes ---------------------------------------------------------
+    # -- evaluations -----------------------------------------------------------------------
 
     def start_states(self) -> None:
-        """Bring the states of forces to where a run begins at time, q, v."""
+        """Set the states of forces to their values at the beginning of a run at time, q, v."""
         self._library.jo_start_states(self._model, self._data)
 
     def accelerations(self) -> tuple[Scalars, Scalars]:
@@ -156,7 +156,7 @@ class Engine:
         return self.a, self.lam
 
     def tree_accelerations(self) -> tuple[Scalars, Scalars]:
-        """Compute the same in joint coordinates, of a model that runs in them."""
+        """Compute and return a and lam through joint coordinates, for a model with a tree."""
         self._check(self._library.jo_tree_accelerations(self._model, self._data))
         return self.a, self.lam
 
@@ -172,15 +172,14 @@ class Engine:
         self._check(self._library.jo_step(self._model, self._data, solver))
 
     def run(self, solver: Any, steps: int, every: int, rows: Scalars) -> tuple[str, int]:
-        """Advance `steps` steps and fill `rows` (k, row_size) every `every` steps.
+        """Advance `steps` steps and fill `rows` (k, row_size), one row per `every` steps.
 
         Returns
         -------
         status : str
-            "ok", "event" where an event stopped the run, or what the engine could not do (see
-            `problem`).
+            "ok", "event" if an event ended the run, or a failure (see `problem`).
         written : int
-            Rows written.
+            Number of rows written.
 
         Raises
         ------
@@ -198,23 +197,20 @@ class Engine:
     def paced(
         self, solver: Any, steps: int, every: int, rows: Scalars, pace: Mapping[str, Any]
     ) -> tuple[str, int, dict[str, float]]:
-        """Do what `run` does, each step when it is due by the watch; other threads run meanwhile.
+        """Run in real time: each step begins when it is due; other threads run meanwhile.
 
         Parameters
         ----------
         pace : mapping
             Fields of ``jo_pace`` by name, and ``edges`` and ``late``, contiguous arrays (k,) and
-            (k + 1,): steps are counted in `late` by how late they began.
+            (k + 1,): `late` is the histogram of the delays of the steps.
 
         Returns
         -------
         status : str
-            As of `run`.
-        written : int
-            Rows written.
-        pace : dict
-            The fields of ``jo_pace``; "done" of the steps were done. It returns early where
-            something happened or the steps are too far behind.
+            See `run`. written : int Number of rows written. pace : dict The fields of ``jo_pace``;
+            "done" is the number of finished steps. The call returns early at an event, or if the
+            steps are too far behind.
         """
         self._fits(steps, every, rows)
         written = self._ffi.new("int *", 0)
@@ -239,7 +235,7 @@ class Engine:
             )
 
     def happenings(self) -> NDArray[np.float64]:
-        """Return time, event and direction (k, 3) of what happened in the last `run` or `step`."""
+        """Return time, event and direction (k, 3) of the events in the last `run` or `step`."""
         count = int(self._library.jo_data_logged(self._data))
         if count == 0:
             return np.zeros((0, 3))
@@ -247,7 +243,7 @@ class Engine:
         return np.frombuffer(log, np.float64).reshape(count, 3).copy()
 
     def mark(self) -> Callable[[], None]:
-        """Return a function that puts all that a run changes back to what it is now."""
+        """Return a function that restores the present state of the engine."""
         size, done = int(self._library.jo_data_bytes(self._model)), self.steps_done
         memory = bytes(self._ffi.buffer(self._data, size))
 
@@ -258,21 +254,21 @@ class Engine:
         return rewind
 
     def restart(self) -> None:
-        """Forget what methods and events remember of the last step: the state was replaced."""
+        """Reset the history of methods and events, after the state was replaced."""
         self._library.jo_restart(self._data)
 
     def follow(self, solver: Any, last: int, tries: int, rows: Scalars) -> tuple[str, int]:
         """Advance with error control until `rows` is full, row `last` written or `tries` spent.
 
-        Rows are at times ``start + k step``; the first call begins at the present state, which is
-        row 0, later ones go on where the one before stopped.
+        Rows are at times ``start + k step``; the first call begins at the present state, row 0,
+        later calls continue from the previous one.
 
         Returns
         -------
         status : str
-            "ok", or what the engine could not do (see `problem`).
+            "ok", or a failure (see `problem`).
         written : int
-            Rows written.
+            Number of rows written.
         """
         written = self._ffi.new("int *", 0)
         status = self._library.jo_follow(
@@ -296,7 +292,7 @@ class Engine:
 
     @property
     def steps_done(self) -> int:
-        """Steps taken by `run` so far."""
+        """Number of steps done by `run` so far."""
         return int(self._count[0])
 
     @steps_done.setter
@@ -305,11 +301,11 @@ class Engine:
 
     @property
     def error_index(self) -> int:
-        """Body, joint, force, friction or event of the last error."""
+        """Index of the body, joint, force, friction or event of the last error."""
         return int(self._library.jo_data_error_index(self._data))
 
     def energy(self) -> Scalars:
-        """Return kinetic, strain, potential energy and that of the springs (4,), J."""
+        """Return kinetic, strain and potential energy and that of the springs (4,), J."""
         out = np.zeros(len(places("jo_energies")), self.dtype)
         self._library.jo_energy(
             self._model, self._data, self._ffi.cast("jo_energies *", out.ctypes.data)
@@ -324,9 +320,9 @@ class Engine:
 
     @cached_property
     def row_metres(self) -> NDArray[np.float64]:
-        """Lengths (nrow,) of a unit of each row of the constraints, m.
+        """Lengths (nrow,), m, of a unit of each constraint row.
 
-        1 where a row is a length, the size of the mechanism where it is an angle or a cosine.
+        It is 1 for a row that is a length, the size of the mechanism for an angle or a cosine.
         """
         out = np.zeros(self.model.nrow, self.dtype)
         self._library.jo_row_metres(self._model, self._pointer(out))
@@ -334,7 +330,7 @@ class Engine:
 
     @cached_property
     def _origins(self) -> NDArray[np.intp]:
-        """Places of the origins R of the bodies in q."""
+        """Indices of the origins R of the bodies in q."""
         first = np.array([body.iq for body in self.model.bodies], dtype=np.intp)
         return np.asarray((first[:, None] + np.arange(3)).ravel())
 
@@ -345,7 +341,7 @@ class Engine:
 
     def mass_matrix(self, body: int) -> Scalars:
         """Return the mass matrix (6+n, 6+n) of a body for [R'' (body frame), w', p'']."""
-        body = range(len(self.model.bodies))[body]  # an index out of range is an IndexError
+        body = range(len(self.model.bodies))[body]  # raises IndexError for an index out of range
         n = 6 + self.model.bodies[body].n
         M = np.zeros((n, n), self.dtype)
         self._library.jo_mass_matrix(self._model, self._data, body, self._pointer(M))
@@ -354,7 +350,7 @@ class Engine:
     def residual(self) -> Scalars:
         """Return r = M a + Cq^T lam - Q (nv,) at time, q, v, a, lam.
 
-        Per body on [dR (world), dtheta (body frame), dp], in N, N m and modal force.
+        Components per body for [dR (world), dtheta (body frame), dp], in N, N m and modal force.
         """
         out = np.zeros(self.model.nv, self.dtype)
         self._check(self._library.jo_residual(self._model, self._data, self._pointer(out)))
@@ -363,8 +359,8 @@ class Engine:
     def newton_matrix(self, ca: float, cv: float, cq: float) -> Scalars:
         """Return ``[ca M + cv D + cq K, Cq^T; cv Cq + cq d(Cq v)/dq, 0]`` at this state.
 
-        M, D, K as in `tangent`, but by formulas, the last rows for the rates of the constraints:
-        the matrix of the implicit methods, (nv + nrow, nv + nrow).
+        M, D, K are those of `tangent`, but from formulas; the last rows are those of the constraint
+        velocities: the matrix of the implicit methods, (nv + nrow, nv + nrow).
         """
         self._needs_newton()
         size = self.model.nv + self.model.nrow
@@ -375,7 +371,7 @@ class Engine:
         return out
 
     def newton_sparse(self, ca: float, cv: float, cq: float) -> Any:
-        """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense one."""
+        """Return `newton_matrix` as a sparse matrix (scipy CSR), without a dense copy."""
         self._needs_newton()
         values = np.zeros(newton_pattern(self.model).reals, self.dtype)
         self._check(
@@ -391,13 +387,13 @@ class Engine:
 
     def _needs_newton(self) -> None:
         if not self._implicit:
-            raise ValueError("this engine was made without Newton's matrix: implicit=True")
+            raise ValueError("this engine has no Newton matrix; create it with implicit=True")
 
     def tangent(self) -> Tangent:
         """Return the exact derivatives of `residual` and of the constraints at this state.
 
-        By complex steps (Squire and Trapp, SIAM Rev. 40, 1998), column by column, with orientation
-        increments on the right, q = q0 o exp(dtheta).
+        Computed by complex steps (Squire and Trapp, SIAM Rev. 40, 1998), column by column, with
+        orientation increments on the right, q = q0 o exp(dtheta).
         """
         twin = Engine(self.model, complex_scalars=True, override=self._override)
         for name in STATE:
@@ -425,7 +421,7 @@ class Engine:
         return Tangent(M, D, K, Cq)
 
     def increments(self) -> NDArray[np.float64]:
-        """Return dq (nq, nv) of unit increments [dR (world), dtheta (body frame), dp]."""
+        """Return dq (nq, nv) for unit increments [dR (world), dtheta (body frame), dp]."""
         moves = np.zeros((self.model.nq, self.model.nv))
         for b in self.model.bodies:
             e0, e1, e2, e3 = self.q[b.iq + 3 : b.iq + 7].real
@@ -450,7 +446,7 @@ class Engine:
         beta: float = 0.0,
         **options: Any,
     ) -> Any:
-        """Return a jo_solver of a jo_method such as "rk4"; the options are its further fields."""
+        """Return a jo_solver of a jo_method such as "rk4"; the options are its other fields."""
         self._needs_newton()
         solver = self._ffi.new("jo_solver *")
         solver.method = kinds("jo_method")[method]
@@ -461,7 +457,7 @@ class Engine:
         return solver
 
     def meters_valid(self, memory: NDArray[np.float64]) -> bool:
-        """Return whether numbers may be the memory of this model's damage meters."""
+        """Return whether numbers can be the memory of this model's damage meters."""
         values = np.ascontiguousarray(memory, dtype=np.float64)
         start = self._ffi.cast("double *", values.ctypes.data)
         rules = [self._model.meter[i] for i in range(len(self.model.meters))]
@@ -472,21 +468,21 @@ class Engine:
 
     @property
     def native_model(self) -> Any:
-        """The jo_model of this engine, for those who write it down."""
+        """The jo_model of this engine, for export."""
         return self._model
 
     def count(self, pointer: Any) -> int:
-        """Return how many structs or numbers a pointer of the jo_model refers to."""
+        """Return the number of structs or numbers behind a pointer of the jo_model."""
         return self._layout.counts[int(self._ffi.cast("uintptr_t", pointer))]
 
     @property
     def bytes(self) -> int:
-        """Bytes of the workspace and of a row, for programs that give them the memory."""
+        """Sizes of the workspace and of a row, bytes, for programs that allocate them."""
         return int(self._library.jo_data_room(self._model)) + 8 * self.row_size
 
     @property
     def bytes_without_tree(self) -> int:
-        """The same where it runs in q and v."""
+        """Sizes of workspace and row without joint coordinates, bytes."""
         plain = self._ffi.new("jo_model *", self._model[0])
         plain.nlink = plain.nx = plain.nu = 0
         return int(self._library.jo_data_room(plain)) + 8 * int(self._library.jo_row_size(plain))
@@ -511,11 +507,11 @@ class Engine:
 
     @property
     def cause(self) -> BaseException | None:
-        """What a user's Python function raised last, or None."""
+        """Last exception of a user's Python function, or None."""
         return self._layout.raised[-1] if self._layout.raised else None
 
     def problem(self, status: str) -> Problem:
-        """Return the sentence for what the engine could not do."""
+        """Return the message for a status of the engine."""
         return failure(self.model, status, self.error_index, self.cause)
 
     # -- memory layout ----------------------------------------------------------------------
@@ -532,7 +528,7 @@ class Engine:
 
 
 class _Memory:
-    """Engine memory for NumPy; keeps the workspace alive as long as a view of it."""
+    """Engine memory for NumPy; it stays allocated as long as a view of it exists."""
 
     def __init__(self, owner: Any, address: int, count: int, dtype: np.dtype[Any]) -> None:
         self._owner = owner

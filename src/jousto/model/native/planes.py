@@ -1,4 +1,4 @@
-"""Damage on planes through places: the engine's count of shear lines and normal stresses."""
+"""Damage on planes at sites: the engine's count of shear lines and normal stresses."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from jousto.model.native.damage_meter import native_rule
 from jousto.model.native.header import kinds
 
 FINEST, COARSEST, POINTS = 1e-7, 1.0, 65_536
-"""Strains that the table of a strain-life curve covers, and its points: 2.5e-4 apart in logarithm,
-which leaves 1e-7 of the life between them."""
+"""Strain range of the table of a strain-life curve, and number of points: their spacing of 2.5e-4
+in logarithm leaves an error of 1e-7 of the life."""
 
 
 @dataclass(frozen=True)
 class StrainCurve:
-    """A life over shear strain, as a table.
+    """Life as a function of shear strain, as a table.
 
     Parameters
     ----------
     cycles : callable
-        Takes strains (n,), returns lives (n,).
+        Function from strains (n,) to lives (n,).
     modulus : float
         Shear modulus, Pa.
     slope : float
-        Damage grows at least with this power of the strain.
+        Smallest exponent of damage over strain.
     """
 
     cycles: Callable[[Array], Array]
@@ -47,29 +47,29 @@ class StrainCurve:
 
 
 class PlaneCounter:
-    """Finds the worst line of shear, or the worst normal stress, of all planes through a place.
+    """Counter of the worst line of shear, or worst normal stress, of all planes at a site.
 
     Parameters
     ----------
     kind : str
         "normal", "findley" or "strain".
     k : float
-        Sensitivity to the normal stress; of "strain" 1/Pa.
+        Sensitivity to the normal stress; in 1/Pa for "strain".
     rows : (m, 3, 6) array
-        Per plane the rows of the normal stress and of the shear along two directions.
+        Rows of the normal stress and of the shear stress along two directions, per plane.
     turns : (l, 2) array
         Cosine and sine of the lines in each plane.
     curve : SN or StrainCurve
-        What a cycle costs.
+        Curve of the damage of a cycle.
     residue : str
         "half", "repeat" or "ignore".
     mean : optional
-        Mean stress correction, of "normal".
+        Mean stress correction, for "normal".
 
     Raises
     ------
     InputError
-        If curve or correction are none.
+        If curve or correction cannot be used.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class PlaneCounter:
         self._rule = r
 
     def worst(self, stress: Array) -> tuple[float, int]:
-        """Return damage and plane of the worst line; other threads may run meanwhile.
+        """Return damage and plane of the worst line; other threads run meanwhile.
 
         Parameters
         ----------

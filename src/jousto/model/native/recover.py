@@ -1,4 +1,4 @@
-"""Stress fields by the compiled engine: modes in tiles, and a number that judges each tensor."""
+"""Stress fields by the compiled engine: modes in tiles, and a criterion of each tensor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LANES: int = library.ffi().integer_const("JO_LANES")
 
 
 def tiles(rows: Array) -> Array:
-    """Return rows (ns, r, k) as tiles (ns / 8, k, r, 8), the last one filled up with zeros."""
+    """Return rows (ns, r, k) as tiles (ns / 8, k, r, 8), the last one padded with zeros."""
     ns, r, k = rows.shape
     count = -(-ns // LANES)
     padded = rows
@@ -30,18 +30,18 @@ def tiles(rows: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """What the engine needs for one criterion of one field.
+    """Input of the engine for one criterion of one field.
 
     Parameters
     ----------
     packed : (ns / 8, k, r, 8) array
-        Rows of each mode in `tiles`: those of a norm, or the six of a tensor.
+        Rows of each mode in `tiles`: those of a norm, or the six components of a tensor.
     ns : int
         Sites.
     criterion : str
-        Name of a ``jo_criterion`` without its prefix, such as "NORM".
+        Name of a ``jo_criterion`` without prefix, such as "NORM".
     scale : float
-        Factor on the values.
+        Factor of the values.
     """
 
     packed: Array
@@ -50,7 +50,7 @@ class Recovery:
     scale: float = 1.0
 
     def slice(self, first: int, last: int) -> Recovery:
-        """Return the sites from `first`, a multiple of 8, to before `last`."""
+        """Return the sites from `first`, a multiple of 8, up to but without `last`."""
         assert first % LANES == 0
         part = self.packed[first // LANES : -(-last // LANES)]
         return Recovery(part, last - first, self.criterion, self.scale)
@@ -62,9 +62,8 @@ class Recovery:
         ----------
         p : (nt, k) array
         w : (nt, r) array, optional
-            Weights of "WEIGHTED".
-        out : (nt, ns) array, optional
-            Filled and returned.
+            Weights for "WEIGHTED". out : (nt, ns) array, optional
+            Array that is filled and returned.
         """
         p = np.ascontiguousarray(p, dtype=np.float64)
         if out is None:
@@ -88,7 +87,7 @@ class Recovery:
         high_at: Longs,
         w: Array | None = None,
     ) -> None:
-        """Widen low and high (ns,), and their instants, by those of p counted from `first`."""
+        """Update low and high (ns,) and their instants by those of p, counted from `first`."""
         p = np.ascontiguousarray(p, dtype=np.float64)
         for x in (low, low_at, high, high_at):
             assert x.shape == (self.ns,) and x.flags.c_contiguous and x.itemsize == 8
@@ -122,7 +121,7 @@ class Recovery:
 
 
 def principal(tensors: Array) -> tuple[Array, Array]:
-    """Return principal values (..., 3), the largest first, and directions (..., 3, 3) in columns.
+    """Return principal values (..., 3), largest first, and directions (..., 3, 3) in columns.
 
     Parameters
     ----------
@@ -143,7 +142,7 @@ def principal(tensors: Array) -> tuple[Array, Array]:
 
 
 def principal_values(tensors: Array) -> Array:
-    """Return principal values (..., 3) of tensors (..., 6), the largest first."""
+    """Return principal values (..., 3) of tensors (..., 6), largest first."""
     s = np.ascontiguousarray(tensors, dtype=np.float64)
     values = np.empty((*s.shape[:-1], 3))
     if s.size:

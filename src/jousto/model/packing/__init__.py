@@ -1,1 +1,1 @@
-"""Entities of a mechanism, packed into the arrays of the engine."""
+"""Packing of the objects of a mechanism into the arrays of the engine."""

@@ -1,4 +1,4 @@
-"""Bodies of a mechanism for the engine and for results: beams, and what flexible ones cannot do."""
+"""Bodies of a mechanism for the engine and for results: beams, and limits of flexible bodies."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from jousto.model.beam_record import BeamShape, SectionShape
 from jousto.model.model import BeamModel
 from jousto.model.native.header import rows
 
-LINE = 1e-5  # ratio of principal moments of inertia below which mass lies nearly on a line
-TURN = 0.1  # rad that a rotation linear in the modes may reach: its square is then 1 %
-SMALL = 1e-3  # of the length of the body: a bending that must not turn the frame by that much
-ALIKE = 0.1  # of the mean turn: what differs from it along the body
+LINE = 1e-5  # ratio of principal moments of inertia below which the mass lies nearly on a line
+TURN = 0.1  # rad, limit of a rotation linear in the modes: its square is 1 %
+SMALL = 1e-3  # smallest bending that must not rotate the frame by TURN / length of the body
+ALIKE = 0.1  # largest variation of the rotation along the body / mean rotation
 
 
 def warn_bodies(mechanism: Mechanism) -> None:
-    """Warn of mean axes that turn by far more than the body bends, once for each part."""
+    """Warn about mean axes that rotate much more than the body bends, once per part."""
     seen: set[int] = set()
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody) and id(body.reduced) not in seen:
@@ -46,18 +46,18 @@ def _warn_line(body: FlexibleBody) -> None:
     warn(
         f"body '{body.name}'",
         f"nearly all its mass lies on one line, about which it has {moments[0] / moments[-1]:.1e} "
-        f"of its other inertia: bending of only {reach.min():.2g} m in mode {mode + 1} turns the "
-        f"axes of its motion by {TURN} rad about that line, which modes cannot follow: deflections "
-        "in one plane come out too small; give the section its rotary inertia "
-        "(rotary_inertia=True), see it from the node that holds it "
-        "(jo.reduction.clamp(reduced, 'node1')), add point masses beside the line, or keep the "
+        f"of its other inertia: bending of only {reach.min():.2g} m in mode {mode + 1} rotates "
+        f"its mean axes by {TURN} rad about that line, which modes cannot represent: deflections "
+        f"in one plane become too small; give the section its rotary inertia "
+        f"(rotary_inertia=True), use the frame of its support node (jo.reduction.clamp(reduced, "
+        f"'node1')), add point masses beside the line, or keep the "
         "modes of one plane only "
         "(reduced.keep(reduced.in_plane('xy')))",
     )
 
 
 def beam_shapes(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamShape, ...]:
-    """Return what results keep of each beam; `index` holds the place of every body by its id."""
+    """Return the data of each beam for results; `index` has the index of every body by id."""
     return tuple(_shape(beam, index) for beam in mechanism.beams)
 
 
@@ -74,10 +74,10 @@ def beam_models(mechanism: Mechanism, index: dict[int, int]) -> tuple[BeamModel,
 
 
 def warn_beams(mechanism: Mechanism) -> None:
-    """Warn of tension that the linear law does not bear, from weight and initial spin.
+    """Warn about tension beyond the stability limit of the linear law, by weight and initial spin.
 
-    A beam bears at most its own weight where it hangs, and ``m w^2 L/2`` where it turns about an
-    end.
+    The largest tension is the own weight of a hanging beam, and ``m w^2 L/2`` of a beam that
+    rotates about an end.
     """
     for beam in mechanism.beams:
         spin = float(beam.angular_velocity @ beam.angular_velocity)
@@ -89,11 +89,11 @@ def warn_beams(mechanism: Mechanism) -> None:
             cause = "its own weight" if tension == weight else "its spin"
             warn(
                 f"beam '{beam.name}'",
-                f"{cause} pulls with up to {tension:.3g} N, but beyond {1 / factors[worst]:.3g} N "
-                f"its element {worst} is unstable: the linear law lets the section turn aside in "
-                "shear, N > GA/(1 - GA/EA); check E and the units, give it GA = EA where shear "
-                "does not matter"
-                + (", take more elements or leave bending=True out" if beam.bending else ""),
+                f"{cause} causes a tension of up to {tension:.3g} N, but beyond "
+                f"{1 / factors[worst]:.3g} N its element {worst} is unstable: with the linear law "
+                f"the section rotates in shear for N > GA/(1 - GA/EA); check E and the units, or "
+                f"use GA = EA if shear is unimportant"
+                + (", use more elements or leave bending=True out" if beam.bending else ""),
             )
 
 

@@ -1,4 +1,4 @@
-"""Builder: joints, forces, signals and coordinates in the small vocabulary of the engine."""
+"""Builder: joints, forces, signals and coordinates as objects of the engine."""
 
 from __future__ import annotations
 
@@ -33,14 +33,12 @@ from jousto.model.native.header import packed
 
 
 class Builder:
-    """Collects the engine's objects; what is used twice is kept once.
+    """Collection of engine objects; equal objects are stored once.
 
     Parameters
     ----------
     bodies : dict of int to int
-        Index of every moving body by its id.
-    events : sequence of Event
-        All events.
+        Index of every moving body by id. events : sequence of Event All events.
     """
 
     def __init__(self, bodies: dict[int, int], events: Sequence[Event] = ()) -> None:
@@ -59,9 +57,9 @@ class Builder:
         self._places: dict[Any, int] = {}
 
     def marker(self, marker: Marker, turns: bool, *, shared: bool = True) -> int:
-        """Return the index of the frame; `turns` if its rotation matters at every evaluation.
+        """Return the index of a frame; `turns` if its rotation is needed at every evaluation.
 
-        Frames that are `shared` are looked up first: joints at one node use one frame.
+        Frames that are `shared` are searched first: joints at one node use one frame.
         """
         body = self._bodies.get(id(marker.body), -1)
         Phi = Psi = chi = None
@@ -105,7 +103,7 @@ class Builder:
         )
 
     def joint(self, joint: Joint, *, used: bool = False) -> int:
-        """Return the index of a joint; `used` if something needs a coordinate of it."""
+        """Return the index of a joint; `used` if another object needs one of its coordinates."""
         sides = tuple(
             self.marker(marker, turns)
             for marker, turns in zip(joint.frames, joint.turns, strict=True)
@@ -128,7 +126,7 @@ class Builder:
         places = [self.declared(s) for s in friction.coordinates]
         law = friction.law
         lock = -1
-        if law.sticks:  # rows that hold the coordinates while they stick
+        if law.sticks:  # rows that are active while the coordinates stick
             first = self.coordinates[places[0]]
             lines = tuple(LineModel((place,), (1.0,)) for place in places)
             count = sum(other.lock >= 0 for other in self.joints)
@@ -178,7 +176,7 @@ class Builder:
         return self._places[key]
 
     def _signal(self, signal: Signal) -> int:
-        """Append a signal after those it is made of; the engine takes two of them at a time."""
+        """Append a signal after its terms; the engine combines two terms at a time."""
         law = signal.law
         count = law.count if law.event is None else self._events[id(law.event)]
         if signal.parts:
@@ -202,7 +200,7 @@ class Builder:
         return len(self.signals) - 1
 
     def force(self, force: ForceElement) -> int:
-        """Return the index of what pushes, of the first of several laws."""
+        """Return the index of a force, of the first law if it has several."""
         self.force_places[id(force)] = place = len(self.forces)
         release = self._releases.get(id(force), -1)
         for push in force.pushes:
@@ -233,7 +231,7 @@ class Builder:
 
 
 def numbers_of(law: Law | Push) -> NDArray[np.float64]:
-    """Return the numbers of a law in the order of the header of the engine."""
+    """Return the numbers of a law in the order of the engine header."""
     if law.data:
         return packed(f"jo_{law.kind.replace(' ', '_')}_data", *law.rest, **law.data)
     return np.concatenate([np.ravel(x) for x in law.rest]) if law.rest else np.zeros(1)

@@ -1,4 +1,4 @@
-"""Events in the engine: sensors for watched coordinates, places in the sensor vector."""
+"""Events for the engine: sensors of watched coordinates, indices in the sensor vector."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}
 
 
 def watched_coordinates(mechanism: Mechanism) -> tuple[CoordinateSensor, ...]:
-    """Return a sensor for every watched coordinate that has none, named like the coordinate.
+    """Return a sensor for every watched coordinate without one, with the coordinate's name.
 
-    Should a sensor have that name already, the name of the event comes before it.
+    If a sensor has that name already, the name of the event is put before it.
     """
     measured = set(_places(mechanism.sensors))
     names = {sensor.name for sensor in mechanism.sensors}
@@ -48,12 +48,12 @@ def event_models(
 
 
 def _watched(event: Event) -> Any:
-    """Return what an event watches as a key of `_places`."""
+    """Return the watched sensor or coordinate of an event as a key of `_places`."""
     return event.watch.key if isinstance(event.watch, Coordinate) else id(event.watch)
 
 
 def _places(sensors: Sequence[Sensor]) -> dict[Any, int]:
-    """Return the place of every sensor, by its identity and by the coordinate it measures."""
+    """Return the index of every sensor, by its id and by the coordinate that it measures."""
     places: dict[Any, int] = {}
     for i, sensor in enumerate(sensors):
         places.setdefault(id(sensor), i)

@@ -1,4 +1,4 @@
-"""Models of other programs: where the model has what crosses, and who cannot run them."""
+"""Models of other programs: indices of exchanged values, and functions that do not support them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jousto.model.model import FmuModel, Model, SensorModel
 
 
 def fmu_models(mechanism: Mechanism, sensors: tuple[SensorModel, ...]) -> tuple[FmuModel, ...]:
-    """Return the foreign models of a mechanism; `sensors` are those of the model."""
+    """Return the foreign models of a mechanism; `sensors` are the sensors of the model."""
     offsets = {id(s): m.offset for s, m in zip(mechanism.sensors, sensors, strict=False)}
     made = []
     for fmu in mechanism.fmus:
@@ -21,12 +21,12 @@ def fmu_models(mechanism: Mechanism, sensors: tuple[SensorModel, ...]) -> tuple[
 
 
 def without_fmus(model: Model | Mechanism, where: str, why: str) -> None:
-    """Refuse a model with foreign models.
+    """Raise InputError for a model with foreign models.
 
     Raises
     ------
     InputError
-        If it has one.
+        If the model has one.
     """
     names = [x.fmu.name if isinstance(x, FmuModel) else x.name for x in model.fmus]
     if names:
@@ -34,8 +34,8 @@ def without_fmus(model: Model | Mechanism, where: str, why: str) -> None:
             [
                 Problem(
                     where,
-                    f"fmu {name!r} {why}; only jo.simulate runs it; leave it out and give the "
-                    "inputs that it sets a value",
+                    f"fmu {name!r} {why}; only jo.simulate supports it; leave it out and give "
+                    f"values to the inputs that it sets",
                 )
                 for name in names
             ]

@@ -1,4 +1,4 @@
-"""Signals in place of external inputs."""
+"""Replacement of external inputs by signals."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from jousto.model.packing.builder import Builder
 
 
 def substitute(model: Model, signals: Mapping[str, Signal]) -> Model:
-    """Return the model with signals of time in place of the inputs that are named.
+    """Return the model with signals of time in place of named inputs.
 
-    The engine then evaluates them at every stage of a step, as it does signals of the model.
+    The engine then evaluates them at every stage of a step, like other signals of the model.
     """
     if not signals:
         return model
@@ -37,7 +37,7 @@ def substitute(model: Model, signals: Mapping[str, Signal]) -> Model:
 
 
 def _moved(signal: SignalModel, first: int) -> SignalModel:
-    """Return a signal whose children lie behind `first` others."""
+    """Return the signal with the indices of its terms increased by `first`."""
     if signal.kind not in ("sum", "product"):
         return signal
     a, b = signal.children

@@ -1,4 +1,4 @@
-"""Sensors in the small vocabulary of the engine."""
+"""Sensors of a mechanism for the engine."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ NOT_UNIQUE = " (not unique: least norm)"
 
 
 class Places:
-    """Where the engine has what sensors read; frames that only sensors use are kept apart.
+    """Engine indices of measured objects; frames used by sensors only are stored separately.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism.
     builder : Builder
-        With all joints, forces and coordinates.
+        Builder with all joints, forces and coordinates.
     bodies : dict of int to int
-        Index of every moving body by its id.
+        Index of every moving body by id.
     """
 
     def __init__(self, mechanism: Mechanism, builder: Builder, bodies: dict[int, int]) -> None:
@@ -36,7 +36,7 @@ class Places:
         self._places = {**bodies, **builder.force_places}
         for items in ((*mechanism.joints, *mechanism.couplings), mechanism.frictions):
             self._places |= {id(item): i for i, item in enumerate(items)}
-        element = meter = 0  # the first ones of beams and of sensors that count
+        element = meter = 0  # first free indices of beam elements and of damage meters
         for beam in mechanism.beams:
             self._places[id(beam)] = element
             element += beam.n
@@ -54,7 +54,7 @@ class Places:
         return self._frames[key]
 
     def of(self, thing: Any, sensor: Sensor) -> int:
-        """Return the index of what a sensor reads, -1 for None."""
+        """Return the index of the object that a sensor measures, -1 for None."""
         if thing is None or isinstance(thing, int):
             return -1 if thing is None else thing
         if isinstance(thing, str):
@@ -74,7 +74,7 @@ def sensor_models(
     bodies: dict[int, int],
     further: tuple[CoordinateSensor, ...] = (),
 ) -> tuple[SensorModel, ...]:
-    """Return the sensors of a mechanism and `further` ones, their values one after the other."""
+    """Return the sensors of a mechanism and `further` ones, with consecutive values."""
     places = Places(mechanism, builder, bodies)
     models: list[SensorModel] = []
     offset = 0
@@ -101,7 +101,7 @@ def sensor_models(
 
 
 def meter_models(mechanism: Mechanism, models: tuple[SensorModel, ...]) -> tuple[MeterModel, ...]:
-    """Return the damage meters of a mechanism; `models` are those of its sensors."""
+    """Return the damage meters of a mechanism; `models` are the sensors of the model."""
     offsets = {id(s): model.offset for s, model in zip(mechanism.sensors, models, strict=False)}
     return tuple(
         MeterModel(meter.rule, offsets[id(meter.sensor)] + meter.value, meter.factor)
@@ -116,7 +116,7 @@ def flag_reactions(
     names: tuple[str, ...],
     rubbing: tuple[int, ...],
 ) -> tuple[SensorModel, ...]:
-    """Return the sensors, with a note on those of reactions and friction that are not unique.
+    """Return the sensors, with a remark for reactions and friction that are not unique.
 
     Parameters
     ----------
@@ -125,9 +125,9 @@ def flag_reactions(
     joints : tuple of str
         Names of all joints, couplings and drives of the model.
     names : tuple of str
-        Those whose rows repeat others.
+        Names of those with redundant rows.
     rubbing : tuple of int
-        The joint of each friction, which follows its reactions.
+        Joint of each friction, on whose reactions it depends.
     """
 
     def shared(sensor: SensorModel) -> bool:

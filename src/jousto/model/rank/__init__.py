@@ -1,1 +1,1 @@
-"""Which constraints depend on others, and what a mechanism can do with its freedoms."""
+"""Rank analysis: redundant constraints, and the motions that remain."""

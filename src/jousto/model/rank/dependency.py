@@ -1,4 +1,4 @@
-"""Dependencies between constraint rows, body after body: the rank analysis of large mechanisms."""
+"""Dependencies between constraint rows by elimination of bodies, for large mechanisms."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jousto.model.native.native import Engine
 
 @dataclass(frozen=True)
 class Front:
-    """Rows that are not yet eliminated.
+    """Constraint rows that are not yet eliminated.
 
     Attributes
     ----------
     bodies : tuple of int
-        Bodies that they see.
+        Bodies on which the rows depend.
     rows : tuple of arrays
-        For each body (r, 6 + n).
+        Rows of each body (r, 6 + n).
     count : int
-        How many they are.
+        Number of rows.
     """
 
     bodies: tuple[int, ...]
@@ -36,18 +36,18 @@ class Front:
 
 @dataclass(frozen=True)
 class Turn:
-    """What the elimination of one body makes of the rows that see it, one under another.
+    """Orthogonal elimination of one body from the stacked rows that depend on it.
 
     Attributes
     ----------
     fronts : dict of int to int
-        Which they are and how many rows each has.
+        Indices of the fronts and their numbers of rows.
     vanishing : array (d, r)
-        Combinations of them that vanish.
+        Combinations of the rows that vanish.
     kept : array (k, r)
-        Those that go on, as a new front.
+        Combinations that form a new front.
     new : int
-        The number of that front.
+        Index of the new front.
     """
 
     fronts: dict[int, int]
@@ -57,15 +57,16 @@ class Turn:
 
 
 def bodies_of(model: Model, joint: JointModel) -> tuple[int, ...]:
-    """Return the moving bodies that a joint holds."""
+    """Return the moving bodies of a joint."""
     found = {model.markers[side].body for side in joint.sides}
     return tuple(sorted(body for body in found if body >= 0))
 
 
 def joint_fronts(model: Model, engine: Engine, rows: int) -> list[Front]:
-    """Return the first `rows` rows of C' v in the mass metric, each scaled to length 1, by joints.
+    """Return the first `rows` rows of C' v in the mass metric, unit length, by joints.
 
-    Bodies that share no joint are moved at once, so that the effort grows with the mechanism only.
+    Bodies without a common joint are moved at once, so that the effort is linear in the size of the
+    mechanism.
     """
     joints = [joint for joint in model.joints if joint.row < rows]
     held = [bodies_of(model, joint) for joint in joints]
@@ -114,20 +115,20 @@ def joint_fronts(model: Model, engine: Engine, rows: int) -> list[Front]:
 
 
 def dependencies(fronts: Sequence[Front], bodies: int, tolerance: float) -> Array:
-    """Return an orthonormal basis Y (rows, d) of the combinations of rows that vanish, Y^T G = 0.
+    """Return an orthonormal basis Y (rows, d) of vanishing combinations of rows, Y^T G = 0.
 
-    Orthogonal elimination of one body after the other: the rows that see it are rotated until as
-    few as possible do; those go on to its neighbours. Rows that see nothing any more depend on
-    the others.
+    Bodies are eliminated one after the other: the rows that depend on a body are transformed
+    orthogonally until as few as possible depend on it; these are passed to its neighbours. Rows
+    that depend on no body any more are redundant.
 
     Parameters
     ----------
     fronts : sequence of Front
-        All rows, as `joint_fronts` returns them.
+        All rows, from `joint_fronts`.
     bodies : int
         Number of moving bodies.
     tolerance : float
-        Singular values of unit rows below this are zero.
+        Largest singular value of unit rows that counts as zero.
     """
     order = eliminate([6] * bodies, [front.bodies for front in fronts]).order
     at: list[set[int]] = [set() for _ in range(bodies)]
@@ -150,7 +151,7 @@ def dependencies(fronts: Sequence[Front], bodies: int, tolerance: float) -> Arra
         rest = U[:, int((s > tolerance).sum()) :].T
         widths = np.cumsum([block.shape[1] for block in merged.rows[1:]])
         left = rest @ np.hstack(merged.rows[1:]) if len(widths) else np.zeros((len(rest), 0))
-        # what sees no other body either depends; fewer rows go on
+        # rows that depend on no other body are redundant; fewer rows remain
         U, s, _ = np.linalg.svd(left) if left.size else (np.eye(len(left)), np.zeros(0), None)
         rank = int((s > tolerance).sum())
         go = U[:, :rank].T
@@ -167,7 +168,7 @@ def dependencies(fronts: Sequence[Front], bodies: int, tolerance: float) -> Arra
 
 
 def _combined(turns: Sequence[Turn], counts: Sequence[int]) -> Array:
-    """Return what vanishes as combinations of the original rows, from the last turn back."""
+    """Return vanishing combinations of the original rows, from the last elimination back."""
     start = np.cumsum([0, *counts])
     column = sum(len(turn.vanishing) for turn in turns)
     Y = np.zeros((start[-1], column))
@@ -191,7 +192,7 @@ def _combined(turns: Sequence[Turn], counts: Sequence[int]) -> Array:
 
 
 def _merge(fronts: Sequence[Front], body: int) -> Front:
-    """Return all rows under one another, `body` first."""
+    """Return all rows stacked, with the columns of `body` first."""
     bodies = (body, *sorted({b for front in fronts for b in front.bodies if b != body}))
     width = {
         b: block.shape[1]

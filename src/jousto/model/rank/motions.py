@@ -1,4 +1,4 @@
-"""Which bodies can move: to first order at a position, and from the positions beside it."""
+"""Bodies that can move: to first order at a position, and at neighbouring positions."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
 from jousto.model.scales import velocity_metres
 
-MOVES = 1e-6  # of unit motions in the mass metric: what is less is round-off
-SMALL = 3 * DENSE  # velocities up to which one singular value decomposition is quick
-SAMPLES = 3  # random velocities; a body that can move stands still in all with probability 0
-AGAIN = 8  # projections, since one with repeated rows leaves a small part of weak rows
+MOVES = 1e-6  # smallest motion / unit motion in the mass metric; less is round-off
+SMALL = 3 * DENSE  # largest number of velocities for one singular value decomposition
+# number of random velocities; a movable body is at rest in all of them with probability 0
+SAMPLES = 3
+AGAIN = 8  # number of projections, since one with redundant rows leaves a small part of weak rows
 
 
 def moving(model: Model, q: Array) -> set[str]:
     """Return the bodies that can move at a position, to first order.
 
-    Where every row is of a link of a tree, a body moves with the links that lead to it. Motions
-    that rows leave free otherwise are ``(1 - G^+ G) x``. Of small models all of them are computed;
-    of large ones random x are projected by the engine, whose effort grows with the mechanism only.
+    In a tree without other rows, a body moves with the links between it and the ground. Otherwise
+    the free motions are ``(1 - G^+ G) x``. They are all computed for small models; for large ones
+    the engine projects random x, with an effort linear in the size of the mechanism.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def moving(model: Model, q: Array) -> set[str]:
 
 
 def _led(model: Model) -> set[str]:
-    """Return the bodies of a tree that any link without a drive leads to from the ground."""
+    """Return the bodies of a tree with a link without drive between them and the ground."""
     moves: list[bool] = []
     for link in model.links:
         before = link.parent >= 0 and moves[link.parent]
@@ -69,7 +70,7 @@ def _projected(model: Model, engine: Engine) -> Array:
             engine.assemble()
         return np.array(engine.v)
 
-    rest = project(np.zeros(model.nv))  # what drives move
+    rest = project(np.zeros(model.nv))  # velocities caused by drives
     largest = np.zeros(model.nv)
     for _ in range(SAMPLES):
         x = masses.to_velocities(random.standard_normal(model.nv))
@@ -96,7 +97,7 @@ class _MassFactors:
             self._groups.append((columns, np.linalg.cholesky(M), np.stack(A)))
 
     def to_velocities(self, x: Array) -> Array:
-        """Return the velocities (nv,) of coordinates of unit mass, ``L^-T x``."""
+        """Return the velocities (nv,) from coordinates of unit mass, ``L^-T x``."""
         v = np.zeros_like(x)
         for columns, L, A in self._groups:
             part = np.linalg.solve(np.swapaxes(L, 1, 2), x[columns][..., None])
@@ -105,7 +106,7 @@ class _MassFactors:
         return v
 
     def to_unit_mass(self, v: Array) -> Array:
-        """Return the coordinates of unit mass (nv,) of velocities, ``L^T v``."""
+        """Return the coordinates of unit mass (nv,) from velocities, ``L^T v``."""
         x = np.zeros_like(v)
         for columns, L, A in self._groups:
             part = v[columns][..., None]
@@ -115,7 +116,7 @@ class _MassFactors:
 
 
 def without_drives(model: Model) -> Model:
-    """Return the model without the rows that follow signals, and without friction that sticks."""
+    """Return the model without rows of signals, and without sticking friction."""
     kept: list[JointModel] = []
     row = 0
     for joint in model.joints:
@@ -139,7 +140,7 @@ def without_drives(model: Model) -> Model:
 
 
 def neighbour(model: Model) -> Array | None:
-    """Return a position (nq,) a small way along a motion that the rows allow, None without one."""
+    """Return a position (nq,) a small distance along a free motion, None if there is none."""
     engine = Engine(replace(model, redundant=True), implicit=False)
     metres = velocity_metres(model) / model.size
     engine.v[:] = np.random.default_rng(0).standard_normal(model.nv) / metres

@@ -1,4 +1,4 @@
-"""Constraint rows that repeat or contradict one another: which, and what to change."""
+"""Redundant and contradictory constraint rows: detection and remedies."""
 
 from __future__ import annotations
 
@@ -18,45 +18,45 @@ from jousto.model.scales import speed_scale, velocity_metres
 
 RANK = 1e-9  # singular values of unit rows in the mass metric below this are zero
 WEAK = 2e-7
-"""The same, of rows that are independent, below which solving with repeated rows loses digits.
+"""Singular value of independent unit rows below which a solution of redundant rows is inaccurate.
 
-That is where a moment of inertia is 1e-12 of the largest of its body: the engine raises a diagonal
-by ``e = 1e-8 sqrt(1e-12)`` of it, and its three steps leave ``(e / (e + s^2))^3`` of a multiplier,
-here 1 %."""
-SHARE = 1e-6  # share of a row in a dependency that counts
-NEARBY = 1e-2  # of the size of the mechanism, or rad: how far the neighbouring position is
-STILL = 1e-6  # of the size of the mechanism, or rad: what is left of a motion that nothing allows
-OPEN = 1e-8  # of the size of the mechanism, or of its speed: joints that contradict one another
-LISTED = 24  # names in a sentence
-TOGETHER = 100  # rows left out before the whole basis is renewed
-DENSE = 400  # rows up to which one singular value decomposition is quick
+It occurs if a moment of inertia is 1e-12 of the largest one of its body: the engine increases the
+diagonal by ``e = 1e-8 sqrt(1e-12)`` of it, and its three steps leave an error ``(e / (e + s^2))^3``
+of a multiplier, here 1 %."""
+SHARE = 1e-6  # smallest relative weight of a row in a dependency
+NEARBY = 1e-2  # distance of the neighbouring position, rad or / size of the mechanism
+STILL = 1e-6  # smallest motion, rad or / size of the mechanism
+OPEN = 1e-8  # smallest gap of contradicting joints / size of the mechanism, or / its speed
+LISTED = 24  # largest number of names in a message
+TOGETHER = 100  # number of rows left out before the basis is computed again
+DENSE = 400  # largest number of rows for one singular value decomposition
 
 
 @dataclass(frozen=True)
 class Redundancy:
-    """Rows that repeat one another.
+    """Redundant constraint rows.
 
     Attributes
     ----------
     joints : tuple of str
-        Joints, couplings and drives whose rows take part in a dependency; their reactions are
-        not unique.
+        Joints, couplings and drives with rows in a dependency; their reactions are not unique.
     count : int
-        Rows too many.
+        Number of redundant rows.
     mobility : int
-        Motions that the joints leave free, modal coordinates included.
+        Number of free motions, modal coordinates included.
     advice : tuple of str
-        Replacements that make all rows independent without freeing a motion, if some were found;
-        none of a joint whose coordinate is used.
+        Replacements that make all rows independent without an additional free motion, if found;
+        never of a joint whose coordinate is used.
     only_here : bool
-        The rows differ in neighbouring positions: the initial one is singular.
+        Whether the rows are independent at neighbouring positions: the initial position is
+        singular.
     drives : tuple of str
         Drives among the joints.
     driven : int
-        Rows of all drives: motions that they take from those that the joints leave free.
+        Number of rows of all drives, which prescribe motions left free by the joints.
     weak : str
-        The body whose inertias differ so much that the other rows hardly differ from repeated ones,
-        with the remedy; empty if none does.
+        Message about a body whose inertias differ so much that its independent rows look redundant,
+        with the remedy; empty if there is none.
     """
 
     joints: tuple[str, ...]
@@ -70,13 +70,13 @@ class Redundancy:
 
     @property
     def sentence(self) -> str:
-        """What repeats, what it means and what to do."""
+        """Message: redundant rows, their effect and the remedy."""
         names = _some([f"'{name}'" for name in self.joints], ", ")
         if self.only_here:
             return (
-                f"the initial position is singular: {self.count} of the constraint rows of {names} "
-                "repeat the others there, and the motion may continue in more than one way; start "
-                "from another position or give initial velocities that choose one"
+                f"the initial position is singular: {self.count} of the constraint rows of "
+                f"{names} are redundant there, and the motion may continue in more than one way; "
+                f"start from another position or give initial velocities for one of these ways"
             )
         free = self.mobility + self.driven
         motion = "the motion is right, but" if free else "nothing can move, and"
@@ -85,12 +85,13 @@ class Redundancy:
             motion = (
                 f"a motion is driven twice ({drives})"
                 if len(self.drives) > 1
-                else f"the drive {drives} moves what joints hold or move already"
+                else f"the drive {drives} prescribes a motion that joints already prevent or "
+                f"prescribe"
             )
-            motion += ": the run stops where they disagree, and"
+            motion += ": the run stops if they disagree, and"
         text = (
-            f"{self.count} of the constraint rows of {names} repeat the others; {motion} the "
-            "reactions of these joints are not unique (given: those of least norm)"
+            f"{self.count} of the constraint rows of {names} are redundant; {motion} the "
+            f"reactions of these joints are not unique (computed: those of least norm)"
         )
         if self.weak:
             text += f"; {self.weak}"
@@ -100,7 +101,7 @@ class Redundancy:
 
 
 def _some(items: Sequence[str], between: str) -> str:
-    """Return the items, of very many only the first."""
+    """Return the items as text; of many items only the first."""
     more = len(items) - LISTED
     if more <= 1:
         return between.join(items)
@@ -140,13 +141,13 @@ def unit_rows(model: Model, engine: Engine) -> Array:
 
 
 def null_space(G: Array) -> Array:
-    """Return the motions (f, nv) that unit rows leave free, orthonormal."""
+    """Return the motions (f, nv) left free by unit rows, orthonormal."""
     _, s, Vt = np.linalg.svd(G)
     return np.asarray(Vt[int((s > RANK).sum()) :])
 
 
 def dependent_rows(model: Model, engine: Engine) -> Array:
-    """Return an orthonormal basis Y (rows, d) of what repeats at the engine's state, Y^T Cq = 0."""
+    """Return an orthonormal basis Y (rows, d) of dependencies at the engine's state, Y^T Cq = 0."""
     rows = model.permanent
     if rows <= DENSE:
         U, s, _ = np.linalg.svd(unit_rows(model, engine))
@@ -155,7 +156,7 @@ def dependent_rows(model: Model, engine: Engine) -> Array:
 
 
 def repeated_rows(model: Model) -> Redundancy | None:
-    """Return the rows of a model that repeat one another at its initial pose, None if none do."""
+    """Return the redundant rows of a model at its initial pose, None if there are none."""
     Y = dependent_rows(model, Engine(model, implicit=False))
     rows, count = Y.shape
     if not count:
@@ -175,7 +176,7 @@ def repeated_rows(model: Model) -> Redundancy | None:
 
 
 def _weak(model: Model) -> str:
-    """Return which inertias make independent rows look like repeated ones, and what to do."""
+    """Return a message on inertias that make independent rows look redundant."""
     if model.permanent > DENSE:
         return ""
     s = np.linalg.svd(unit_rows(model, Engine(model, implicit=False)), compute_uv=False)
@@ -184,10 +185,10 @@ def _weak(model: Model) -> str:
     ratios = [_inertia_ratio(body) for body in model.bodies]
     least = int(np.argmin(ratios))
     return (
-        f"their solution loses digits, because inertias differ too much: body "
+        f"their solution is inaccurate, because inertias differ too much: body "
         f"'{model.bodies[least].name}' has {ratios[least]:.1g} of its largest moment of inertia "
-        "about its own axis; give slender bodies a millionth of it there, which changes the motion "
-        "by as little"
+        "about its own axis; give slender bodies a millionth of it there, which changes the "
+        "motion as little"
     )
 
 
@@ -200,14 +201,14 @@ def _inertia_ratio(body: BodyModel) -> float:
 
 
 def _repeated_nearby(model: Model) -> int:
-    """Return how many rows repeat others a small way along a motion that the joints allow."""
+    """Return the number of redundant rows a small distance along a free motion."""
     engine = Engine(replace(model, redundant=True), implicit=False)
     metres = velocity_metres(model) / model.size
     engine.v[:] = np.random.default_rng(0).normal(size=model.nv) / metres
     engine.assemble()
     size = float(np.abs(engine.v * metres).max(initial=0.0))
     if size < STILL:
-        return model.permanent  # nothing can move
+        return model.permanent  # there is no free motion
     engine.q[:] = displaced(model, engine.q, engine.v * (NEARBY / size))
     engine.v[:] = model.v0
     engine.assemble()
@@ -229,26 +230,26 @@ def place(joint: JointModel) -> str:
 
 
 class _Spare:
-    """Rows that can be left out while the others still hold every motion that all of them hold.
+    """Rows that can be left out without an additional free motion.
 
-    Leaving out rows R keeps the rank if the rows R of Y are independent; what repeats then is the
-    part of Y that vanishes on R.
+    The rank is unchanged without the rows R if the rows R of Y are independent; the remaining
+    dependencies are the part of Y that vanishes on R.
     """
 
     def __init__(self, Y: Array) -> None:
         self._Y = Y
-        self._gone = np.zeros((Y.shape[1], 0))  # orthonormal columns that Y has still to lose
+        self._gone = np.zeros((Y.shape[1], 0))  # orthonormal columns to be removed from Y
         self.left = Y.shape[1]
 
     def free(self, rows: Sequence[int]) -> bool:
-        """Whether these rows can be left out."""
+        """Return whether rows can be left out."""
         if len(rows) > self.left:
             return False
         return bool(np.linalg.svd(self._rest(self._Y[list(rows)]), compute_uv=False).min() > SHARE)
 
     def leave_out(self, rows: Sequence[int]) -> None:
-        """Leave them out."""
-        rest = self._rest(self._rest(self._Y[list(rows)]))  # twice for round-off
+        """Leave rows out."""
+        rest = self._rest(self._rest(self._Y[list(rows)]))  # twice, to remove round-off
         self._gone = np.hstack([self._gone, np.linalg.qr(rest.T)[0]])
         self.left -= len(rows)
         if self._gone.shape[1] > TOGETHER:
@@ -260,7 +261,7 @@ class _Spare:
 
 
 def _advice(Y: Array, joints: Sequence[JointModel]) -> list[str]:
-    """Leave out what is repeated as a whole, drives first; then free rotations of point joints."""
+    """Return replacements: drop wholly redundant joints, drives first; then free rotations."""
     spare = _Spare(Y)
     advice: list[str] = []
     gone: set[str] = set()
@@ -294,9 +295,9 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
     Parameters
     ----------
     model, engine : Model, Engine
-        After assembly.
+        Model and engine after assembly.
     found : Redundancy or None
-        The rows that repeat one another.
+        Redundant rows.
     """
     problems = Problems()
     c, cdot = (np.abs(x) for x in engine.constraints())
@@ -320,7 +321,8 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
                 "nearer to the closed position"
                 if names
                 else f"cannot be closed, {gap:.3g} (m or rad) remain: the bodies do not reach one "
-                "another or stand the wrong way; change a length or an axis of the loop, or start "
+                f"another or have the wrong orientation; change a length or an axis of the "
+                f"loop, or start "
                 "nearer to the closed position",
             )
         else:
@@ -333,16 +335,16 @@ def check_closed(model: Model, engine: Engine, found: Redundancy | None) -> None
 
 
 def disagreement(model: Model, q: Array, time: float) -> str:
-    """Return which joint is most open at a position, what it conflicts with and the remedy.
+    """Return the most open joint at a position, the joints in conflict with it, and the remedy.
 
     Parameters
     ----------
     model : Model
-        The model; repeated rows are looked for at its initial pose.
+        Model; redundant rows are those at its initial pose.
     q : (nq,) array
         The position.
     time : float
-        The time, s, for drives.
+        Time of the drives, s.
     """
     engine = Engine(model, implicit=False)
     engine.q[:], engine.time[0] = q, time

@@ -1,4 +1,4 @@
-"""Beams of an Abaqus or CalculiX input file as a frame."""
+"""Frame of the beams in an Abaqus or CalculiX input file."""
 
 from __future__ import annotations
 
@@ -31,36 +31,36 @@ from jousto.parts.mass import PointMass
 from jousto.parts.matrices.units import Units
 
 SLENDER = ("B23", "B23H", "B33", "B33H")
-"""Types without shear deformation."""
+"""Element types without shear deformation."""
 
 UNREAD = (
     *("RELEASE", "BEAM ADDED INERTIA", "NONSTRUCTURAL MASS", "TRANSVERSE SHEAR STIFFNESS"),
     *("SPRING", "DASHPOT", "CONNECTOR SECTION", "NORMAL", "ROTARY INERTIA"),
 )
-"""Keywords that would change a frame."""
+"""Keywords with an effect on a frame that are not read."""
 
 REFUSED = ("ELBOW31", "FRAME2D", "FRAME3D")
 
 
 class BeamDeck(BeamOptions, tag="beam-deck"):
-    """A frame of the beams in an Abaqus or CalculiX input file.
+    """Frame of the beams in an Abaqus or CalculiX input file.
 
     Nodes, elements, sections with their axes, materials, sets and point masses are those of the
-    file; ``n17`` is the node with the number 17 there. Supports and loads are not taken.
+    file; ``n17`` is the node with the number 17 there. Supports and loads are ignored.
     ``B33`` are beams without shear deformation; ``B31`` and
-    ``B32`` become beams that are exact between their nodes, where Abaqus's are linear or quadratic.
-    The middle node of a ``B32`` is a node of its own.
+    ``B32`` become beams that are exact between their nodes, whereas those of Abaqus are linear or
+    quadratic. The middle node of a ``B32`` becomes a node of the frame.
 
     Raises
     ------
     InputError
-        With everything that is wrong: no beams, a beam without a section, a section that is not
-        read, an axis n1 along its beam.
+        With all problems: no beams, a beam without a section, an unsupported section, an axis n1
+        parallel to its beam.
 
     Warns
     -----
     JoustoWarning
-        Of types of elements that are replaced, and of what the file has and the part does not.
+        With the element types that are replaced, and the keywords of the file that are ignored.
     """
 
     deck: AnyField = field("The file, .inp", form="file", noun="str or Path")
@@ -68,11 +68,11 @@ class BeamDeck(BeamOptions, tag="beam-deck"):
         "Units of the file, such as SI, mm-t-s, in-lbf-s", default="SI", kw_only=True
     )
     name: OptionalText = field(
-        "That of the file if not given", file=False, default=None, kw_only=True
+        "Name of the part; None for the name of the file", file=False, default=None, kw_only=True
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages, with the name of the file where none is given."""
+        """Return the prefix of messages, with the name of the file for a part without a name."""
         if vars(self)["name"] is None:
             set_fields(self, name=Path(str(self.deck)).stem)
         return f"part '{self.name}'"
@@ -86,7 +86,7 @@ class BeamDeck(BeamOptions, tag="beam-deck"):
 
 @dataclass
 class _Beams:
-    """Beams by the numbers of the file: ends (ne, 2), numbers (ne,), types."""
+    """Beams in the numbering of the file: ends (ne, 2), numbers (ne,), types."""
 
     ends: Ints
     ids: Ints
@@ -99,7 +99,7 @@ def deck_frame(path: Path, units: Units, options: Mapping[str, Any]) -> FrameArr
     Raises
     ------
     InputError
-        As `BeamDeck`.
+        See `BeamDeck`.
     """
     from jousto.mesh.readers.files import exists, which
 
@@ -139,16 +139,18 @@ def deck_frame(path: Path, units: Units, options: Mapping[str, Any]) -> FrameArr
 
 
 def _beams(path: Path, deck: Deck) -> _Beams:
-    """Return the beams of a deck, those with a middle node as two."""
+    """Return the beams of a deck; a beam with a middle node becomes two."""
     ends, ids, types = [], [], []
     for block in deck.raw.cells:
         known = abaqus(block.type)
         if known is None or known.replaced != BEAM:
             continue
         if block.type in REFUSED:
-            raise InputError(Problem(path.name, f"{block.type} is not read; B31, B32, B33 are"))
+            raise InputError(
+                Problem(path.name, f"{block.type} is not supported; use B31, B32 or B33")
+            )
         pairs = block.nodes.reshape(len(block.nodes), -1)
-        # the middle node of `line3` stands last
+        # the middle node of `line3` is the last one
         chains = [pairs] if known.kind == "line" else [pairs[:, [0, 2]], pairs[:, [2, 1]]]
         for chain in chains:
             ends.append(chain)
@@ -165,13 +167,13 @@ def _beams(path: Path, deck: Deck) -> _Beams:
 
 
 def _theory(beams: _Beams) -> Timoshenko | EulerBernoulli:
-    """Return the theory of all beams: without shear deformation if none has it."""
+    """Return one theory for all beams: without shear deformation if no beam has it."""
     slender = all(name in SLENDER for name in beams.types)
     return EulerBernoulli() if slender else Timoshenko()
 
 
 def _sections(path: Path, deck: Deck, units: Units, beams: _Beams) -> list[DeckSection]:
-    """Return the section of each beam; raise with the beams that have none or two."""
+    """Return the section of each beam; raise with the beams without section or with two."""
     materials = deck_materials(deck.others, units)
     ids = deck.raw.numbers(nodes=False)
     owner, read = np.full(len(beams.ids), -1), list[DeckSection | None]()
@@ -203,9 +205,9 @@ def _sections(path: Path, deck: Deck, units: Units, beams: _Beams) -> list[DeckS
 def _orientations(
     path: Path, beams: _Beams, sections: list[DeckSection], x: Array
 ) -> tuple[Array, Array]:
-    """Return vectors near the local z axes (ne, 3) and arms to the centroids (ne, 2, 3), in m.
+    """Return vectors near the local z axes (ne, 3) and arms to the centroids (ne, 2, 3), m.
 
-    With the tangent t the axis 2 is ``n2 = t x n1``, and z is n2 turned to the principal axis.
+    With the tangent t, axis 2 is ``n2 = t x n1``; z is n2 rotated to the principal axis.
     """
     t = x[:, 1] - x[:, 0]
     length = np.linalg.norm(t, axis=1)
@@ -217,9 +219,9 @@ def _orientations(
     free = np.array([isinstance(s.section, ROUND) for s in sections])
     if np.any(along & ~free):
         named = some([str(i) for i in np.unique(beams.ids[along & ~free])])
-        message = f"element {named}: n1 stands along the beam; give another one in *BEAM SECTION"
+        message = f"element {named}: n1 is parallel to the beam; give another axis in *BEAM SECTION"
         raise InputError(Problem(path.name, message))
-    # a round section has no axes: any vector across
+    # a round section has no preferred axes: any vector across the beam
     n2[along] = np.cross(t[along], np.roll(t[along], 1, axis=1))
     n2 = n2 / np.linalg.norm(n2, axis=1)[:, None]
     n1 = np.cross(n2, t)
@@ -243,7 +245,7 @@ def _masses(deck: Deck, units: Units, index: Numbers, new: Ints) -> list[PointMa
 
 
 def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
-    """Warn of types that are replaced and of what is left out."""
+    """Warn about element types that are replaced and keywords that are ignored."""
     number = Counter(dict.fromkeys(beams.types, 0))
     for name in beams.types:
         number[name] += 1
@@ -251,7 +253,7 @@ def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
     if others:
         names = some([f"{n} {name}" for name, n in others.items()])
         slender = [name for name in number if name in SLENDER]
-        more = f"; {some(slender)} beside them get shear deformation" if slender else ""
+        more = f"; {some(slender)} get shear deformation, too" if slender else ""
         warn(
             path.name,
             f"{names} read as beams that are exact between their nodes, with the shear coefficients"
@@ -266,12 +268,12 @@ def _warn(path: Path, deck: Deck, beams: _Beams) -> None:
         names = some([f"{n} {name}" for name, n in rest.items()])
         trusses = any((known := abaqus(name)) and known.replaced == TRUSS for name in rest)
         hint = "; give trusses a *BEAM SECTION and the type B31" if trusses else ""
-        warn(path.name, f"{names} left out: a frame has beams alone{hint}")
+        warn(path.name, f"{names} left out: a frame contains beams only{hint}")
     for place, sentence in deck.raw.left_out:
         if "of type MASS" not in sentence:
             warn(place, sentence)
     words = dict.fromkeys(block.keyword for block in deck.others if block.keyword in UNREAD)
     if words:
-        warn(path.name, f"{', '.join(f'*{word}' for word in words)} not read: not in the part")
+        warn(path.name, f"{', '.join(f'*{word}' for word in words)} not read: left out of the part")
     if outside := loads_left_out(deck, path):
         warn(path.name, outside)

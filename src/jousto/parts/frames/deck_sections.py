@@ -16,19 +16,19 @@ from jousto.sections.profiles import Box, IBeam
 from jousto.sections.section import Circle, GeneralSection, Rectangle, Section, Tube
 
 DEFAULT_N1 = (0.0, 0.0, -1.0)
-"""First axis of a section that names none."""
+"""Default of the first axis of a section."""
 
 ROUND = (Circle, Tube)
 
 
 @dataclass(frozen=True)
 class DeckSection:
-    """A section with its axes and its material, SI units.
+    """Section of a deck with its axes and its material, SI units.
 
     Attributes
     ----------
     section : Section
-        Its y is the axis 1 of the deck, its z the axis 2, both turned by `turn`.
+        Its y and z axes are the axes 1 and 2 of the deck, rotated by `turn`.
     material : Material
     n1 : (3,) ndarray
         Axis 1 in the assembly, not yet normal to the beam.
@@ -47,7 +47,7 @@ class DeckSection:
 
 @dataclass
 class _Numbers:
-    """What a material of a deck says, in its units."""
+    """Material constants of a deck, in its units."""
 
     E: float = 0.0
     nu: float = 0.0
@@ -56,7 +56,7 @@ class _Numbers:
 
 
 def deck_materials(blocks: Iterable[Block], units: Units) -> dict[str, Material]:
-    """Return the materials of a deck by their names in upper case.
+    """Return the materials of a deck by name in upper case.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def deck_materials(blocks: Iterable[Block], units: Units) -> dict[str, Material]
             continue
         elif block.keyword == "ELASTIC":
             if block.text("TYPE").upper() not in ("", "ISO", "ISOTROPIC"):
-                raise block.wrong("beams are of isotropic materials: E and Poisson's ratio")
+                raise block.wrong("beams need an isotropic material: E and Poisson's ratio")
             now.E, now.nu = (*numbers(block, 0), 0.0)[:2]
         elif block.keyword == "DENSITY":
             now.rho = numbers(block, 0)[0]
@@ -86,7 +86,7 @@ def deck_materials(blocks: Iterable[Block], units: Units) -> dict[str, Material]
 
 
 def material_of(name: str, E: float, nu: float, rho: float, units: Units) -> Material:
-    """Return a material of values in the units of the deck."""
+    """Return a material from values in the units of the deck."""
     return Material(
         E=E * units.force / units.length**2,
         nu=nu,
@@ -96,7 +96,7 @@ def material_of(name: str, E: float, nu: float, rho: float, units: Units) -> Mat
 
 
 def numbers(block: Block, row: int) -> list[float]:
-    """Return the numbers of a data line, none if there is no such line."""
+    """Return the numbers of a data line; empty if there is no such line."""
     rows = block.rows
     if row >= len(rows):
         return []
@@ -117,19 +117,19 @@ def deck_section(
     turn : (3, 3) ndarray
         Rotation of the instance.
     materials : dict
-        Of the deck, by their names in upper case.
+        Materials of the deck by name in upper case.
     units : Units
 
     Raises
     ------
     InputError
-        If the shape is not read, its numbers do not fit it, or the material is missing.
+        If the shape is not supported, its numbers do not fit, or the material is missing.
     """
     general = block.keyword == "BEAM GENERAL SECTION"
     shape = block.text("SECTION").upper() or ("GENERAL" if general else "")
     for word in ("OFFSET1", "OFFSET2"):
         if word in block.parameters and real(block.text(word)) != 0.0:
-            raise block.wrong(f"{word} is not read; put the nodes on the axis of the section")
+            raise block.wrong(f"{word} is not supported; move the nodes to the axis of the section")
     sizes = [units.length * x for x in numbers(block, 0)]
     turned, shift = 0.0, 0.0
     try:
@@ -160,7 +160,7 @@ def _known(materials: dict[str, Material]) -> str:
 
 
 def _own_material(block: Block, materials: dict[str, Material], units: Units) -> Material:
-    """Return E and G of the third data line of a general section, and its DENSITY."""
+    """Return E and G from the third data line of a general section, and its DENSITY."""
     values = numbers(block, 2)
     if len(values) < 2:
         name = block.text("MATERIAL").upper()
@@ -175,13 +175,13 @@ def _own_material(block: Block, materials: dict[str, Material], units: Units) ->
 
 
 def _profile(block: Block, shape: str, s: list[float]) -> tuple[Section, float]:
-    """Return a section of a known shape, and how high its centroid stands, m."""
+    """Return a section of a known shape, and the height of its centroid, m."""
     counts = {"RECT": (2,), "CIRC": (1, 2), "PIPE": (2,), "THICK PIPE": (2,), "BOX": (6,)}
     counts |= {"I": (7,)}
     if shape not in counts:
         raise block.wrong(
-            f"SECTION={shape or '(none)'} is not read; RECT, CIRC, PIPE, BOX, I are, and any other"
-            " by its constants: *BEAM GENERAL SECTION, SECTION=GENERAL"
+            f"SECTION={shape or '(none)'} is not supported; use RECT, CIRC, PIPE, BOX or I, or "
+            f"give the constants of the section: *BEAM GENERAL SECTION, SECTION=GENERAL"
         )
     if len(s) not in counts[shape]:
         wanted = " or ".join(map(str, counts[shape]))
@@ -190,7 +190,7 @@ def _profile(block: Block, shape: str, s: list[float]) -> tuple[Section, float]:
         return Rectangle(s[0], s[1]), 0.0
     if shape == "CIRC":  # Abaqus: the radius; CalculiX: two diameters
         if len(s) == 2 and s[0] != s[1]:
-            raise block.wrong("an ellipse is not read; give its constants, SECTION=GENERAL")
+            raise block.wrong("an ellipse is not supported; give its constants, SECTION=GENERAL")
         return Circle(2.0 * s[0] if len(s) == 1 else s[0]), 0.0
     if shape in ("PIPE", "THICK PIPE"):
         return Tube(2.0 * s[0], s[1]), 0.0
@@ -206,17 +206,17 @@ def _profile(block: Block, shape: str, s: list[float]) -> tuple[Section, float]:
 
 
 def _general(block: Block, units: Units) -> tuple[Section, float]:
-    """Return a section by A, I11, I12, I22, J, and the angle of its principal axes."""
+    """Return a section from A, I11, I12, I22, J, and the angle of its principal axes."""
     values = numbers(block, 0)
     if len(values) < 5:
         raise block.wrong(f"has {len(values)} numbers, must be A, I11, I12, I22, J")
     A = values[0] * units.length**2
     I11, I12, I22, J = (x * units.length**4 for x in values[1:5])
-    # int x x^T dA in the axes 1, 2, as I12 = int x1 x2 dA; the larger is kept near its axis
+    # int x x^T dA in axes 1, 2 with I12 = int x1 x2 dA; keep the larger moment near its axis
     moments, axes = np.linalg.eigh(np.array([[I22, I12], [I12, I11]]))
     first = int(np.argmax(np.abs(axes[0])))
     e1 = axes[:, first] * np.sign(axes[0, first])
-    # Abaqus has shear coefficients of 1 for sections by constants
+    # Abaqus uses shear coefficients of 1 for sections given by constants
     section = GeneralSection(
         A=A, Iy=float(moments[1 - first]), Iz=float(moments[first]), J=J, ky=1.0, kz=1.0
     )

@@ -1,7 +1,8 @@
-"""The 2-node, 12-DOF beam element of a frame in space, for all elements of a frame at once.
+"""Beam element with 2 nodes and 12 degrees of freedom in space, for all elements at once.
 
 Local axes: x from end a to end b, z towards the orientation vector, y = z cross x. Degrees of
-freedom of an element: ``[ux uy uz rx ry rz]`` at end a, then at end b. All in closed form.
+freedom of an element: ``[ux uy uz rx ry rz]`` at end a, then at end b. All matrices are in closed
+form.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalPositive
 from jousto.base.object_repr import described
 
-# of one member or beam: a hundred times more than make sense
+# largest number of elements of a member or beam, a hundred times a reasonable one
 MOST_ELEMENTS = 100_000
 
 
 def check_elements(problems: Problems, where: str, value: Any) -> bool:
-    """Return whether a number of elements is a whole one that can be computed; note if not."""
+    """Return whether a number of elements is a whole number in the allowed range, or report it."""
     try:
         good = not isinstance(value, bool) and value == int(value) and value >= 1
     except (TypeError, ValueError, OverflowError):
@@ -38,13 +39,13 @@ def check_elements(problems: Problems, where: str, value: Any) -> bool:
 
 
 class Elements(Field[int, int]):
-    """How many elements; see `check_elements`."""
+    """Field of a number of elements; see `check_elements`."""
 
     form = "count"
     noun = "int"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the number."""
+        """Return the number, or report what is wrong."""
         return int(value) if check_elements(problems, where, value) else None
 
 
@@ -63,17 +64,17 @@ class Timoshenko(Declared, section="theories", tag="timoshenko", by_value=True):
     """
 
     ky: OptionalPositive = field(
-        "Shear coefficient along y, used for every section instead of its own",
+        "Shear coefficient along y of all sections; None for the coefficient of each section",
         label="shear coefficient ky",
         default=None,
     )
     kz: OptionalPositive = field(
-        "Shear coefficient along z, as ky", label="shear coefficient kz", default=None
+        "Shear coefficient along z; see ky", label="shear coefficient kz", default=None
     )
 
 
 class EulerBernoulli(Declared, section="theories", tag="euler-bernoulli", by_value=True):
-    """Slender-beam theory: sections stay normal to the axis, no shear deformation.
+    """Slender-beam theory: sections stay normal to the axis, without shear deformation.
 
     Examples
     --------
@@ -88,7 +89,7 @@ Theory = EulerBernoulli | Timoshenko
 @described
 @dataclass(frozen=True, eq=False)
 class BeamElements:
-    """The elements of a frame as arrays; a trusted noun, checked where it is built.
+    """Elements of a frame as arrays; its builder checks the data.
 
     Attributes
     ----------
@@ -122,19 +123,19 @@ class BeamElements:
 
     @property
     def kind(self) -> Any:
-        """Type of their numbers."""
+        """Scalar type of the arrays."""
         return np.result_type(*vars(self).values())
 
 
 def local_axes(direction: Array, orientation: Array) -> Array:
-    """Return the local axes of members; a member parallel to its orientation vector gives NaN.
+    """Return the local axes of members; NaN for a member parallel to its orientation vector.
 
     Parameters
     ----------
     direction : (ne, 3) ndarray
         From end a to end b, part frame, any length.
     orientation : (ne, 3) ndarray
-        Vector near the local z axis; z is its part normal to the member, part frame.
+        Vector near the local z axis; z is its component normal to the member, part frame.
 
     Returns
     -------
@@ -150,9 +151,9 @@ def local_axes(direction: Array, orientation: Array) -> Array:
 
 
 def default_orientation(direction: Array) -> Array:
-    """Return the orientation vectors (ne, 3) of members that have none given.
+    """Return the default orientation vectors (ne, 3) of members.
 
-    Upwards, (0, 0, 1); for members parallel to z towards x, (1, 0, 0).
+    They are (0, 0, 1), and (1, 0, 0) for members parallel to z.
     """
     up = np.tile([0.0, 0.0, 1.0], (len(direction), 1))
     across = np.linalg.norm(direction[:, :2], axis=1)
@@ -174,13 +175,13 @@ def stiffness(beams: BeamElements) -> Array:
         if i != j:
             k[:, j, i] += value
 
-    # stretching and twisting
+    # axial force and torsion
     for i, s in ((0, beams.EA / L), (3, beams.GJ / L)):
         pair(i, i, s)
         pair(i + 6, i + 6, s)
         pair(i, i + 6, -s)
 
-    # bending; in the xz plane a positive rotation ry = -dw/dx turns the sign of the coupling
+    # bending; in the xz plane ry = -dw/dx, so the coupling terms change sign
     for v, r, EI, phi, sign in (
         (1, 5, beams.EIz, beams.phi[:, 0], 1.0),
         (2, 4, beams.EIy, beams.phi[:, 1], -1.0),
@@ -199,16 +200,16 @@ def stiffness(beams: BeamElements) -> Array:
 
 
 def shape_functions(beams: BeamElements, xi: float) -> Array:
-    """Return the interpolation of section translation and rotation at x = xi L.
+    """Return the shape functions of section translation and rotation at x = xi L.
 
-    Linear in stretching and twisting; in bending the cubic and quadratic polynomials that solve
-    the static Timoshenko equations without load between the ends: Friedman and Kosmatka,
+    They are linear in stretch and twist; in bending they are the cubic and quadratic polynomials
+    that solve the static Timoshenko equations without load between the ends: Friedman and Kosmatka,
     *Computers & Structures* 47 (1993) 473-481. For ``phi = 0`` they are the Hermite
     polynomials and the rotation is the slope.
 
     With them the frequencies of refined Euler-Bernoulli beams converge with the fourth order. Those
-    of Timoshenko beams tend to the second order once the elements are about as short as the section
-    is high, because the shear force is constant within an element.
+    of Timoshenko beams converge with the second order once the element length is about the section
+    height, because the shear force is constant within an element.
 
     Parameters
     ----------

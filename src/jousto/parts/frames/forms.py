@@ -1,4 +1,4 @@
-"""Beams that a part is made of: a straight one, frames from arrays or members."""
+"""Beams as input of a part: a straight beam, frames from arrays or from members."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.parts.frames.outlines import outlines_of
 
 
 def frame_fields(frame: Frame) -> dict[str, Any]:
-    """Return the fields of the part of a frame whose input was checked."""
+    """Return the fields of the part of a checked frame."""
     K, M, points, stress, second_order = assemble(frame)
     return {
         "name": frame.name,
@@ -33,12 +33,12 @@ def frame_fields(frame: Frame) -> dict[str, Any]:
 
 
 class ArrayFrame(FrameArrays, tag="frame"):
-    """A frame of beams in space from arrays.
+    """Frame of beams in space given by arrays.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -56,14 +56,14 @@ class ArrayFrame(FrameArrays, tag="frame"):
 
 
 class MemberFrame(FrameMembers, tag="members"):
-    """A frame of straight members, joined where their ends meet a node.
+    """Frame of straight members, joined where their ends meet a node.
 
-    A member named "leg" gives the node sets "leg" (all its nodes), "leg.start" and "leg.end".
+    A member named "leg" creates the node sets "leg" (all its nodes), "leg.start" and "leg.end".
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -84,12 +84,12 @@ class MemberFrame(FrameMembers, tag="members"):
 
 
 class StraightBeam(BeamOptions, tag="beam"):
-    """A straight beam along +x from the origin, with node sets "start" and "end".
+    """Straight beam along +x from the origin, with the node sets "start" and "end".
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -102,7 +102,7 @@ class StraightBeam(BeamOptions, tag="beam"):
 
     length: Positive = field("Its length", unit="m")
     section: SectionField = field(
-        "Cross section; its y axis is the part's y unless ``orientation`` turns it"
+        "Cross section; its y axis is the y axis of the part unless ``orientation`` rotates it"
     )
     elements: Elements = field("Number of elements of equal length")
     material: MaterialField = field("Its material")

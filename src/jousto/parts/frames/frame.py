@@ -1,4 +1,4 @@
-"""Frames of beams: check the input, then assemble stiffness, mass points and stress."""
+"""Frames of beams: checks of the input, assembly of stiffness, mass points and stress."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ from jousto.parts.frames.stress import StressOperator, beam_stress
 from jousto.parts.mass import MassPoints, PointMass, joined, rigid_points
 from jousto.sections.section import Section, is_section
 
-# m, sections and parts that are larger are probably given in mm
+# m, sizes of sections and parts that are probably given in mm
 WIDEST, LARGEST = 5.0, 200.0
 
 
 class TheoryField(Nested[Theory | None, Theory | None]):
-    """A theory of beams; `check_frame` checks it."""
+    """Field of a theory of beams; `check_frame` checks it."""
 
     section = "theories"
     room = "jousto.parts.frames"
@@ -46,20 +46,21 @@ class TheoryField(Nested[Theory | None, Theory | None]):
 
 
 class BeamOptions(PartForm):
-    """How the beams of a part are modelled, and what is fixed to them."""
+    """Options of the beams of a part: mass, theory and attached masses."""
 
     lumped: Flag = field(
-        "Half of each element's mass at each of its ends, instead of the consistent mass",
+        "Whether half of the mass of each element is at each of its ends, instead of the "
+        "consistent mass",
         default=False,
         kw_only=True,
     )
     rotary_inertia: Flag = field(
-        "Whether sections have rotary inertia (torsion and bending). Without it and with lumped "
-        "mass the rotations have no mass at all unless offsets or point masses give it",
+        "Whether sections have rotary inertia (torsion and bending). Without it, rotations of "
+        "lumped beams have mass only from offsets and point masses",
         default=True,
         kw_only=True,
     )
-    theory: TheoryField = field("Timoshenko() if not given", default=None, kw_only=True)
+    theory: TheoryField = field("Beam theory; None for Timoshenko()", default=None, kw_only=True)
     point_masses: AnyField = field(
         "Rigid masses on nodes",
         form="point masses",
@@ -75,7 +76,7 @@ class FrameArrays(BeamOptions):
 
     nodes: Values = field("Positions, part frame", unit="m", shape=(None, 3))
     elements: AnyField = field(
-        "Nodes of the ends a and b of each element, indices from 0",
+        "Indices (from 0) of the nodes at the ends a and b of each element",
         form="pairs",
         noun="(ne, 2) array_like of int",
     )
@@ -120,7 +121,7 @@ class FrameArrays(BeamOptions):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A checked frame: everything a Part needs to be made of beams."""
+    """Checked frame: all data of a Part of beams."""
 
     name: str
     nodes: Array
@@ -134,12 +135,12 @@ class Frame:
 
 
 def check_frame(given: FrameArrays) -> Frame:
-    """Return the frame described by the arrays.
+    """Return the frame described by arrays.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
     """
     where, problems = f"part '{given.name}'", Problems()
     orientations = given.orientations
@@ -158,7 +159,7 @@ def check_frame(given: FrameArrays) -> Frame:
         raise AssertionError("unreachable")
     ne = len(ab)
 
-    # what each element is made of
+    # section and material of each element
     section: list[Section] | None = _per_element(
         problems, where, "section", given.sections, ne, Section
     )
@@ -198,14 +199,17 @@ def check_frame(given: FrameArrays) -> Frame:
         problems.raise_if_any()
     size = float(np.ptp(xyz.real, axis=0).max())
     if is_stepping():
-        pass  # warned of with the values alone
+        pass  # the message was given for the real values
     elif float(np.sqrt(A.max())) > size:
         warn(where, f"a section of {np.sqrt(A.max()):g} m is larger than the part, {size:g} m")
-    elif rho.max() >= 1.0:  # kg/m^3: not a consistent system of other units
+    elif rho.max() >= 1.0:  # kg/m^3: the density excludes a consistent system of other units
         if size > LARGEST:
-            warn(where, f"is {size:g} m large; SI needs m, were its lengths given in mm?")
+            warn(where, f"is {size:g} m large; if its lengths are in mm, convert them to m")
         elif float(np.sqrt(A.max())) > WIDEST:
-            warn(where, f"a section of {np.sqrt(A.max()):g} m; SI needs m, was it given in mm?")
+            warn(
+                where,
+                f"a section of {np.sqrt(A.max()):g} m; if its sizes are in mm, convert them to m",
+            )
     beams = BeamElements(origin, axes, length, arms, E * A, G * J, E * Iy, E * Iz, phi)
     density = np.stack([rho * A, rho * Iy, rho * Iz], axis=1)
     return Frame(given.name, xyz, ab, sets, beams, tuple(section), density, given, masses)
@@ -236,12 +240,12 @@ def assemble(
 
 
 def mass_points_on_nodes(frame: Frame) -> MassPoints:
-    """Return the mass that is fixed to nodes: point masses and, if lumped, half elements.
+    """Return the mass fixed to nodes: point masses and, if lumped, half elements.
 
     A half element has the rotary inertia of the sections, ``rho (Iy + Iz) L/2`` about the axis and
-    ``rho I L/2`` across it; the term of the slope, ``m L^2/24`` for a half element turning about
-    its end, is left out, because the translational masses exceed the inertia of the member already
-    (by m L^2/6). Everything at one node is merged into one point.
+    ``rho I L/2`` across it; the term ``m L^2/24`` of a half element rotating about its end is left
+    out, because the translational masses already exceed the inertia of the member (by m L^2/6). All
+    masses at a node are merged into one point.
     """
     beams, nodes, options = frame.beams, frame.nodes, frame.options
     node = [node_index(p.node, frame.node_sets) for p in frame.point_masses]
@@ -262,8 +266,8 @@ def mass_points_on_nodes(frame: Frame) -> MassPoints:
 def mass_points_along(frame: Frame) -> MassPoints | None:
     """Return the distributed mass of the elements, or None if it is lumped.
 
-    Four Gauss points in each element (exact for the cubic shape functions), each with the rotary
-    inertia of its slice.
+    Each element has four Gauss points (exact for the cubic shape functions) with the rotary inertia
+    of their slices.
     """
     if frame.options.lumped:
         return None
@@ -293,7 +297,7 @@ def mass_points_along(frame: Frame) -> MassPoints | None:
 def _line_moment(frame: Frame) -> Array:
     """Return the second moment of sections of unit length (ne, 3, 3), part axes, kg m."""
     _, rhoIy, rhoIz = frame.density.T
-    # local: x none, y from Iz, z from Iy
+    # second moments in local axes: x none, y from Iz, z from Iy
     g = np.zeros((len(frame.beams), 3, 3), np.result_type(rhoIy, rhoIz))
     if frame.options.rotary_inertia:
         g[:, 1, 1], g[:, 2, 2] = rhoIz, rhoIy
@@ -304,7 +308,7 @@ def _line_moment(frame: Frame) -> Array:
 def _per_element(
     problems: Problems, where: str, name: str, value: Any, ne: int, kind: Any
 ) -> list[Any] | None:
-    """Return one object for each element from one object or a sequence of them."""
+    """Return one object per element, from one object or a sequence of objects."""
 
     def fits(item: object) -> bool:
         return is_section(item) if kind is Section else isinstance(item, kind)
@@ -330,7 +334,7 @@ def _per_element(
 def _geometry(
     problems: Problems, where: str, xyz: Array, ab: Ints, arms: Array, up: Array | None
 ) -> tuple[Array, Array, Array]:
-    """Return origin, axes and length of the elements; notes zero length and bad orientation."""
+    """Return origin, axes and length of the elements; report zero length and bad orientation."""
     a, b = xyz[ab[:, 0]] + arms[:, 0], xyz[ab[:, 1]] + arms[:, 1]
     length = norm(b - a, axis=1)
     short = length <= 1e-12 * max(float(np.abs(xyz).max()), float(length.real.max()))
@@ -400,7 +404,7 @@ def _point_masses(
     sets: Mapping[str, tuple[int, ...]],
     nn: int,
 ) -> tuple[PointMass, ...]:
-    """Return the point masses; note those that are not on one node of the part."""
+    """Return the point masses; report those that are not on exactly one node of the part."""
     masses = problems.several(where, "point_masses", point_masses, PointMass)
     for i, p in enumerate(masses):
         try:

@@ -20,32 +20,32 @@ from jousto.parts.frames.element import Elements, default_orientation
 from jousto.parts.frames.frame import BeamOptions, FrameArrays
 from jousto.sections.section import Section, is_section
 
-# positions closer than this part of the frame's size are one node
+# largest distance of positions that are one node / size of the frame
 MERGE = 1e-8
 
 
 class SectionField(Nested[Section, Section]):
-    """The cross section of a beam."""
+    """Field of the cross section of a beam."""
 
     section = "sections"
     room = "jousto.sections"
     noun = "Section"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the section."""
+        """Return the section, or report that the value is none."""
         if not is_section(value):
             problems.add(where, f"{self.name} is {value!r}, must be a Section")
         return value
 
 
 class MaterialField(Field[Material, Material]):
-    """A material; a model file may give its name in the library."""
+    """Field of a material; a model file may contain its name in the library."""
 
     form = "material"
     noun = "Material"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the material."""
+        """Return the material, or report that the value is none."""
         if not isinstance(value, Material):
             how = by_name(value)
             problems.add(where, f"{self.name} is {value!r}, must be a Material{how}")
@@ -53,12 +53,12 @@ class MaterialField(Field[Material, Material]):
 
 
 class Member(Declared):
-    """A straight member between two nodes, divided into equal beam elements.
+    """Straight member between two nodes, divided into equal beam elements.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all problems of the arguments.
 
     Examples
     --------
@@ -88,10 +88,12 @@ class Member(Declared):
     end_offset: Vector = field(
         "Rigid arm from the other end node", unit="m", default=(0.0, 0.0, 0.0)
     )
-    name: Label = field("Gives the node sets ``name``, ``name.start`` and ``name.end``", default="")
+    name: Label = field(
+        "Name of the node sets ``name``, ``name.start`` and ``name.end``", default=""
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a member without length, and an orientation along it."""
+        """Report a member without length, and an orientation parallel to the member."""
         if self.length == 0.0:
             problems.add(where, f"has zero length, from {self.start} to {self.end} m with offsets")
         elif self.orientation is not None:
@@ -129,8 +131,8 @@ class FrameMembers(BeamOptions):
 def join_members(frame: FrameMembers) -> FrameArrays:
     """Return the arrays of a frame: ends of members at one position share a node.
 
-    An end also meets an inner node of another member; inner nodes of two members that cross stay
-    apart.
+    An end also joins an inner node of another member; inner nodes of two crossing members are not
+    joined.
 
     Raises
     ------
@@ -149,7 +151,7 @@ def join_members(frame: FrameMembers) -> FrameArrays:
     for double in sorted({n for n in names if names.count(n) > 1}):
         problems.add(where, f"two members are named '{double}'")
 
-    # all positions; ends first, then the inner nodes
+    # all positions: ends first, then the inner nodes
     ends = np.array([p for m in members for p in (m.start, m.end)])
     inner = [_inner_nodes(m) for m in members]
     every = np.concatenate([ends, *inner])
@@ -161,7 +163,7 @@ def join_members(frame: FrameMembers) -> FrameArrays:
         if i < len(ends):
             owner[j] = min(owner[j], owner[i])
 
-    # number them along the members
+    # number the nodes along the members
     chains = []
     first = len(ends)
     for i, nodes in enumerate(inner):

@@ -1,4 +1,4 @@
-"""Outer edges of the sections of a frame, to draw its members as they are."""
+"""Outlines of the sections of a frame, for drawing its members."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from jousto.sections.section import Section
 @described
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """The outer edges of the different sections of a frame, and which each element has.
+    """Outlines of the different sections of a frame, and the outline of each element.
 
     Attributes
     ----------
     edges : tuple of (k, 2) arrays
-        Counterclockwise seen from ahead, y and z of the section, m.
+        Points y, z in section axes, m, counterclockwise seen against x.
     which : (ne,) int array
-        The edge of each element.
+        Index of the outline of each element.
     """
 
     edges: tuple[Array, ...]

@@ -1,9 +1,9 @@
-"""Second-order displacements of beams: what geometric stiffness is made of.
+"""Second-order displacements of beams, from which geometric stiffness follows.
 
-Displacements d of the nodes are followed to the second order, ``d + 1/2 chi(d, d)``. Elastic energy
-is a function of the stretch of an element and of the rotations of its ends against its chord; the
-terms of second order in these are the quadratic forms of this file. Local axes and the order of
-degrees of freedom are those of `beam`.
+Displacements d of the nodes are expanded to second order, ``d + 1/2 chi(d, d)``. The elastic energy
+depends on the stretch of an element and on the rotations of its ends relative to its chord; this
+file contains the quadratic terms of these in d. Local axes and the order of degrees of freedom are
+those of `beam`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _ABSCISSAE, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 GAUSS = tuple(
     (0.5 * (1.0 + float(x)), 0.5 * float(w)) for x, w in zip(_ABSCISSAE, _WEIGHTS, strict=True)
 )
-"""Places xi along an element and weights, exact for polynomials of degree 7."""
+"""Gauss points xi along an element and weights, exact for polynomials of degree 7."""
 
 # permutation symbol: (a x b)_i = EPS[i, j, k] a_j b_k
 EPS = np.zeros((3, 3, 3))
@@ -37,13 +37,13 @@ EPS[0, 1, 2] = EPS[1, 2, 0] = EPS[2, 0, 1] = 1.0
 EPS[0, 2, 1] = EPS[2, 1, 0] = EPS[1, 0, 2] = -1.0
 
 FIELDS = 12
-"""Affine fields ``a + H x``: three of a, then H = e_d e_c^T in the order c, d."""
+"""Affine fields ``a + H x``: three with H = 0, then H = e_d e_c^T in the order c, d."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SecondOrder:
-    """Quadratic forms of the nodal displacements of a frame; a trusted noun.
+    """Quadratic forms of the nodal displacements of a frame; its builder checks the data.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class SecondOrder:
     gyration : (ne,) ndarray
         ``(Iy + Iz)/A`` in m^2.
     points : MassPoints
-        The masses that are fixed to nodes.
+        Masses fixed to nodes.
     ndof : int
         Degrees of freedom of the part.
     """
@@ -77,7 +77,7 @@ class SecondOrder:
 
     @cached_property
     def to_local(self) -> Array:
-        """From nodal to local end displacements, (ne, 12, 12)."""
+        """Matrices from nodal to local end displacements, (ne, 12, 12)."""
         return end_displacements(self.beams)
 
     def geometric_stiffness(self, d: Array) -> Sparse:
@@ -97,8 +97,8 @@ class SecondOrder:
     def forces(self, X: Array, j: int) -> Array:
         """Return ``B^T k s(x_j, x_k)`` (ndof, n) for the columns k of X (ndof, n).
 
-        These are the nodal forces that hold the elements against the second-order part of their
-        deformation: ``K chi_jk = -forces``.
+        These nodal forces balance the second-order part of the deformation of the elements: ``K
+        chi_jk = -forces``.
         """
         s = self._bilinear(self._deformation, X, j)
         f = np.einsum("eic,eij,ejk->eck", self.to_local, stiffness(self.beams), s, optimize=True)
@@ -107,10 +107,10 @@ class SecondOrder:
         return out
 
     def work(self, X: Array) -> Array:
-        """Return ``int g . chi_jk dm`` (12, n, n) of the fields g that nodal chi does not tell.
+        """Return ``int g . chi_jk dm`` (12, n, n) of the fields g, with chi = 0 at the nodes.
 
-        These are second-order motions of particles while ``chi = 0`` at the nodes: of rigid arms,
-        of sections that turn, of the axis between two nodes.
+        The second-order motions of particles with ``chi = 0`` at the nodes are those of rigid arms,
+        of rotating sections, and of the axis between two nodes.
         """
         n = X.shape[1]
         W = np.zeros((FIELDS, n, n))
@@ -136,7 +136,7 @@ class SecondOrder:
             out += point_field_loads(self.points)
         return out
 
-    # -- the pieces ----------------------------------------------------------------------------
+    # -- parts of the forms -------------------------------------------------------------------
 
     @cached_property
     def _deformation(self) -> Array:
@@ -157,9 +157,9 @@ class SecondOrder:
     def _field_forms(self) -> Array:
         """Forms (ne, 12 fields, 12, 12) of local end displacements for `work`."""
         b, L = self.beams, self.beams.length
-        # the ends' own motion: rigid arms and the direction of the axis
+        # motion of the ends: rigid arms and the direction of the axis
         forms = np.einsum("ecf,ecab->efab", self._end_loads, motion_forms(b))
-        # sections that turn
+        # rotation of sections
         H_G = np.zeros((len(b), FIELDS, 3, 3))
         H_G[:, 3:] = np.einsum("ecb,dg->ecdgb", self.line_moment, np.eye(3)).reshape(-1, 9, 3, 3)
         A = np.einsum("eai,efab,ebj->efij", b.axes, _arm_forms(H_G), b.axes, optimize=True)
@@ -168,7 +168,7 @@ class SecondOrder:
             forms += (w * L)[:, None, None, None] * np.einsum(
                 "eia,efij,ejb->efab", R, A, R, optimize=True
             )
-        # shortening between the nodes: axial force varies along the element by -q
+        # shortening between the nodes: the axial force varies along the element by -q
         q = [
             self.line_mass[:, None] * np.einsum("ea,eaf->ef", b.axes[:, :, 0], affine_fields(x))
             for x in (_places(b, 0.0), _places(b, 1.0))
@@ -187,14 +187,14 @@ class SecondOrder:
 
 
 def point_field_loads(p: MassPoints) -> Array:
-    """Return nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` of masses on nodes."""
+    """Return nodal loads (ndof, 12) with ``int g . u dm = loads^T d`` for masses on nodes."""
     g = p.mass[:, None, None] * affine_fields(p.position)
     loads = np.asarray(p.N.T @ g.reshape(-1, FIELDS))
     return np.asarray(loads + p.N_rot.T @ moments(p.second_moment).reshape(-1, FIELDS))
 
 
 def point_work(p: MassPoints, X: Array) -> Array:
-    """Return ``int g . chi dm`` (12, n, n) of masses that turn with their nodes, chi = 0 there."""
+    """Return ``int g . chi dm`` (12, n, n) of masses on nodes, with chi = 0 there."""
     n = X.shape[1]
     # int g (arm + s)^T dm
     f = p.mass[:, None, None] * affine_fields(p.position)
@@ -209,14 +209,14 @@ def point_work(p: MassPoints, X: Array) -> Array:
 
 
 def deformation_forms(beams: BeamElements, gyration: Array) -> Array:
-    """Return forms (ne, 12, 12, 12) of the second-order part s of an element's deformation.
+    """Return forms (ne, 12, 12, 12) of the second-order part s of element deformation.
 
-    The element stores the energy of ``x + s(x, x)/2`` instead of x, its local end displacements.
-    With the chord ``D = u_b - u_a``, its rotation ``rho = (tau, -Dz/L, Dy/L)``, tau the mean twist,
-    and the end rotations theta:
+    The energy of the element is that of ``x + s(x, x)/2`` in place of its local end displacements
+    x. With the chord ``D = u_b - u_a``, its rotation ``rho = (tau, -Dz/L, Dy/L)``, tau the mean
+    twist, and the end rotations theta:
 
     * stretch, at end b: ``int v'^2 + w'^2 + (Iy + Iz)/A rx'^2 dx``;
-    * end rotations against the chord: ``-rho x theta - 2 rho2``, where
+    * end rotations relative to the chord: ``-rho x theta - 2 rho2``, where
       ``rho2 = (0, Dx Dz/L^2 + tau rho_z/2, -Dx Dy/L^2 - tau rho_y/2)`` is the second-order part of
       the chord's rotation vector;
     * ends on rigid arms o: ``theta x (theta x o)``.
@@ -239,9 +239,9 @@ def deformation_forms(beams: BeamElements, gyration: Array) -> Array:
 
 
 def motion_forms(beams: BeamElements) -> Array:
-    """Return forms (ne, 12, 12, 12) of the second-order motion of the ends with nodes at rest.
+    """Return forms (ne, 12, 12, 12) of the second-order motion of the ends, nodes fixed.
 
-    Translation: ``theta x (theta x o)`` of the rigid arms o. Rotation: what turns the direction of
+    Translation: ``theta x (theta x o)`` of the rigid arms o. Rotation: the change of direction of
     the axis, ``theta x (theta x e_x)``, as a slope ``(0, -w', v')``.
     """
     m = np.zeros((len(beams), 12, 12, 12))
@@ -292,7 +292,7 @@ def affine_fields(x: Array) -> Array:
 
 
 def moments(G: Array) -> Array:
-    """Return ``int s x g(s) dm`` (k, 3, 12) of the fields on sections of second moment G."""
+    """Return ``int s x g(s) dm`` (k, 3, 12) of affine fields on sections with second moment G."""
     out = np.zeros((len(G), 3, FIELDS))
     out[:, :, 3:] = np.einsum("ead,kac->kecd", EPS, G).reshape(len(G), 3, 9)
     return out

@@ -14,18 +14,18 @@ from jousto.base.object_repr import described
 from jousto.parts.frames.element import BeamElements, end_displacements, stiffness
 from jousto.sections.section import Section
 
-# section forces are the element's end forces, turned around at end a
+# section forces are the end forces of the element, with opposite sign at end a
 _ENDS = np.array([[-1.0], [1.0]])
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class StressOperator:
-    """Stress at named sites from nodal displacements.
+    """Linear operator from nodal displacements to stress at named sites.
 
     At a section point (y, z) the section forces ``[N Vy Vz T My Mz]`` of the element's end give
-    ``s11 = N/A + My z/Iy - Mz y/Iz`` and the shear stresses of :class:`SectionPoint`. They are the
-    forces of the static element, ``k d``: exact for members loaded at their ends.
+    ``s11 = N/A + My z/Iy - Mz y/Iz`` and the shear stresses of :class:`SectionPoint`. The section
+    forces are those of static equilibrium, ``k d``, exact for members loaded at their ends.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class StressOperator:
     elasticity : (ns, 2) ndarray, optional
         Young's modulus in Pa and Poisson's ratio at each site, for strains.
     compliance : (ns, 6, 6) ndarray, optional
-        Strain from stress in 1/Pa at each site, of materials that have no two such numbers.
+        Compliance (strain from stress) in 1/Pa at each site, for anisotropic materials.
     """
 
     sites: tuple[str, ...]
@@ -75,7 +75,7 @@ class StressOperator:
         Raises
         ------
         InputError
-            If there is no such site; the nearest name is suggested.
+            If there is no such site; the message suggests the most similar name.
         """
         if site not in self._index:
             raise InputError(Problem("stress", f"no site '{site}'{suggest(site, self.sites)}"))
@@ -140,7 +140,7 @@ def beam_stress(
         groups.setdefault(id(section), []).append(number)
     points = {key: sections[members[0]].points for key, members in groups.items()}
 
-    # sites run over elements, ends and points
+    # order of the sites: elements, ends, points
     count = np.array([2 * len(points[id(section)]) for section in sections], dtype=np.int64)
     first = np.concatenate([[0], np.cumsum(count)])
     ns = int(first[-1])

@@ -17,24 +17,24 @@ from jousto.base.arrays import Array, Ints, Sparse, as_csr
 from jousto.parts.matrices.text import diagonal, from_triplets, read_numbers, read_text, refuse
 
 HELD = 1e30
-"""Abaqus writes 1e36 on the diagonal of what boundary conditions hold."""
+"""Stiffness of a fixed row: Abaqus writes 1e36 on the diagonal for boundary conditions."""
 
 
 def is_matrix_market(path: Path) -> bool:
-    """Whether a .mtx file is a Matrix Market one."""
+    """Return whether a .mtx file is a Matrix Market file."""
     with path.open("rb") as file:
         return file.read(14) == b"%%MatrixMarket"
 
 
 def is_abaqus(path: Path) -> bool:
-    """Whether a .mtx file looks like one of Abaqus: lines of numbers, or keywords."""
+    """Return whether a .mtx file looks like one of Abaqus: lines of numbers, or keywords."""
     with path.open("rb") as file:
         head = file.read(200).decode("ascii", errors="replace").strip()
     return bool(re.match(r"\*\*|\*\w|\d+[\s,]+\d+[\s,]", head))
 
 
 def is_substructure(path: Path) -> bool:
-    """Whether a .mtx file holds a user element."""
+    """Return whether a .mtx file contains a user element."""
     with path.open("rb") as file:
         return b"*USER ELEMENT" in file.read(20000).upper()
 
@@ -42,12 +42,12 @@ def is_substructure(path: Path) -> bool:
 def read_global(path: Path) -> tuple[Sparse, Ints | None]:
     """Return the matrix of a .mtx file of ``*MATRIX GENERATE`` and the map of its rows.
 
-    The map is None for ``FORMAT=COORDINATE``, which does not tell it.
+    The map is None for ``FORMAT=COORDINATE``, which contains none.
 
     Raises
     ------
     InputError
-        If the file is cut off, of another kind, or holds internal degrees of freedom.
+        If the file is truncated, of another kind, or contains internal degrees of freedom.
     """
     text = "\n".join(
         line for line in read_text(path).splitlines() if not line.lstrip().startswith("*")
@@ -71,17 +71,17 @@ def read_global(path: Path) -> tuple[Sparse, Ints | None]:
         raise refuse(
             path,
             f"has rows of node {bad[0]} direction {bad[1]}, which is internal to Abaqus (contact,"
-            " hybrid elements, couplings): leave these out of the model, or condense it to a"
-            " substructure",
+            " hybrid elements, couplings): remove these features from the model, or condense the "
+            "model to a substructure",
         )
-    # one number for node and direction: quick to sort
+    # combine node and direction to one number, which sorts quickly
     key, row = np.unique(labels[:, 0] * 64 + labels[:, 1], return_inverse=True)
     dofs, row = np.stack([key // 64, key % 64], axis=1), row.reshape(-1, 2)
     return from_triplets(path, row[:, 0], row[:, 1], entries[:, 4], len(dofs)), dofs
 
 
 def take_out_held(K: Sparse, M: Sparse, dofs: Ints) -> tuple[Sparse, Sparse, Ints]:
-    """Return K and M with empty rows where boundary conditions hold, and what they hold."""
+    """Return K and M with empty rows at boundary conditions, and the map of these rows."""
     held = np.flatnonzero(np.abs(K.diagonal()) > HELD)
     if not len(held):
         return K, M, np.zeros((0, 2), dtype=np.int64)
@@ -92,12 +92,12 @@ def take_out_held(K: Sparse, M: Sparse, dofs: Ints) -> tuple[Sparse, Sparse, Int
 
 
 def read_substructure(path: Path) -> tuple[Sparse | None, Sparse | None, Ints]:
-    """Return K and M of a user element and the map of its rows.
+    """Return K and M of a user element and the map of their rows.
 
     Raises
     ------
     InputError
-        If the file is cut off or does not name its nodes.
+        If the file is truncated or does not contain its node numbers.
     """
     text = read_text(path)
     blocks = re.split(r"^\*MATRIX\s*,\s*TYPE\s*=\s*(\w+).*$", text, flags=re.M | re.I)
@@ -114,21 +114,21 @@ def _element_dofs(path: Path, header: str) -> Ints:
     lines = header.splitlines()
     start = next((i for i, line in enumerate(lines) if "ELEMENT NODES" in line.upper()), None)
     if start is None:
-        raise refuse(path, "does not name its nodes in a line after '** ELEMENT NODES'")
+        raise refuse(path, "has no node numbers in a line after '** ELEMENT NODES'")
     nodes: list[int] = []
     rest = start + 1
     while rest < len(lines) and lines[rest].startswith("**"):
         nodes += [int(word) for word in re.findall(r"\d+", lines[rest])]
         rest += 1
     rows: list[tuple[int, int]] = []
-    # the first line holds for all nodes up to the one that the next line begins with
+    # a line of directions applies to all nodes up to the one at which the next line begins
     data = [
         [int(word) for word in re.findall(r"\d+", line)]
         for line in lines[rest:]
         if line.strip() and not line.startswith("*")
     ]
     if not data or not nodes:
-        raise refuse(path, "does not say which directions its nodes have")
+        raise refuse(path, "has no line with the directions of its nodes")
     directions, following = data[0], {line[0]: line[1:] for line in data[1:]}
     for place, node in enumerate(nodes, start=1):
         directions = following.get(place, directions)
@@ -140,8 +140,8 @@ def _lower_triangle(path: Path, kind: str, values: Array, n: int) -> Sparse:
     if len(values) != n * (n + 1) // 2:
         raise refuse(
             path,
-            f"has {len(values)} numbers of {kind.lower()}, {n * (n + 1) // 2} are needed for {n}"
-            " rows: it is cut off, or the matrix is not symmetric",
+            f"has {len(values)} numbers of {kind.lower()}, {n * (n + 1) // 2} are needed for {n} "
+            f"rows: the file is truncated, or the matrix is not symmetric",
         )
     full = np.zeros((n, n))
     full[np.tril_indices(n)] = values

@@ -15,19 +15,19 @@ from jousto.mesh.readers.subprocess_reader import apart
 from jousto.parts.matrices.nodes import Positions
 from jousto.parts.matrices.text import mirrored, refuse
 
-DAMAGED = "the file is likely damaged: copy it again or solve the model again"
+DAMAGED = "the file is probably damaged: copy it again or solve the model again"
 EXTRA = "needs the package ansys-mapdl-reader: pip install ansys-mapdl-reader"
 
 
 def read_full(path: Path) -> tuple[Sparse, Sparse, Ints, Ints]:
-    """Return K, M, the map of their rows and what is held, from a .full file.
+    """Return K, M, the map of their rows and the fixed directions, from a .full file.
 
-    The file stores upper triangles; rows of held directions are empty.
+    The file stores upper triangles; rows of fixed directions are empty.
 
     Raises
     ------
     InputError
-        If it is of another kind, or its mass matrix is missing or lumped.
+        If the file is of another kind, or its mass matrix is missing or lumped.
     """
     _check_binary(path, ".full")
     found = apart(path, f"{__name__}:full_arrays", DAMAGED)
@@ -37,7 +37,7 @@ def read_full(path: Path) -> tuple[Sparse, Sparse, Ints, Ints]:
         ("mass", "M", "a static analysis has none: solve a modal analysis (ANTYPE,MODAL)"),
     ):
         if found[letter] is None:
-            raise refuse(path, f"holds no {kind} matrix; {remedy}")
+            raise refuse(path, f"contains no {kind} matrix; {remedy}")
     K, M = (_matrix(found[letter]) for letter in "KM")
     map_of = np.asarray(dofs, dtype=np.int64) + np.array([0, 1])
     held = held + np.array([0, 1])
@@ -50,18 +50,18 @@ def read_result_nodes(path: Path) -> Positions:
     Raises
     ------
     InputError
-        If it is of another kind.
+        If the file is of another kind.
     """
     _check_binary(path, ".rst")
     found = apart(path, f"{__name__}:result_arrays", DAMAGED)
     return Positions(found["ids"], found["xyz"])
 
 
-# ---- in a process of its own, since the reader may crash -----------------------------------------
+# ---- in a separate process, since the reader may crash -------------------------------------------
 
 
 def full_arrays(path: Path) -> dict[str, Any]:
-    """Return the matrices of a .full file (None if one is missing), their map, and what is held."""
+    """Return the matrices of a .full file (None if missing), their map, and fixed directions."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         full = _open(path, ".full")
@@ -69,7 +69,7 @@ def full_arrays(path: Path) -> dict[str, Any]:
             dofs, K, M = full.load_km(sort=True)
             held = np.asarray(full.const, dtype=np.int64).reshape(-1, 2)
         except Exception as error:
-            # the reader raises whatever its parsers do
+            # the reader raises the exceptions of its parsers, of any type
             raise refuse(path, f"is damaged: {error}") from None
     return {
         "dofs": np.asarray(dofs, dtype=np.int64),
@@ -102,11 +102,11 @@ def _matrix(pieces: list[Any]) -> Sparse:
 
 
 def _check_binary(path: Path, kind: str) -> None:
-    """Raise unless the file is of a kind and complete: the reader itself may crash otherwise.
+    """Raise InputError unless the file is of a kind and complete: the reader may crash otherwise.
 
-    Fortran records of 4-byte words: length, a mark, and the standard header of 100 words, which
-    begins with the number of the kind of file; the header of .full files follows at word 103 and
-    has the place where the file ends in its items 23 and 24.
+    The file has Fortran records of 4-byte words: length, a mark, and the standard header of 100
+    words, which begins with the number of the kind of file. In .full files their own header follows
+    at word 103, with the length of the file in items 23 and 24.
     """
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
@@ -115,14 +115,14 @@ def _check_binary(path: Path, kind: str) -> None:
     if len(words) < 4 or words[0] != 100 or words[1] != -(2**31):
         raise refuse(path, f"is no Ansys {kind} file, or it is damaged")
     if words[2] != number:
-        raise refuse(path, f"is another of Ansys's binary files; a {kind} file is needed")
+        raise refuse(path, f"is a binary file of Ansys of another kind; a {kind} file is needed")
     if kind == ".full":
         size = path.stat().st_size
         if len(words) < 129:
-            raise refuse(path, f"is cut off: it ends after {size} bytes; copy it again")
+            raise refuse(path, f"is truncated: it ends after {size} bytes; copy it again")
         end = 4 * (int(words[127]) + (int(words[128]) << 32))
         if size < end:
-            raise refuse(path, f"is cut off: it has {size} of {end} bytes; copy it again")
+            raise refuse(path, f"is truncated: it has {size} of {end} bytes; copy it again")
 
 
 def _open(path: Path, kind: str) -> Any:
@@ -133,7 +133,7 @@ def _open(path: Path, kind: str) -> Any:
         raise refuse(path, EXTRA) from None
     try:
         return reader.read_binary(str(path))
-    except NotImplementedError as error:  # what the reader raises for kinds it does not know
+    except NotImplementedError as error:  # raised by the reader for unknown kinds of files
         raise refuse(path, f"cannot be used: {error}") from None
     except Exception:
         raise refuse(path, f"is no Ansys {kind} file, or it is damaged") from None

@@ -36,9 +36,11 @@ def read_triangle(path: Path, n: int) -> Sparse:
     entries = read_numbers(path, read_text(path), 3, "i j value")
     index = entries[:, :2].astype(np.int64)
     if np.any(index != entries[:, :2]) or index.min() < 1:
-        raise refuse(path, "has row numbers that are no whole numbers from 1: it is no matrix file")
+        raise refuse(
+            path, "has row numbers that are not whole numbers from 1, so it is no matrix file"
+        )
     last = int(index.max())
     if last != n:
-        reason = "it is cut off, or the files are of different runs"
-        raise refuse(path, f"has {last} rows but the .dof file names {n}: {reason}")
+        reason = "the file is truncated, or the files are of different runs"
+        raise refuse(path, f"has {last} rows but the .dof file has {n}: {reason}")
     return from_triplets(path, index[:, 0] - 1, index[:, 1] - 1, entries[:, 2], n)

@@ -1,4 +1,4 @@
-"""Checks of mass and stiffness matrices that come from elsewhere."""
+"""Checks of mass and stiffness matrices of other programs."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.mesh.sets import node_graph, pieces
 from jousto.parts.mass import MassPoints, second_moment
 
-# above this size definiteness is judged from the blocks of the nodes alone
+# largest number of rows for a complete check of definiteness; above it, nodal blocks only
 DENSE_UP_TO = 1200
-# strain energy of a rigid motion relative to the energies that cancel in it
+# largest strain energy of a rigid motion / energies that cancel in it
 RIGID_TOLERANCE = 1e-10
-# largest nodal force of a rigid motion relative to those that cancel in it: a matrix that is free
+# largest nodal force of a rigid motion / forces that cancel in it, for a free matrix
 RIGID_FORCE = 1e-6
 MOTIONS = tuple(f"{kind} {x}" for kind in ("translation along", "rotation about") for x in "xyz")
 
@@ -33,9 +33,9 @@ def rigid_modes(nodes: Array, dofs_per_node: int) -> Array:
 def check_matrices(
     name: str, M: Any, K: Any, nodes: Any, dofs_per_node: int | None, *, whole: bool = True
 ) -> tuple[Sparse, Sparse, Array, int]:
-    """Return M, K, nodes and degrees of freedom per node, or raise with everything that is wrong.
+    """Return checked M, K, nodes and degrees of freedom per node, or raise with all problems.
 
-    Whether K falls into pieces is looked at if it must be whole, without ties.
+    A K of several disconnected pieces is an error only if `whole`, that is without ties.
 
     Raises
     ------
@@ -72,8 +72,8 @@ def check_matrices(
     R = rigid_modes(xyz - xyz.mean(axis=0), dofs)
     if _is_free(mass, R) and not _is_free(stiff, R):
         message = (
-            "K and M seem to be swapped: M resists no rigid motion, as a stiffness matrix does, "
-            "and K does; the order is from_matrices(M, K, nodes)"
+            "K and M seem to be swapped: rigid motions have no energy in M, as in a stiffness "
+            "matrix, but have in K; the order is from_matrices(M, K, nodes)"
         )
         raise InputError(Problem(where, message))
     empty = np.flatnonzero(_node_weight(mass, dofs) + _node_weight(stiff, dofs) == 0.0)
@@ -94,7 +94,7 @@ def check_matrices(
 def points_from_blocks(M: Sparse, nodes: Array, dofs: int) -> MassPoints | None:
     """Return the mass points of a mass matrix whose blocks are rigid masses on the nodes.
 
-    None if M couples different nodes, or if a block is not of the form
+    The result is None if M couples different nodes, or if a block is not of the form
     ``[[m E, -m c~], [m c~, J]]``.
     """
     nn, ndof = len(nodes), M.shape[0]
@@ -137,7 +137,7 @@ def points_from_blocks(M: Sparse, nodes: Array, dofs: int) -> MassPoints | None:
 
 
 def _read(problems: Problems, where: str, name: str, value: Any) -> Sparse | None:
-    """Return a symmetric, finite csr array or note what is wrong."""
+    """Return a symmetric, finite csr array, or report what is wrong."""
     try:
         if np.iscomplexobj(value):
             raise TypeError
@@ -181,7 +181,7 @@ def _node_weight(matrix: Sparse, dofs: int) -> Array:
 
 
 def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, dofs: int) -> None:
-    """Note a matrix with a negative eigenvalue (large ones: a negative block of a node)."""
+    """Report a matrix with a negative eigenvalue (of large ones: a negative nodal block)."""
     ndof = matrix.shape[0]
     coo = matrix.tocoo()
     row, column = coo.row, coo.col
@@ -210,14 +210,14 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
 
 
 def _is_free(matrix: Any, R: Array) -> bool:
-    """Return whether a matrix leaves rigid translations free but for round-off."""
+    """Return whether a matrix leaves rigid translations free except for round-off."""
     moved = R[:, :3]
     forces = abs(times(matrix, moved)).max(initial=0.0)
     return bool(forces <= RIGID_FORCE * (abs(matrix) @ abs(moved)).max(initial=0.0))
 
 
 def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
-    """Warn of rigid motions that store strain energy."""
+    """Warn about rigid motions that store strain energy."""
     energy = np.einsum("ij,ij->j", R, times(K, R))
     scale = np.einsum("ij,ij->j", np.abs(R), times(abs(K), np.abs(R)))
     inertia = np.einsum("ij,ij->j", R, times(M, R))
@@ -232,7 +232,7 @@ def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
     ]
     hint = "remove supports and springs to ground"
     if bad.min() >= 3:
-        hint = "are the node positions in metres and in the order of the matrices?"
+        hint = "check that the node positions are in m and in the order of the matrices"
     # x of all nodes, then y of all nodes, ...
     other = R.reshape(-1, dofs, 6).transpose(1, 0, 2).reshape(R.shape)
     force = np.abs(times(K, other))

@@ -1,4 +1,4 @@
-"""Matrices of another program, which a part is made of."""
+"""Matrices of another program as input of a part."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from jousto.parts.matrices.checks import check_matrices, points_from_blocks
 
 
 class ForeignMatrices(PartForm):
-    """What matrices in memory and in files have in common."""
+    """Base of matrices in memory and in files."""
 
     node_sets: Dictionary = field(
-        "Node sets; of files by the numbers of nodes as in the other program, of plain matrices "
-        "counted from 0",
+        "Node sets: for files by the node numbers of the other program, for plain matrices by "
+        "indices from 0",
         form="node sets",
         noun="mapping of str to nodes",
         default=None,
         kw_only=True,
     )
     interfaces: AnyField = field(
-        "Surfaces that follow a node with six directions",
+        "Surfaces tied to a node with six directions",
         form="set interfaces",
         noun="sequence of Interface",
         default=(),
@@ -33,7 +33,7 @@ class ForeignMatrices(PartForm):
     )
 
     def judge(self, part: Any) -> None:
-        """Raise InputError if K falls into pieces that no rigid interface joins."""
+        """Raise InputError if K has disconnected pieces that no rigid interface joins."""
         if part.interfaces:
             problems = Problems()
             graph = tied(node_graph(part.K, part.dofs_per_node), rigid_groups(part.ties))
@@ -42,13 +42,13 @@ class ForeignMatrices(PartForm):
 
 
 class PlainMatrices(ForeignMatrices):
-    """A part from the matrices of another program.
+    """Part from mass and stiffness matrices of another program.
 
     Raises
     ------
     InputError
         If a matrix is not square, symmetric and finite, does not fit the nodes, M is not
-        positive semidefinite, a node has neither mass nor stiffness, or K falls into pieces
+        positive semidefinite, a node has neither mass nor stiffness, or K has disconnected pieces
         that no rigid interface joins.
 
     Warns
@@ -71,10 +71,14 @@ class PlainMatrices(ForeignMatrices):
     K: AnyField = field("Its stiffness", noun="(ndof, ndof) array_like or sparse")
     nodes: AnyField = field("Positions, part frame", unit="m", noun="(nn, 3) array_like")
     dofs_per_node: AnyField = field(
-        "3 or 6, from the sizes if not given", form="count", noun="int", default=None, kw_only=True
+        "3 or 6; None for the value that fits the sizes",
+        form="count",
+        noun="int",
+        default=None,
+        kw_only=True,
     )
     elements: AnyField = field(
-        "For drawing only",
+        "Elements, for drawing only",
         form="cells",
         noun="(ne, m) array_like of int",
         default=None,
@@ -106,15 +110,15 @@ class PlainMatrices(ForeignMatrices):
 
 
 class MatrixFiles(ForeignMatrices):
-    """A part from the matrix files of another program, see `read_matrices`.
+    """Part from the matrix files of another program, see `read_matrices`.
 
-    The rows are put in the order of the nodes; node sets of the mesh keep their names, and
+    The rows are sorted by node; node sets of the mesh keep their names, and
     ``n17`` is the node with the number 17 in the other program.
 
     Raises
     ------
     InputError
-        With everything that is wrong with the files, or with the matrices (`from_matrices`).
+        With all problems of the files, or with the matrices (`from_matrices`).
 
     Warns
     -----
@@ -128,14 +132,14 @@ class MatrixFiles(ForeignMatrices):
         noun="str or Path",
     )
     M: AnyField = field(
-        "File of the mass matrix, where it is another one that is not beside K",
+        "File of the mass matrix, if it is a separate file that cannot be found beside that of K",
         form="file",
         noun="str or Path",
         default=None,
     )
     nodes: AnyField = field(
-        "Positions: a mesh, a table of x y z or number x y z (.npy, .csv, .txt), or a list; found "
-        "beside the matrices of CalculiX, Ansys and Nastran",
+        "Positions: a mesh, a table of x y z or number x y z (.npy, .csv, .txt), or a list; "
+        "None searches beside the matrices of CalculiX, Ansys and Nastran",
         form="positions",
         noun="str, Path or array_like",
         default=None,
@@ -149,14 +153,17 @@ class MatrixFiles(ForeignMatrices):
         kw_only=True,
     )
     format: OptionalText = field(
-        "calculix, ansys, op4, dmig, abaqus or plain; from the ending and the content if not given",
+        "calculix, ansys, op4, dmig, abaqus or plain; None determines it from the ending and "
+        "the content",
         default=None,
         kw_only=True,
     )
     units: Label = field(
         "Units of the files, such as SI, mm-t-s, in-lbf-s", default="SI", kw_only=True
     )
-    name: OptionalText = field("From the file if not given", file=False, default=None, kw_only=True)
+    name: OptionalText = field(
+        "Name of the part; None for the name of the file", file=False, default=None, kw_only=True
+    )
 
     def assembled(self) -> dict[str, Any]:
         """Return the fields of the part."""

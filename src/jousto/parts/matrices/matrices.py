@@ -1,4 +1,4 @@
-"""Matrices: mass and stiffness of another program with the node and direction of each row."""
+"""Matrices: mass and stiffness of another program, with the node and direction of each row."""
 
 from __future__ import annotations
 
@@ -16,15 +16,14 @@ DIRECTIONS = ("modal", "ux", "uy", "uz", "rx", "ry", "rz")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Matrices:
-    """Mass and stiffness as another program wrote them, in SI units and the part's axes.
+    """Mass and stiffness of another program, in SI units and the axes of the part.
 
-    Made by `read_matrices`. A full model and a condensed one (superelement) look the same; the
-    latter may have modal coordinates beside its nodes.
+    Created by `read_matrices`. A full and a condensed model (superelement) have the same form; a
+    condensed model may also have modal coordinates.
 
     Parameters
     ----------
-    name : str
-        For messages.
+    name : str Name in messages.
     M, K : (ndof, ndof) sparse array
     dofs : (ndof, 2) ndarray of int
         Number of the node in the other program and direction of each row: 1, 2, 3 translations,
@@ -37,12 +36,12 @@ class Matrices:
     elements : (ne, m) ndarray of int, optional
         Rows of ``nodes``; for drawing.
     held : (m, 2) ndarray of int, optional
-        Node and direction of what the other program held, as far as its files contain them.
+        Node and direction of rows fixed by the other program, if its files contain them.
 
     Raises
     ------
     InputError
-        With everything that does not belong together.
+        With all inconsistencies of the arguments.
     """
 
     name: str
@@ -65,8 +64,8 @@ class Matrices:
             if matrix.shape != (len(dofs), len(dofs)):
                 problems.add(
                     where,
-                    f"{letter} has shape {matrix.shape} but the map names {len(dofs)} rows; the"
-                    " files must be of one run",
+                    f"{letter} has shape {matrix.shape} but the map has {len(dofs)} rows; the "
+                    f"files must be of the same run",
                 )
         xyz = problems.array(where, "nodes", self.nodes, (len(self.node_ids), 3))
         object.__setattr__(self, "nodes", xyz)
@@ -100,23 +99,23 @@ class Matrices:
 
     @property
     def modal(self) -> Ints:
-        """Rows of the modal coordinates."""
+        """Indices of the rows of modal coordinates."""
         return np.flatnonzero(self.dofs[:, 1] == 0)
 
     @property
     def used(self) -> Ints:
-        """Rows that have mass or stiffness."""
+        """Rows with mass or stiffness."""
         size = len(self.dofs)
         weight = np.asarray(abs(self.M) @ np.ones(size) + abs(self.K) @ np.ones(size))
         return np.flatnonzero(weight > 0.0)
 
     def with_sets(self, node_sets: Mapping[str, object]) -> Matrices:
-        """Return the matrices with more node sets, numbered as in the other program.
+        """Return the matrices with additional node sets, in the numbering of the other program.
 
         Raises
         ------
         InputError
-            If a set names a node that is not there.
+            If a set contains a node that does not exist.
         """
         where, problems = f"matrices '{self.name}'", Problems()
         sets = dict(self.node_sets)
@@ -136,7 +135,7 @@ class Matrices:
         return replace(self, node_sets=sets)
 
     def check_free(self) -> None:
-        """Raise if the other program held the part.
+        """Raise InputError if the other program fixed rows of the part.
 
         Raises
         ------
@@ -149,14 +148,14 @@ class Matrices:
             Problem(
                 f"matrices '{self.name}'",
                 f"were written with supports ({len(self.held)} directions held: node {names})."
-                " Write the matrices of the free part: jousto's joints hold it later",
+                " Write the matrices of the free part; the joints of jousto support it later",
             )
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Nodal:
-    """Matrices in the order of a `Part`: node after node, 3 or 6 rows for each.
+    """Matrices in the order of a `Part`: node by node, 3 or 6 rows for each.
 
     Parameters
     ----------
@@ -177,9 +176,9 @@ class Nodal:
 
 
 def nodal(matrices: Matrices) -> Nodal:
-    """Return the matrices node after node.
+    """Return the matrices in the order node by node.
 
-    Rows without mass and stiffness are left out: Nastran gives solids rotations, too.
+    Rows without mass and stiffness are left out (Nastran writes rotations of solids).
 
     Raises
     ------
@@ -199,7 +198,7 @@ def nodal(matrices: Matrices) -> Nodal:
         )
         problems.raise_if_any()
 
-    # which directions each node has, as bits
+    # directions of each node as bits
     ids, node = np.unique(dofs[:, 0], return_inverse=True)
     bits = np.zeros(len(ids), dtype=np.int64)
     np.bitwise_or.at(bits, node, 1 << (dofs[:, 1] - 1))
@@ -211,29 +210,30 @@ def nodal(matrices: Matrices) -> Nodal:
         problems.add(
             where,
             f"{len(odd)} of {len(ids)} nodes lack a direction, such as node {ids[odd[0]]}, which"
-            f" has no {', '.join(lack)}: it was held or constrained. Write the matrices of the"
+            f" has no {', '.join(lack)}: it was fixed or constrained. Write the matrices of the"
             " free part, without supports and constraint equations",
         )
     gone = np.setdiff1d(matrices.node_ids[np.unique(matrices.elements)], ids)
-    # (a condensed model has few nodes of its mesh)
+    # (a condensed model contains few nodes of its mesh)
     if 0 < len(gone) < len(ids):
         problems.add(
             where,
-            f"{len(gone)} nodes of the mesh have no rows (node {some([str(i) for i in gone])}):"
-            " they were held, or the mesh is another one. Write the matrices of the free part,"
+            f"{len(gone)} nodes of the mesh have no rows (node {some([str(i) for i in gone])}): "
+            f"they were fixed, or the mesh is that of another model. Write the matrices of the "
+            f"free part,"
             " without supports",
         )
     if not len(odd) and np.any(only) and np.any(all_six):
         problems.add(
             where,
             f"{int(np.sum(only))} nodes have three directions and {int(np.sum(all_six))} have six"
-            f" (such as node {ids[all_six][0]}): write the solids alone and tie their surfaces to"
+            f" (such as node {ids[all_six][0]}): write the solids only and tie their surfaces to"
             " a node with an Interface, or condense the model in the other program and use"
             " reduce_superelement",
         )
     problems.raise_if_any()
 
-    # order of the positions, then of the directions
+    # sort by position, then by direction
     d = 6 if np.any(all_six) else 3
     place = {int(number): i for i, number in enumerate(matrices.node_ids)}
     where_of = np.array([place[int(number)] for number in ids], dtype=np.int64)
@@ -252,9 +252,9 @@ def nodal(matrices: Matrices) -> Nodal:
 
 
 def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
-    """Warn of a mass matrix that couples every node with every other."""
+    """Warn about a mass matrix that couples every node with every other node."""
     if nn < 3 or (d == 3 and nn <= 27):
-        return  # a single element does that, too
+        return  # a single element couples all its nodes, too
     coo = M.tocoo()
     pairs = np.unique(coo.row // d * nn + coo.col // d)
     if len(pairs) == nn * nn:

@@ -1,8 +1,8 @@
 """Nastran: OP4 files and DMIG punch files, with grids from the bulk data.
 
-A superelement (EXTSEOUT) has boundary grids and scalar points of its modes; its punch file names
-the order of the rows (EXTRN). Displacements in coordinate systems of their own are turned to the
-basic one.
+A superelement (EXTSEOUT) has boundary grids and scalar points of its modes; its punch file contains
+the order of the rows (EXTRN). Displacements in local coordinate systems are rotated to the basic
+one.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BULK = (".pch", ".asm", ".bdf", ".nas", ".dat")
 
 def _nastran(path: Path) -> Any:
     try:
-        # the package changes how numpy prints
+        # restore the print options of numpy, which the package changes
         with warnings.catch_warnings(), np.printoptions():
             warnings.simplefilter("ignore")
             from pyyeti import nastran
@@ -38,12 +38,12 @@ def _nastran(path: Path) -> Any:
 
 
 def read_op4(path: Path) -> tuple[Sparse, Sparse]:
-    """Return K and M of an OP4 file by their names (KAA, KXX, KGG ...; MAA, MXX, MGG ...).
+    """Return K and M of an OP4 file by name (KAA, KXX, KGG ...; MAA, MXX, MGG ...).
 
     Raises
     ------
     InputError
-        If the file is of another kind, cut off, or does not hold one of each.
+        If the file is of another kind or truncated, or does not contain one K and one M.
     """
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))
@@ -53,22 +53,22 @@ def read_op4(path: Path) -> tuple[Sparse, Sparse]:
             warnings.simplefilter("ignore")
             found = nastran.op4.load(str(path), justmatrix=True, sparse=True)
     except Exception as error:
-        # the reader raises whatever its parsers do
-        reason = str(error).strip().partition("\n")[0] or "it ends too early"
-        raise refuse(path, f"is no OP4 file, or it is cut off: {reason}") from None
+        # the reader raises the exceptions of its parsers, of any type
+        reason = str(error).strip().partition("\n")[0] or "the file ends too early"
+        raise refuse(path, f"is no OP4 file, or it is truncated: {reason}") from None
     matrices = {name: as_csr(sp.csr_array(value)) for name, value in found.items()}
     k, m = _choose(path, matrices, STIFFNESS, "K"), _choose(path, matrices, MASS, "M")
     return matrices[k], matrices[m]
 
 
 def _choose(path: Path, found: dict[str, Sparse], names: tuple[str, ...], letter: str) -> str:
-    """Return the name of K or M among those found."""
+    """Return the name of K or M among the names in the file."""
     name = next((name for name in names if name in found), None)
     if name is None:
         known = ", ".join(sorted(found)).upper() or "nothing"
         wanted = ", ".join(names[:4]).upper()
         raise refuse(
-            path, f"holds no matrix {letter} under a known name ({wanted}); it has {known}"
+            path, f"contains no matrix {letter} under a known name ({wanted}); it has {known}"
         )
     shape = found[name].shape
     if shape[0] != shape[1]:
@@ -82,18 +82,18 @@ def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
     Raises
     ------
     InputError
-        If there are none, or they are cut off.
+        If there are none, or they are truncated.
     """
     text = read_text(path)
     if not re.search(r"^DMIG", text, flags=re.M | re.I):
-        raise refuse(path, "holds no DMIG entries; ask Nastran for EXTSEOUT(ASMBULK,DMIGPCH)")
+        raise refuse(path, "contains no DMIG entries; ask Nastran for EXTSEOUT(ASMBULK,DMIGPCH)")
     nastran = _nastran(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             frames = nastran.rddmig(str(path), square=True)
     except Exception as error:
-        reason = str(error).strip().partition("\n")[0] or "it ends too early"
+        reason = str(error).strip().partition("\n")[0] or "the file ends too early"
         raise refuse(path, f"has DMIG entries that cannot be read: {reason}") from None
     maps, values = {}, {}
     for name, frame in frames.items():
@@ -101,7 +101,7 @@ def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
         values[name] = as_csr(np.asarray(frame.to_numpy()))
     k, m = _choose(path, values, STIFFNESS, "K"), _choose(path, values, MASS, "M")
 
-    # rows that only one of the two names
+    # rows that only one of the two matrices has
     dofs = np.unique(np.concatenate([maps[k], maps[m]]), axis=0)
     return expanded(values[k], maps[k], dofs), expanded(values[m], maps[m], dofs), dofs
 
@@ -114,10 +114,10 @@ def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Array]]:
     positions : Positions
         In the basic coordinate system.
     dofs : (ndof, 2) ndarray of int
-        EXTRN's order where it is given, else six rows for each grid and one for each scalar
-        point in ascending order of their numbers.
+        The order of EXTRN if given, else six rows per grid and one per scalar point, in ascending
+        order of their numbers.
     axes : dict of int to (3, 3) ndarray
-        For grids with displacements in axes of their own: their components from basic ones.
+        For grids with local axes: matrix from displacements in basic axes to those in local axes.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Array]]:
     """
     text = read_text(path)
     if not re.search(r"^GRID", text, flags=re.M | re.I):
-        raise refuse(path, "holds no GRID entries; give the bulk data with the grids as nodes")
+        raise refuse(path, "contains no GRID entries; give the bulk data with the grids as nodes")
     nastran = _nastran(path)
     try:
         with warnings.catch_warnings():
@@ -136,13 +136,13 @@ def read_grids(path: Path) -> tuple[Positions, Ints, dict[int, Array]]:
             extrn = nastran.rdextrn(str(path)) if re.search(r"^EXTRN", text, flags=re.M) else None
             points = nastran.rdspoints(str(path)) if re.search(r"^SPOINT", text, re.M) else None
     except Exception as error:
-        reason = str(error).strip().partition("\n")[0] or "it ends too early"
+        reason = str(error).strip().partition("\n")[0] or "the file ends too early"
         raise refuse(path, f"has bulk data that cannot be read: {reason}") from None
     index = np.array([tuple(i) for i in uset.index], dtype=np.int64)
     first = np.flatnonzero(index[:, 1] == 1)
     ids = index[first, 0]
     xyz = np.asarray(uset.to_numpy(), dtype=np.float64)[first][:, 1:4]
-    # the rigid translations show the components of basic displacements in the axes of the grid
+    # rows of rigid translations are the components of basic displacements in the grid's axes
     turns = {int(i): rigid[row : row + 3, :3] for i, row in zip(ids, first, strict=True)}
     axes = {i: R for i, R in turns.items() if np.abs(R - np.eye(3)).max() > 1e-12}
     if extrn is not None and len(extrn):
@@ -159,7 +159,7 @@ def to_basic(matrix: Sparse, dofs: Ints, axes: dict[int, Array], where: str) -> 
     Raises
     ------
     InputError
-        If a grid with axes of its own has only some of its directions in the matrix.
+        If a grid with local axes has only some of its directions in the matrix.
     """
     if not axes:
         return matrix
@@ -174,8 +174,9 @@ def to_basic(matrix: Sparse, dofs: Ints, axes: dict[int, Array], where: str) -> 
                 raise InputError(
                     Problem(
                         where,
-                        f"grid {grid} has axes of its own and only some of its directions in the"
-                        " matrix; write it in the basic coordinate system (field CD of GRID)",
+                        f"grid {grid} has local axes and only some of its directions in the "
+                        f"matrix; write the matrix in the basic coordinate system (field CD of "
+                        f"GRID)",
                     )
                 )
             for a, i in enumerate(present):

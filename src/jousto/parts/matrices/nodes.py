@@ -1,4 +1,4 @@
-"""Positions of the nodes whose numbers the maps of the matrices name."""
+"""Positions of the nodes in the maps of the matrices."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ TABLES = (".npy", ".csv", ".txt")
 
 @dataclass(frozen=True, eq=False)
 class Positions:
-    """Where nodes are.
+    """Positions of numbered nodes.
 
     Parameters
     ----------
     ids : (nn,) ndarray of int or None
-        Their numbers; None if only their order is known.
+        Node numbers; None if only the order is known.
     xyz : (nn, 3) ndarray
         In the unit of the files, or in m.
     node_sets : mapping of str to node numbers
@@ -47,15 +47,15 @@ def read_positions(nodes: Any, unit: str) -> Positions:
     Parameters
     ----------
     nodes : Mesh, str, Path or array_like
-        Arrays and tables have three columns x, y, z in ascending order of the node numbers, or
-        four with the number of the node first.
+        Arrays and tables have three columns x, y, z, sorted by node number, or four columns with
+        the node number first.
     unit : str
         Unit of length of files and arrays; a Mesh is in m.
 
     Raises
     ------
     InputError
-        If there is no such file, or it has other columns.
+        If the file does not exist, or has other columns.
     """
     if isinstance(nodes, (str, Path)):
         path = Path(nodes)
@@ -80,7 +80,7 @@ def from_table(table: Any, name: str) -> Positions:
         return Positions(None, array)
     ids = array[:, 0].astype(np.int64)
     if np.any(ids != array[:, 0]) or len(np.unique(ids)) < len(ids):
-        message = "the first of four columns must be the number of the node, each once"
+        message = "the first of four columns must be the node number, without duplicates"
         raise InputError(Problem(name, message))
     return Positions(ids, array[:, 1:])
 

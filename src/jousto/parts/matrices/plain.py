@@ -16,7 +16,7 @@ from jousto.parts.matrices.text import from_triplets, read_text, refuse
 
 HARWELL_BOEING = (".hb", ".rb", ".rsa", ".rua")
 MOST_EMPTY = 100_000
-"""Rows that a matrix may have without any entry."""
+"""Largest number of rows accepted from a header if the file has no entries."""
 SUFFIXES = (".mtx", ".npz", ".npy", *HARWELL_BOEING)
 
 
@@ -26,7 +26,7 @@ def read_plain(path: Path) -> Sparse:
     Raises
     ------
     InputError
-        If there is no such file, or its content does not fit its ending.
+        If the file does not exist, or its content does not fit its ending.
     """
     if not path.is_file():
         raise MissingFileError(Problem(path.name, f"no such file {str(path)!r}"))
@@ -54,11 +54,11 @@ def read_plain(path: Path) -> Sparse:
         raise
     except OSError as error:
         raise refuse(path, f"cannot be read as a {kind} file: {error}") from None
-    # scipy raises NotImplementedError for a sparse format that it does not know
+    # scipy raises NotImplementedError for unknown sparse formats
     except (ValueError, KeyError, TypeError, EOFError, NotImplementedError) as error:
         reason = str(error).strip().splitlines()
         message = f"cannot be read as a {kind} file: {reason[0] if reason else 'it is damaged'}"
-        raise refuse(path, f"{message}. Is it complete and of this kind?") from None
+        raise refuse(path, f"{message}; check that the file is complete and of this kind") from None
     except Exception as error:
         if type(error).__module__.startswith("jousto"):
             raise
@@ -66,7 +66,7 @@ def read_plain(path: Path) -> Sparse:
 
 
 def _check_header(path: Path) -> None:
-    """Refuse a Matrix Market file that announces more than it contains."""
+    """Raise InputError for a Matrix Market header that announces more than the file has."""
     size = path.stat().st_size
     with path.open("rb") as file:
         kind = file.readline(1024).lower()
@@ -76,21 +76,26 @@ def _check_header(path: Path) -> None:
     numbers = [int(word) for word in line.split() if word.isdigit()]
     sparse = b"array" not in kind
     if len(numbers) < 2 or (sparse and len(numbers) < 3):
-        return  # the reader says what is wrong
+        return  # the reader reports what is wrong
     rows, columns = numbers[:2]
     entries = numbers[2] if sparse else rows * columns // (1 if b"general" in kind else 2)
-    # an entry is "1 1 1" and a line end at least, or "1" in a full matrix
+    # an entry has at least "1 1 1" and a line end, or "1" in a full matrix
     if entries * (6 if sparse else 2) > size + 2:
-        raise refuse(path, f"announces {entries} entries, but has {size} bytes; is it cut off?")
-    # each direction of a stiffness or mass matrix has an entry
+        raise refuse(
+            path,
+            f"announces {entries} entries, but has {size} bytes; the file is "
+            f"truncated or its header damaged",
+        )
+    # each row of a stiffness or mass matrix has an entry
     if sparse and max(rows, columns) > MOST_EMPTY + 100 * entries:
         raise refuse(
-            path, f"announces {rows} x {columns} with {entries} entries; is its header damaged?"
+            path,
+            f"announces {rows} x {columns} with {entries} entries; its header is probably damaged",
         )
 
 
 def is_pair(path: Path) -> bool:
-    """Whether a .npz file holds M and K under these names."""
+    """Return whether a .npz file contains arrays with the names M and K."""
     if path.suffix.lower() != ".npz" or not path.is_file():
         return False
     try:
@@ -101,7 +106,7 @@ def is_pair(path: Path) -> bool:
 
 
 def read_pair(path: Path) -> dict[str, Array]:
-    """Return all arrays of a .npz file that holds M and K."""
+    """Return all arrays of a .npz file with M and K."""
     try:
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as data:
             return {name: np.asarray(data[name]) for name in data.files}
@@ -112,14 +117,15 @@ def read_pair(path: Path) -> dict[str, Array]:
 def read_harwell_boeing(path: Path) -> Sparse:
     """Return the real, assembled matrix of a Harwell-Boeing or Rutherford-Boeing file.
 
-    The formats are Fortran's: pointers of columns, row numbers and values in fields of fixed
+    The file has Fortran formats: column pointers, row numbers and values in fields of fixed
     width (Duff, Grimes, Lewis: Users' guide for the Harwell-Boeing sparse matrix collection,
     1992). Symmetric files (RSA) hold the lower triangle.
 
     Raises
     ------
     InputError
-        If the file is cut off, complex, a pattern without values, or made of element matrices.
+        If the file is truncated, complex, a pattern without values, or of unassembled element
+        matrices.
     """
     lines = read_text(path).splitlines()
     if len(lines) < 4:
@@ -134,10 +140,12 @@ def read_harwell_boeing(path: Path) -> Sparse:
     known = {"R": "real", "C": "complex", "P": "a pattern without values", "I": "integer"}
     if kind[:1] not in ("R", "I") or kind[2:] != "A":
         found = known.get(kind[:1], "of unknown kind")
-        found = found if kind[2:] == "A" else "made of element matrices"
-        raise refuse(path, f"holds a matrix of type {kind}, which is {found}; RSA or RUA is needed")
+        found = found if kind[2:] == "A" else "of unassembled element matrices"
+        raise refuse(
+            path, f"contains a matrix of type {kind}, which is {found}; RSA or RUA is needed"
+        )
 
-    # blocks of cards: pointers, row numbers, values
+    # blocks of lines: pointers, row numbers, values
     start = 4 + (1 if len(cards) > 4 and cards[4] > 0 else 0)
     blocks = []
     for width, count, wanted in zip(
@@ -150,8 +158,8 @@ def read_harwell_boeing(path: Path) -> Sparse:
         if len(values) < wanted:
             raise refuse(
                 path,
-                f"is cut off: {len(values)} of {wanted} numbers are left in one of its blocks;"
-                " write or copy it again",
+                f"is truncated: one of its blocks has {len(values)} of {wanted} numbers; write or "
+                f"copy it again",
             )
         blocks.append(values[:wanted])
         start += count
@@ -172,7 +180,7 @@ def _width(fortran: str) -> int:
 
 
 def _fields(lines: list[str], width: int) -> Array:
-    """Return numbers in fields of a width, or separated by blanks where writers do not keep it."""
+    """Return numbers in fields of a width, or separated by blanks if the fields are not kept."""
     cut = [line[i : i + width] for line in lines for i in range(0, len(line.rstrip()), width)]
     try:
         return _floats([word for word in cut if word.strip()])

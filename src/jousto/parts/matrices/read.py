@@ -1,4 +1,4 @@
-"""`read_matrices`: which reader, which files beside the one given, units, and plausibility."""
+"""`read_matrices`: choice of the reader, files beside the given one, units, and plausibility."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FORMATS = {
 
 @dataclass(frozen=True, eq=False)
 class Raw:
-    """What the files say, in their own units; what they do not say is None."""
+    """Content of the files in their own units; None for missing data."""
 
     K: Sparse
     M: Sparse
@@ -53,7 +53,7 @@ def read_matrices(
     units: str = "SI",
     name: str | None = None,
 ) -> Matrices:
-    """Read mass and stiffness that another program wrote.
+    """Read mass and stiffness matrices written by another program.
 
     Parameters
     ----------
@@ -61,39 +61,39 @@ def read_matrices(
         File of the stiffness matrix, or of both: .sti (CalculiX), .full (Ansys), .op4 or .pch
         (Nastran), .mtx (Abaqus or Matrix Market), .npz, .npy, .hb or .rsa.
     M : str or Path, optional
-        File of the mass matrix where it is another one; CalculiX's is found beside .sti.
+        File of the mass matrix if it is a separate file; that of CalculiX is found beside .sti.
     nodes : Mesh, str, Path or array_like, optional
         Positions: a mesh (in m) or mesh file of the same model, a table with the columns x y z in
-        the order of the rows, or with the number of the node before them. Found beside the matrices
-        for CalculiX (.inp), Ansys (.rst) and Nastran (.pch, .bdf).
+        the order of the rows, or with the node number before them. None searches beside the
+        matrices of CalculiX (.inp), Ansys (.rst) and Nastran (.pch, .bdf).
     dofs : (ndof, 2) array_like, str or Path, optional
         Node number and direction (1..6, 0 for a modal coordinate) of each row, as an array, a
-        text file of such lines or a .dof file. If not given: as in the files, else node after
-        node with 3 or 6 directions.
+        text file of such lines or a .dof file. None for the map in the files, else node by node
+        with 3 or 6 directions.
     format : str, optional
         ``calculix``, ``ansys``, ``op4``, ``dmig``, ``abaqus`` or ``plain``; from the ending and
         the content if not given.
     units : str
         Units of the files as length-mass-time: ``"SI"``, ``"mm-t-s"``, ``"in-lbf-s"`` ...
     name : str, optional
-        For messages; from the file if not given.
+        Name in messages; None for the name of the file.
 
     Returns
     -------
     Matrices
-        In SI units. One triangle, where a format has no more, is completed.
+        Matrices in SI units. Formats with one triangle are completed to the full matrix.
 
     Raises
     ------
     InputError
-        If a file is missing, cut off or of another kind, files do not belong together, or a name
-        is not known.
+        If a file is missing, truncated or of another kind, files are inconsistent, or a name is
+        unknown.
 
     Warns
     -----
     JoustoWarning
-        If sound would travel through the part at a speed that no material has: the units are
-        probably others.
+        If the speed of sound in the part is beyond that of any material: the units are probably
+        wrong.
     """
     path = Path(K)
     mass = None if M is None else Path(M)
@@ -108,7 +108,7 @@ def read_matrices(
     where = f"matrices '{name or path.stem}'"
     map_of, positions = _number(raw, given_dofs, positions, where)
 
-    # displacements in basic axes, then SI
+    # displacements in basic axes, then SI units
     stiff, mass_matrix = raw.K, raw.M
     if raw.axes:
         stiff = nastran.to_basic(stiff, map_of, raw.axes, where)
@@ -141,7 +141,7 @@ def read_dofs(dofs: Any) -> Ints:
     Raises
     ------
     InputError
-        If there is no such file, or its lines are not node and direction.
+        If the file does not exist, or its lines are not node and direction.
     """
     if isinstance(dofs, (str, Path)):
         path = Path(dofs)
@@ -157,9 +157,9 @@ def read_dofs(dofs: Any) -> Ints:
     return np.asarray(table, dtype=np.int64)
 
 
-# a reader takes the files and the unit of length of nodes, None if these are given otherwise
+# signature of a reader: (files, unit of length of the nodes or None if they are given)
 def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str | None], Raw]:
-    """Return the reader of a format, or of what the file looks like."""
+    """Return the reader of a format, by default of the format that the file looks like."""
     readers = {
         "calculix": _calculix,
         "ansys": _ansys,
@@ -183,7 +183,7 @@ def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str 
         if suffix in suffixes:
             return readers[known]
     endings = ", ".join(dict.fromkeys(s for suffixes in FORMATS.values() for s in suffixes))
-    raise refuse(path, f"is of no known kind; known endings are {endings}, or say format=")
+    raise refuse(path, f"has an unknown ending; known endings are {endings}, or give format=")
 
 
 def _beside(path: Path, suffixes: tuple[str, ...]) -> Path | None:
@@ -205,7 +205,7 @@ def _calculix(path: Path, mass: Path | None, unit: str | None) -> Raw:
 
 def _ansys(path: Path, mass: Path | None, unit: str | None) -> Raw:
     if mass is not None:
-        raise refuse(path, f"holds K and M; leave out M ({mass.name})")
+        raise refuse(path, f"contains K and M; leave out M ({mass.name})")
     K, M, dofs, held = ansys.read_full(path)
     positions = None
     if unit and (beside := _beside(path, (".rst", ".cdb"))) is not None:
@@ -216,7 +216,7 @@ def _ansys(path: Path, mass: Path | None, unit: str | None) -> Raw:
 
 def _op4(path: Path, mass: Path | None, unit: str | None) -> Raw:
     if mass is not None:
-        raise refuse(path, f"must hold K and M; leave out M ({mass.name})")
+        raise refuse(path, f"must contain K and M; leave out M ({mass.name})")
     K, M = nastran.read_op4(path)
     beside = _beside(path, nastran.BULK) if unit else None
     if beside is None:
@@ -225,7 +225,7 @@ def _op4(path: Path, mass: Path | None, unit: str | None) -> Raw:
     if len(dofs) != K.shape[0]:
         raise refuse(
             path,
-            f"has {K.shape[0]} rows but {beside.name} names {len(dofs)}: give the map of the rows"
+            f"has {K.shape[0]} rows but {beside.name} has {len(dofs)}: give the map of the rows"
             " as dofs, and the nodes",
         )
     return Raw(K, M, dofs, positions, axes=axes)
@@ -233,7 +233,7 @@ def _op4(path: Path, mass: Path | None, unit: str | None) -> Raw:
 
 def _dmig(path: Path, mass: Path | None, unit: str | None) -> Raw:
     if mass is not None:
-        raise refuse(path, f"must hold K and M; leave out M ({mass.name})")
+        raise refuse(path, f"must contain K and M; leave out M ({mass.name})")
     K, M, dofs = nastran.read_dmig(path)
     if not unit:
         return Raw(K, M, dofs)
@@ -255,7 +255,8 @@ def _abaqus(path: Path, mass: Path | None, unit: str | None) -> Raw:
         if K is None or M is None:
             lacks = "stiffness" if K is None else "mass"
             raise refuse(
-                path, f"holds no {lacks}; ask for *SUBSTRUCTURE MATRIX OUTPUT, STIFFNESS, MASS"
+                path,
+                f"contains no {lacks}; write it with *SUBSTRUCTURE MATRIX OUTPUT, STIFFNESS, MASS",
             )
         return Raw(K, M, dofs)
     if mass is None:
@@ -284,11 +285,11 @@ def _plain(path: Path, mass: Path | None, unit: str | None) -> Raw:
 def _number(
     raw: Raw, given: Ints | None, positions: Positions, where: str
 ) -> tuple[Ints, Positions]:
-    """Return the map of the rows and positions with numbers."""
+    """Return the map of the rows, and positions with node numbers."""
     dofs = raw.dofs if given is None else given
     nn, rows = len(positions.xyz), raw.K.shape[0]
     if dofs is None:
-        # node after node
+        # order node by node
         each = rows // nn if nn else 0
         if each not in (3, 6) or each * nn != rows:
             raise InputError(
@@ -307,7 +308,7 @@ def _number(
             raise InputError(
                 Problem(
                     where,
-                    f"the rows name {len(ids)} nodes but there are {nn} positions: give tables with"
+                    f"the rows have {len(ids)} nodes but there are {nn} positions: give tables with"
                     " the number of the node in a first column, or a mesh",
                 )
             )
@@ -316,7 +317,7 @@ def _number(
 
 
 def _plausible(matrices: Matrices, where: str, units: str) -> None:
-    """Warn if waves would travel at a speed that no material has.
+    """Warn if the speed of sound in the part is beyond that of any material.
 
     Each pair of connected nodes gives ``c = l sqrt(k/m)`` with their distance l and the mean of
     the nodal stiffness and mass; solids and beams give one to six times the speed of sound.
@@ -345,6 +346,6 @@ def _plausible(matrices: Matrices, where: str, units: str) -> None:
         return
     warn(
         where,
-        f"sound would travel at about {c:.2g} m/s through this part (steel: 5000 m/s): are its"
-        f" units {units}? Models in mm with forces in N need units='mm-t-s'",
+        f"the speed of sound in this part would be about {c:.2g} m/s (steel: 5000 m/s); its units "
+        f"are probably not {units}. Models in mm with forces in N need units='mm-t-s'",
     )

@@ -1,4 +1,4 @@
-"""Numbers out of text files, fast, and with a sentence when they are damaged."""
+"""Fast readers of numbers in text files, with messages for damaged files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jousto.base.files import check_text
 
 
 def refuse(path: Path, message: str) -> InputError:
-    """Return the error of a file."""
+    """Return the error for a file with a problem."""
     return InputError(Problem(path.name, message))
 
 
@@ -24,7 +24,7 @@ def read_text(path: Path) -> str:
     Raises
     ------
     InputError
-        If there is no such file, it is empty, or it is no text.
+        If the file does not exist, is empty, or is no text.
     """
     check_text(path)
     if not path.is_file():
@@ -43,17 +43,17 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Array:
     Parameters
     ----------
     path : Path
-        For messages.
+        File, for messages.
     text : str
     columns : int
         Numbers in a line.
     what : str
-        What a line is, for messages (``"i j value"``).
+        Format of a line, for messages (``"i j value"``).
 
     Raises
     ------
     InputError
-        With the first line that is not as it should be; the end of a file that was cut off too.
+        With the first line of another format; also for a truncated last line.
     """
     plain = _plain(text)
     with warnings.catch_warnings():
@@ -75,15 +75,15 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Array:
             if number == len(lines) - 1 and number:
                 raise refuse(
                     path,
-                    f"ends with {found!r} where {what} is expected: the file is cut off;"
-                    " write or copy it again",
+                    f"ends with {found!r} where {what} is expected: the file is truncated; write "
+                    f"or copy it again",
                 )
             raise refuse(path, f"line {number + 1} is {found!r}, {what} is expected")
     raise refuse(path, f"holds no lines of {what}")
 
 
 def _plain(text: str) -> str:
-    """Return numbers separated by blanks, with exponents E where Fortran writes D."""
+    """Return numbers separated by blanks, also with Fortran exponents D."""
     return text.replace(",", " ").replace("D", "E").replace("d", "e")
 
 
@@ -95,18 +95,18 @@ def from_triplets(
     Parameters
     ----------
     path : Path
-        For messages.
+        File, for messages.
     row, column : (m,) ndarray of int
     value : (m,) ndarray
     n : int
         Number of rows.
     symmetric : bool, optional
-        Whether one triangle is all that is written; if not given, whether that is the case.
+        Whether the file contains one triangle only; None detects it.
 
     Raises
     ------
     InputError
-        If an index lies outside.
+        If an index is out of range.
     """
     low, high = min(row.min(), column.min()), max(row.max(), column.max())
     if low < 0 or high >= n:
@@ -114,14 +114,14 @@ def from_triplets(
         raise refuse(path, f"row {bad} is outside of 1..{n}")
     matrix = as_csr(sp.coo_array((value, (row, column)), shape=(n, n)).tocsr())
     if symmetric is None:
-        # no entry has its mirror image (rows may be in another order than in the program)
+        # no entry has its mirror image (the order of rows may differ from that in the program)
         both = matrix.multiply(matrix.T).tocsr()
         symmetric = bool(both.nnz == np.count_nonzero(matrix.diagonal()))
     return mirrored(matrix) if symmetric else matrix
 
 
 def mirrored(matrix: Sparse) -> Sparse:
-    """Return the full matrix of one triangle with its diagonal."""
+    """Return the full matrix from one triangle with its diagonal."""
     return as_csr(matrix + matrix.T - diagonal(matrix.diagonal()))
 
 

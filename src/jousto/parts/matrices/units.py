@@ -14,7 +14,7 @@ POUND_FORCE = 0.45359237 * 9.80665
 MASSES = {"kg": 1.0, "t": 1e3, "g": 1e-3, "slug": POUND_FORCE / 0.3048, "lb": 0.45359237}
 TIMES = {"s": 1.0, "ms": 1e-3}
 SYSTEMS = ("SI", "mm-t-s", "mm-kg-s", "mm-kg-ms", "in-lbf-s", "ft-lbf-s")
-"""The systems that people use; any length-mass-time of known units is understood."""
+"""Common systems of units; any length-mass-time of known units is accepted."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +45,13 @@ class Units:
     def read(cls, text: str) -> Units:
         """Return the system of a name such as ``"SI"``, ``"mm-t-s"`` or ``"in-lbf-s"``.
 
-        With ``lbf`` in the middle pounds are forces, and the mass is that which one pound
-        accelerates by one unit of length per s^2.
+        With ``lbf`` in the middle, pounds are forces; the unit of mass is accelerated by one
+        pound-force by one unit of length per s^2.
 
         Raises
         ------
         InputError
-            If the name is not known.
+            If the name is unknown.
         """
         words = ("m-kg-s" if text == "SI" else str(text)).split("-")
         if len(words) == 3 and words[0] in LENGTHS and words[2] in TIMES:
@@ -75,7 +75,7 @@ class Units:
         return self.mass * self.length / self.time**2
 
     def factors(self, components: Ints) -> tuple[Array, float, float]:
-        """Return what makes matrices SI: ``M = m s M s``, ``K = k s K s``.
+        """Return s and k of the conversion to SI: ``M = m s M s``, ``K = k s K s``.
 
         Parameters
         ----------

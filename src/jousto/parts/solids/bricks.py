@@ -1,11 +1,12 @@
-"""Bricks of eight nodes whose strain is not that of their displacements at each point.
+"""Bricks of eight nodes whose strain is not simply that of their displacements.
 
 ``bbar``: the change of volume is its mean over the element (T. J. R. Hughes, *The Finite Element
 Method* (1987), section 4.5.2). ``incompatible``: three functions ``1 - xi_d^2`` in each direction,
-nine unknowns that are condensed in the element (R. L. Taylor, P. J. Beresford and E. L. Wilson,
+with nine unknowns that are eliminated in the element (R. L. Taylor, P. J. Beresford and E. L.
+Wilson,
 *Int. J. Num. Meth. Eng.* 10 (1976) 1211-1219; their derivatives are those of the centre times
 ``det J_0 / det J``, so that they do no work on a constant stress). ``reduced``: the mean strain and
-a small stiffness against the four shapes that it does not feel (D. P. Flanagan and T. Belytschko,
+a small stiffness against the four hourglass shapes (D. P. Flanagan and T. Belytschko,
 *Int. J. Num. Meth. Eng.* 17 (1981) 679-706).
 """
 
@@ -19,17 +20,17 @@ from jousto.base.arrays import Array
 from jousto.mesh.reference import gradients, places, table
 
 SPECIAL = ("bbar", "incompatible", "reduced")
-"""Formulations of the kind ``hexahedron`` that are made here."""
+"""Formulations of the kind ``hexahedron`` that this file contains."""
 
 HOURGLASS = 0.0005
-"""Stiffness against hourglass shapes, share of ``E V sum (dN/dx)^2``, that of CalculiX."""
+"""Hourglass stiffness / ``E V sum (dN/dx)^2``, as in CalculiX."""
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """What bricks feel of the displacements of their nodes at the points of their rule.
+    """Kinematics of bricks: gradient and strain from displacements at integration points.
 
     Attributes
     ----------
@@ -38,7 +39,7 @@ class Kinematics:
     strain : (ne, nq, 6, 24) ndarray
         ``[e11 e22 e33 g12 g23 g13]``; not always the symmetric part of the gradient.
     volume : (ne, nq) ndarray
-        Of the points, m^3.
+        Volume of the points, m^3.
     mean : bool
         Whether the change of volume is its mean over the element.
     """
@@ -50,7 +51,7 @@ class Kinematics:
 
 
 def is_special(kind: str, formulation: str) -> bool:
-    """Whether elements are formulated here and not by `table` alone."""
+    """Return whether elements are formulated in this file, not by `table` only."""
     return kind == "hexahedron" and formulation in SPECIAL
 
 
@@ -81,12 +82,14 @@ def kinematics(formulation: str, x: Array, C: Array) -> Kinematics:
     CB = volume[:, :, None, None] * (C @ Bi)
     Kii = np.einsum("eqca,eqcb->eab", CB, Bi, optimize=True)
     Kiu = np.einsum("eqca,eqcb->eab", CB, B, optimize=True)
-    inside = -np.linalg.solve(Kii, Kiu)[:, None]  # the nine unknowns from the 24 of the nodes
+    inside = -np.linalg.solve(Kii, Kiu)[
+        :, None
+    ]  # the nine eliminated unknowns from the 24 displacements of the nodes
     return Kinematics(L + inner @ inside[:, :, None], B + Bi @ inside, volume)
 
 
 def mean_volume_change(e: Array, volume: Array) -> Array:
-    """Return strains (ne, nq, 6, n) whose trace is its mean over the element."""
+    """Return strains (ne, nq, 6, n) whose trace is replaced by its mean over the element."""
     trace = e[:, :, :3].sum(axis=2, keepdims=True)
     mean = np.einsum("eq,eqcn->ecn", volume, trace) / volume.sum(axis=1)[:, None, None]
     out = e.copy()
@@ -138,10 +141,10 @@ def _incompatible(x: Array, detJ: Array) -> Array:
 
 
 def _hourglass(x: Array, k: Kinematics, C: Array) -> Array:
-    """Return the stiffness (ne, 8, 8) in N/m against hourglass shapes, one for each direction.
+    """Return the hourglass stiffness (ne, 8, 8) in N/m of one direction.
 
     ``c sum_s gamma_s gamma_s^T``, with ``gamma_s = h_s - G^T x^T h_s`` orthogonal to all linear
-    fields. E of anisotropic elasticity is that of Voigt's averages of K and G.
+    fields. For anisotropic elasticity E follows from the Voigt averages of K and G.
     """
     r, s, t = (2.0 * places("hexahedron") - 1.0).T
     h = np.stack([s * t, t * r, r * s, r * s * t], axis=1)  # (8, 4)

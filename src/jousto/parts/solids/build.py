@@ -1,4 +1,4 @@
-"""From a mesh and materials to a part of solids: checks, assembly, masses."""
+"""Parts of solids from a mesh and materials: checks, assembly, masses."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ SAID_ELSEWHERE = (
     *("empty", "unsupported", "collapsed", "jacobian"),
     *("sliver", "free nodes", "unused nodes", "empty set"),
 )
-"""Findings of a mesh that are said when a part is made of it, or by its certificate."""
+"""Findings of a mesh that are reported when a part is built from it, or by its certificate."""
 LIKELY_FACTOR = (0.8, 1.25)
-"""Mass scaling beyond these is more likely a mistake than a casting tolerance."""
+"""Limits of mass scaling: outside, a mistake is more probable than a casting tolerance."""
 
 
 def solid_fields(
@@ -45,7 +45,7 @@ def solid_fields(
     point_masses: PointMass | Sequence[PointMass],
     weighed_mass: float | None,
 ) -> dict[str, Any]:
-    """Return the fields of a part of solids, all but its name and interfaces."""
+    """Return the fields of a part of solids, except its name and interfaces."""
     given: object = mesh
     if not isinstance(given, Mesh):
         message = f"mesh is {given!r}, must be a Mesh, such as that of read_mesh or mesh_cad"
@@ -74,7 +74,7 @@ def solid_fields(
         model, point_masses, known, lumped=lumped, weighed_mass=weighed_mass, where=where
     )
     K = model.stiffness()
-    model = replace(model)  # forgets where the entries of the matrices came from
+    model = replace(model)  # a copy without the cached positions of matrix entries
     return {
         "nodes": model.nodes,
         "elements": new[np.asarray(mesh.triangles)],
@@ -99,8 +99,8 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
     Raises
     ------
     InputError
-        With everything that is wrong: no solid elements, sets that do not exist, elements without
-        or with two materials, elements that are turned inside out.
+        With all problems: no solid elements, sets that do not exist, elements without
+        or with two materials, elements with negative volume.
     """
     problems = Problems()
     cells = [c for c in mesh.cells if c.kind in KINDS]
@@ -146,10 +146,11 @@ def solid_model(mesh: Mesh, materials: Any, where: str) -> tuple[SolidModel, Int
 
 
 def judge(mesh: Mesh) -> None:
-    """Raise what forbids a part to be made of a mesh, and warn of what is doubtful.
+    """Raise InputError with errors of a mesh, and warn about doubtful findings.
 
-    A wrong unit, pieces that do not hang together, elements inside out or exported twice: what
-    :meth:`Mesh.check` finds. Pieces are a doubt only: a rigid interface may join them.
+    The findings are those of :meth:`Mesh.check`: a wrong unit, disconnected pieces, elements of
+    negative volume or exported twice. Disconnected pieces cause a warning only, since a rigid
+    interface may join them.
 
     Raises
     ------
@@ -159,7 +160,7 @@ def judge(mesh: Mesh) -> None:
     Warns
     -----
     JoustoWarning
-        With each doubt.
+        With each doubtful finding.
     """
     require(mesh, tolerate=("pieces",), silent=SAID_ELSEWHERE)
 
@@ -167,7 +168,7 @@ def judge(mesh: Mesh) -> None:
 def _materials(
     problems: Problems, where: str, mesh: Mesh, cells: Sequence[Cells], given: Any
 ) -> tuple[tuple[str, ...], tuple[AnyMaterial, ...], Ints]:
-    """Return names, materials and, for each element, the index of its material."""
+    """Return names, materials and the index of the material of each element."""
     ne = sum(len(c.nodes) for c in cells)
     if isinstance(given, (Material, Orthotropic)):
         _check_material(problems, where, given)
@@ -226,8 +227,8 @@ def _check_material(problems: Problems, where: str, material: AnyMaterial) -> No
     if isinstance(material, Material) and material.nu > 0.495:
         problems.add(
             where,
-            f"Poisson's ratio of material '{material.name}' is {material.nu:g}: solids lock above"
-            " 0.495; take 0.49",
+            f"Poisson's ratio of material '{material.name}' is {material.nu:g}: solids lock above "
+            f"0.495; use 0.49",
         )
     if material.rho == 0.0:
         problems.add(
@@ -236,11 +237,11 @@ def _check_material(problems: Problems, where: str, material: AnyMaterial) -> No
 
 
 def _check_volumes(problems: Problems, where: str, model: SolidModel) -> None:
-    """Note elements that are turned inside out or flat."""
+    """Report elements of negative or zero volume."""
     bad: list[str] = []
     for group in model.groups:
         x = model.nodes[group.nodes]
-        # a relative measure: the least ratio of volumes against the element's mean size
+        # relative measure: smallest volume ratio / mean size of the element
         least = np.full(len(group), np.inf)
         for purpose in ("stiffness", "mass"):
             t = table(group.kind, purpose)
@@ -253,8 +254,8 @@ def _check_volumes(problems: Problems, where: str, model: SolidModel) -> None:
     if bad:
         problems.add(
             where,
-            f"{count(len(bad), 'element')} turned inside out, folded or flat: element {some(bad)};"
-            " repair the mesh there (mesh.check() says more)",
+            f"{count(len(bad), 'element')} of negative or zero volume: element {some(bad)}; "
+            f"repair the mesh there (mesh.check() has details)",
         )
 
 
@@ -267,9 +268,10 @@ def solid_masses(
     weighed_mass: float | None,
     where: str,
 ) -> tuple[SolidModel, Sparse, MassPoints | None, MassPoints | None]:
-    """Return the model with its scaled density, M, all mass as points, and attached points.
+    """Return the model with scaled density, M, all mass as points, and attached points.
 
-    All mass as points only if it is lumped; the points attached to a consistent mass otherwise.
+    The mass as points is that of a lumped mass, else None; attached points are those added to a
+    consistent mass.
     """
     problems = Problems()
     masses = problems.several(where, "point_masses", point_masses, PointMass)

@@ -1,4 +1,4 @@
-"""Stress at the nodes of outer faces: the strain of the face itself and the traction across it."""
+"""Stress at the nodes of outer faces, from the strain of the face and the traction on it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jousto.parts.solids.bricks import PAIRS
 from jousto.parts.solids.model import VOIGT, SolidModel
 
 QUADRATIC = (6, 8)
-"""Numbers of nodes of faces that know their strain better than their element."""
+"""Numbers of nodes of faces whose own strain is more accurate than that of the element."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +23,11 @@ class FaceStress:
 
     Attributes
     ----------
-    at : (m,) ndarray of int
-        The sites.
+    at : (m,) ndarray of int Indices of the sites.
     D : (6 m, ndof) sparse array
-        From displacements: stress of the strain in the face's plane without traction, Pa/m.
+        From displacements to the stress of the in-plane strain without traction, Pa/m.
     R : (m, 6, 6) ndarray
-        From stress: what keeps the traction ``t = s n`` and strains nothing in the plane.
+        From stress to the stress with the same traction ``t = s n`` and no in-plane strain.
     """
 
     at: Ints
@@ -36,18 +35,18 @@ class FaceStress:
     R: Array
 
     def correct(self, s: Array, d: Array) -> None:
-        """Replace stress (ns, 6, n) at the sites, given displacements (ndof, n)."""
+        """Replace stress (ns, 6, n) at the sites by that of faces, displacements (ndof, n)."""
         tangential = times(self.D, d).reshape(len(self.at), 6, d.shape[1])
         s[self.at] = tangential + self.R @ s[self.at]
 
 
 def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
-    """Return the stress at the sites that lie on quadratic outer faces.
+    """Return the stress at the sites on quadratic outer faces.
 
-    The strain in the plane of a face is that of the face at its own nodes, where it is more
-    accurate than what is continued from inside the element; the traction across the face is
-    that of the stress continued from inside, whatever acts there. The mean over the faces of
-    one material around a node is its stress. A linear field stays what it is.
+    The in-plane strain is that of the face at its nodes, which is more accurate than the strain
+    extrapolated from inside the element; the traction is that of the stress extrapolated from
+    inside. The stress of a node is the mean over the faces of one material around it. Linear fields
+    are reproduced exactly.
 
     Parameters
     ----------
@@ -86,10 +85,10 @@ def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
 
 
 def face_operators(C: Array, nodes: Array, faces: Ints) -> tuple[Array, Array]:
-    """Return the stress at the nodes of faces from their displacements and from the traction.
+    """Return operators of the stress at the nodes of faces, from displacements and traction.
 
     With ``T s = s n``, ``A = T C T^T`` and the strain e of the face's plane,
-    ``s = (C - C T^T A^-1 T C) e + C T^T A^-1 t`` has that strain in the plane, and ``s n = t``.
+    ``s = (C - C T^T A^-1 T C) e + C T^T A^-1 t`` has the in-plane strain e, and ``s n = t``.
 
     Parameters
     ----------
@@ -103,9 +102,9 @@ def face_operators(C: Array, nodes: Array, faces: Ints) -> tuple[Array, Array]:
     Returns
     -------
     D : (nf, k, 6, 3 k) ndarray
-        From the displacements of the face's nodes, t = 0, in Pa/m.
+        From displacements of the nodes of the face, with t = 0, Pa/m.
     R : (nf, k, 6, 6) ndarray
-        From a stress whose traction t is, e = 0.
+        From a stress with the traction t, with e = 0.
     """
     k = faces.shape[1]
     B, n = face_node_tangents(nodes, faces)  # (f, k nodes, 3, k), (f, k nodes, 3)

@@ -1,4 +1,4 @@
-"""A mesh with its materials, which a part is made of."""
+"""A mesh with its materials as input of a part."""
 
 from __future__ import annotations
 
@@ -13,45 +13,44 @@ from jousto.parts.solids.build import solid_fields
 
 
 class MeshSolid(PartForm):
-    """A part of solid elements from a mesh.
+    """Part of solid elements from a mesh.
 
     Nodes keep the order of the mesh; nodes that no solid element uses are left out with a
-    warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for
-    straight elements, the mass for curved ones, too, unless the types of the elements in their
-    file say otherwise, such as Abaqus's ``C3D8I``. Take quadratic elements (``tetra10``,
-    ``hexahedron20``, ``wedge15``): linear ones are far too stiff in bending.
+    warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for straight
+    elements, M also for curved ones, unless the file has element types of another formulation, such
+    as ``C3D8I`` of Abaqus. Use quadratic elements (``tetra10``, ``hexahedron20``, ``wedge15``):
+    linear ones are far too stiff in bending.
 
     Raises
     ------
     InputError
-        With everything that is wrong: no solid elements, unknown sets, elements without a
-        material or turned inside out, point masses that cannot be held, errors that
-        :meth:`Mesh.check` finds.
+        With all problems: no solid elements, unknown sets, elements without a material or of
+        negative volume, point masses that cannot be attached, errors that :meth:`Mesh.check` finds.
 
     Warns
     -----
     JoustoWarning
-        If nodes belong to no solid element, the weighed mass is far from the model's, or the
-        mesh is doubtful: its size suggests another unit, it falls into pieces, nodes coincide.
+        If nodes belong to no solid element, the weighed mass is far from the model's, or the mesh
+        is doubtful: its size suggests another unit, it has disconnected pieces, or nodes coincide.
     """
 
     mesh: AnyField = field(
-        "With ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` elements", noun="Mesh"
+        "Mesh with ``tetra tetra10 hexahedron hexahedron20 wedge wedge15`` elements", noun="Mesh"
     )
     materials: AnyField = field(
-        "One for all elements, or one for each element set (or each material named in the file)",
+        "Material of all elements, or one per element set (or per material name of the file)",
         noun="Material, Orthotropic or {str: Material or Orthotropic}",
     )
     formulation: Choice = field(
-        "Of all elements that have it, in place of the one in the mesh (``own``); see "
+        "Formulation of all elements that support it; ``own`` for that of the mesh; see "
         ":class:`Cells`",
         words=("own", "full", "reduced", "incompatible", "bbar"),
         default="own",
         kw_only=True,
     )
     lumped: Flag = field(
-        "Mass on the nodes instead of the consistent mass: shares of each element's mass like the "
-        "diagonal of its consistent matrix",
+        "Whether the mass is lumped at the nodes (in proportion to the diagonal of the "
+        "consistent element matrix), instead of consistent",
         default=False,
         kw_only=True,
     )
@@ -63,7 +62,7 @@ class MeshSolid(PartForm):
         kw_only=True,
     )
     weighed_mass: OptionalPositive = field(
-        "Mass of the real part with its point masses: densities are scaled to meet it",
+        "Mass of the real part with its point masses: densities are scaled to this mass",
         unit="kg",
         default=None,
         kw_only=True,
@@ -76,17 +75,17 @@ class MeshSolid(PartForm):
         kw_only=True,
     )
     name: OptionalText = field(
-        "That of the mesh if not given", file=False, default=None, kw_only=True
+        "Name of the part; None for the name of the mesh", file=False, default=None, kw_only=True
     )
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages, with the name of the mesh where none is given."""
+        """Return the prefix of messages, with the name of the mesh for a part without a name."""
         if vars(self)["name"] is None:
             set_fields(self, name=str(getattr(self.mesh, "name", "solid")))
         return f"part '{self.name}'"
 
     def _formulated(self) -> Any:
-        """Return the mesh with the formulation that is wanted."""
+        """Return the mesh with the requested formulation."""
         given: Any = self.mesh
         if self.formulation == "own" or not isinstance(given, Mesh):
             return given

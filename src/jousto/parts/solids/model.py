@@ -1,4 +1,4 @@
-"""The solid elements of a part as arrays, and the matrices that they make."""
+"""Solid elements of a part as arrays, and their matrices."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jousto.mesh.reference import gradients, jacobians, table
 from jousto.parts.solids.bricks import brick_stiffness, is_special
 
 BLOCK_BYTES = 48 << 20
-"""Memory of one block of elements while they are assembled."""
+"""Memory of one block of elements during assembly, bytes."""
 
 VOIGT = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-"""Place of ``s_ij`` in ``[s11 s22 s33 s12 s23 s13]``."""
+"""Index of ``s_ij`` in ``[s11 s22 s33 s12 s23 s13]``."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SolidGroup:
-    """Elements of one kind and one material; a trusted noun.
+    """Elements of one kind and one material; its builder checks the data.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class SolidGroup:
     material : int
         Index into the materials of the model.
     formulation : str
-        How the stiffness is made, see :class:`Cells`.
+        Formulation of the stiffness, see :class:`Cells`.
     """
 
     kind: str
@@ -55,7 +55,7 @@ class SolidGroup:
 @described
 @dataclass(frozen=True, eq=False)
 class SolidModel:
-    """The solid elements of a part; a trusted noun, checked where it is built.
+    """Solid elements of a part; its builder checks the data.
 
     Attributes
     ----------
@@ -66,9 +66,9 @@ class SolidModel:
     groups : tuple of SolidGroup
     materials : tuple of Material or Orthotropic
     names : tuple of str
-        Of the materials; for the labels of stress where two materials meet.
+        Names of the materials, for the labels of stress sites where two materials meet.
     density_factor : float
-        By which all densities are multiplied (mass scaling by a weighed mass).
+        Factor of all densities (mass scaling by a weighed mass).
     faces : tuple of (nf, k) ndarray
         Outer faces by kind, normals outwards.
     face_materials : tuple of (nf,) ndarray
@@ -119,7 +119,7 @@ class SolidModel:
         return sp.csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape)
 
     def lumped_mass(self) -> Array:
-        """Return masses (nn,) in kg: each element's mass in shares of the diagonal of its matrix.
+        """Return lumped masses (nn,) in kg, in proportion to the diagonal of the element matrix.
 
         Hinton, Rock and Zienkiewicz, *Earthquake Engineering and Structural Dynamics* 4 (1976)
         245-249: positive for every element.
@@ -143,12 +143,12 @@ class SolidModel:
 
     @cached_property
     def _pattern(self) -> sp.csr_array:
-        """Which nodes share an element; the data are not used."""
+        """Sparsity pattern of nodes that share an element; the data are unused."""
         return self._places[0]
 
     @cached_property
     def _places(self) -> tuple[sp.csr_array, Ints]:
-        """The pattern and, for each pair of nodes of each element, its place in the pattern."""
+        """Pattern, and the position in it of each pair of nodes of each element."""
         nn = len(self.nodes)
         rows = [np.repeat(g.nodes, g.nodes.shape[1], axis=1).ravel() for g in self.groups]
         columns = [np.tile(g.nodes, (1, g.nodes.shape[1])).ravel() for g in self.groups]
@@ -157,7 +157,7 @@ class SolidModel:
         count = np.arange(len(row), dtype=np.int32)
         # sort the pairs by row and column: a counting sort, then short sorts
         order = sp.coo_matrix((count, (row, column)), shape=(nn, nn))
-        order.has_canonical_format = True  # keep what coincides apart
+        order.has_canonical_format = True  # keep duplicate entries separate
         pairs = order.tocsr()
         pairs.has_sorted_indices = False
         pairs.sort_indices()
@@ -174,12 +174,12 @@ class SolidModel:
         return sp.csr_array((np.empty(len(indices)), indices, indptr), shape=shape), place
 
     def _blocks(self, purpose: str) -> Iterator[tuple[SolidGroup, slice, Ints]]:
-        """Yield blocks of elements: their group, rows of it, places of pairs in the pattern."""
+        """Yield blocks of elements: group, rows in it, positions of pairs in the pattern."""
         at = 0
         for group in self.groups:
             ne, k = group.nodes.shape
             nq = len(table(group.kind, purpose).weights)
-            # bricks of their own formulation have dense operators at each point
+            # bricks of special formulation have dense operators at each point
             dense = 240 * nq * k if is_special(group.kind, group.formulation) else 12 * nq * k
             step = max(1, BLOCK_BYTES // (8 * (36 * k * k + dense)))
             place = self._places[1][at : at + ne * k * k].reshape(ne, k, k)
@@ -192,8 +192,8 @@ class SolidModel:
 def element_stiffness(kind: str, x: Array, C: Array, formulation: str = "full") -> Array:
     """Return element stiffness matrices as blocks of node pairs, (ne, k, k, 3, 3) in N/m.
 
-    ``K_ai,bj = C_imjn int (dN_a/dx_m) (dN_b/dx_n) dV``; bricks of eight nodes of their own
-    formulation see `bricks`.
+    ``K_ai,bj = C_imjn int (dN_a/dx_m) (dN_b/dx_n) dV``; for bricks of special formulation see
+    `bricks`.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def element_stiffness(kind: str, x: Array, C: Array, formulation: str = "full") 
     C : (6, 6) ndarray
         Elasticity in Pa, Voigt order ``[11 22 33 12 23 13]``.
     formulation : str
-        As that of a `SolidGroup`.
+        See `SolidGroup`.
     """
     if is_special(kind, formulation):
         return brick_stiffness(formulation, x, C)
@@ -228,11 +228,11 @@ def element_mass(kind: str, x: Array, rho: float) -> Array:
 
 
 def expanded(scalar: Sparse) -> Sparse:
-    """Return the mass matrix of three directions from that of one."""
+    """Return the mass matrix of three directions from that of one direction."""
     csr = sp.csr_array(scalar)
     count = np.repeat(np.diff(csr.indptr), 3)
     indptr = np.concatenate([[0], np.cumsum(count)])
-    # row 3 a + i holds the row a at the columns 3 b + i
+    # row 3 a + i contains row a at the columns 3 b + i
     row = np.repeat(np.arange(csr.shape[0]), np.diff(csr.indptr))
     place = np.arange(csr.nnz) - csr.indptr[row]
     width = np.diff(csr.indptr)[row]

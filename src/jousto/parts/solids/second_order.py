@@ -1,9 +1,9 @@
-"""Second-order displacements of solids: what geometric stiffness is made of.
+"""Second-order displacements of solids, from which geometric stiffness follows.
 
-Displacements d of the nodes are followed to the second order, ``d + 1/2 chi(d, d)``. Elastic energy
+Displacements d of the nodes are expanded to second order, ``d + 1/2 chi(d, d)``. The elastic energy
 is a function of Green's strain ``E = (grad u + grad u^T + grad u^T grad u)/2``, whose part of
-second order, with ``eta(x, y) = (grad x^T grad y + grad y^T grad x)/2``, is
-``(eps(chi) + eta(d, d))/2``.
+second order, with ``eta(x, y) = (grad x^T grad y + grad y^T grad x)/2``, is ``(eps(chi) + eta(d,
+d))/2``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ BLOCK_BYTES = 32 << 20
 @described
 @dataclass(frozen=True, eq=False)
 class SolidSecondOrder:
-    """Quadratic forms of the nodal displacements of solids; a trusted noun.
+    """Quadratic forms of the nodal displacements of solids; its builder checks the data.
 
     Attributes
     ----------
@@ -61,8 +61,8 @@ class SolidSecondOrder:
     def geometric_stiffness(self, d: Array) -> Sparse:
         """Return Kg (ndof, ndof) of the stress s of nodal displacements d (ndof,).
 
-        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x, but
-        for bricks of their own formulation.
+        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x, except
+        for bricks of special formulation.
         """
         nn = len(self.model.nodes)
         shape = (nn, nn)
@@ -86,8 +86,8 @@ class SolidSecondOrder:
     def forces(self, X: Array, j: int) -> Array:
         """Return ``int B^T C eta(x_j, x_k) dV`` (ndof, n) for the columns k of X (ndof, n).
 
-        These are the nodal forces that hold the elements against the second-order part of their
-        strain: ``K chi_jk = -forces``.
+        These nodal forces balance the second-order part of the strain of the elements: ``K chi_jk =
+        -forces``.
         """
         nn, n = len(self.model.nodes), X.shape[1]
         U = X.reshape(nn, 3, n)
@@ -114,11 +114,11 @@ class SolidSecondOrder:
         return out.reshape(3 * nn, n)
 
     def work(self, X: Array) -> Array:
-        """Return ``int g . chi dm`` (12, n, n) of the fields g that nodal chi does not tell.
+        """Return ``int g . chi dm`` (12, n, n) of the fields g for chi that is zero at the nodes.
 
-        Solids have none; masses on rigid arms and with inertia that turn with several nodes do.
-        Their mean motion is that of the nodes beyond ``theta x (theta x r)``, which a finite
-        rotation gives the nodes and which is no motion of the mass.
+        It is zero for solids, but not for masses on rigid arms or with inertia that rotate with
+        several nodes. Their mean motion is that of the nodes minus ``theta x (theta x r)``, the
+        second-order displacement of the nodes in a finite rotation, which does not move the mass.
         """
         n = X.shape[1]
         p = self.attached
@@ -163,7 +163,7 @@ class SolidSecondOrder:
                 yield group, nodes, G, detJ * t.weights
 
     def _bricks(self, n: int) -> Iterator[tuple[Ints, Kinematics, Array]]:
-        """Yield blocks of bricks of their own formulation: nodes, kinematics and elasticity."""
+        """Yield blocks of bricks of special formulation: nodes, kinematics and elasticity."""
         step = max(1, BLOCK_BYTES // (8 * 8 * (5 * 216 + 30 * n)))
         for group in self.model.groups:
             if not is_special(group.kind, group.formulation):
@@ -174,7 +174,7 @@ class SolidSecondOrder:
                 yield nodes, kinematics(group.formulation, self.model.nodes[nodes], C), C
 
     def _gradient(self, G: Array, U: Array) -> Array:
-        """Return du_i/dx_m (e, q, i, m, n) of nodal displacements (e, k, 3, n)."""
+        """Return gradients du_i/dx_m (e, q, i, m, n) of nodal displacements (e, k, 3, n)."""
         ne, nq, _, k = G.shape
         n = U.shape[-1]
         D = np.matmul(G.reshape(ne, 3 * nq, k), U.reshape(ne, k, 3 * n))

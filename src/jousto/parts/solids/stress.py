@@ -1,4 +1,4 @@
-"""Stress and strain at the nodes of solids, element by element, without one explicit matrix."""
+"""Stress and strain at the nodes of solids, element by element, without an explicit matrix."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from jousto.parts.solids.faces import FaceStress, face_stress
 from jousto.parts.solids.model import VOIGT, SolidGroup, SolidModel
 
 BLOCK_BYTES = 96 << 20
-"""Memory of the strains of one block of displacement columns."""
+"""Memory of the strains of one block of displacement columns, bytes."""
 
 
 ROWS_BYTES = 32 << 20
-"""Memory of the unit displacements of one block, and of the stress they give."""
+"""Memory of the unit displacements of one block and of their stress, bytes."""
 
 
 @described
@@ -32,12 +32,11 @@ ROWS_BYTES = 32 << 20
 class SolidStress:
     """Stress or strain at nodes of solids from nodal displacements.
 
-    Strains are taken at the points of each element where they are most accurate (Barlow, *Int. J.
-    Num. Meth. Eng.* 10 (1976) 243-251), continued to its nodes by the shape functions of the
-    element of the same corners, and averaged over the elements of one material around a node. On
-    outer faces of quadratic elements the strain in the plane of the face is that of the face, and
-    only the traction across it is continued, see `face_stress`. Nodes where materials meet are one
-    site for each of them.
+    Strains are computed at the points of each element where they are most accurate (Barlow, *Int.
+    J. Num. Meth. Eng.* 10 (1976) 243-251), extrapolated to its nodes by the linear shape functions
+    of its corners, and averaged over the elements of one material around a node. On outer faces of
+    quadratic elements the in-plane strain is that of the face, and only the traction is
+    extrapolated, see `face_stress`. A node where materials meet is one site per material.
 
     Attributes
     ----------
@@ -50,8 +49,8 @@ class SolidStress:
         ``"stress"`` in Pa: ``[s11 s22 s33 s12 s23 s13]``, or ``"strain"``:
         ``[e11 e22 e33 g12 g23 g13]`` with engineering shear strains g. Part axes.
     faces : bool
-        Whether the outer faces tell the strain in their planes. False continues all of it from
-        inside, as most finite element programs do: ``replace(part.stress, faces=False)``.
+        Whether the in-plane strain on outer faces is that of the faces. False extrapolates all of
+        it from inside, as most finite element programs do: ``replace(part.stress, faces=False)``.
     """
 
     model: SolidModel
@@ -100,7 +99,10 @@ class SolidStress:
 
     @cached_property
     def compliance(self) -> Array | None:
-        """Strain from stress, (ns, 6, 6) in 1/Pa, where a material is orthotropic; else None."""
+        """Compliance (strain from stress), (ns, 6, 6) in 1/Pa, if a material is orthotropic.
+
+        Else None.
+        """
         return compliances(self.model, self.material)
 
     def evaluate(self, d: Array) -> Array:
@@ -134,7 +136,7 @@ class SolidStress:
         return out[:, :, 0] if x.ndim == 1 else out
 
     def _apply(self, laws: Sequence[Array], out: Array) -> None:
-        """Multiply (ns, 6, n) with the matrix of the material of each site."""
+        """Multiply (ns, 6, n) by the matrix of the material of each site."""
         for m, law in enumerate(laws):
             mine = slice(None) if len(laws) == 1 else self.material == m
             out[mine] = np.einsum("ij,sjk->sik", law, out[mine])
@@ -149,7 +151,7 @@ class SolidStress:
         Raises
         ------
         InputError
-            If there is no such site; the nearest name is suggested.
+            If there is no such site; the message suggests the most similar name.
         """
         if site not in self._index:
             raise InputError(Problem(self.quantity, f"no site '{site}'{suggest(site, self.sites)}"))
@@ -175,7 +177,7 @@ class SolidStress:
             If a site does not exist.
         """
         few = self.select(sites)
-        # the elements around the sites as a model of their own
+        # the elements around the sites as a separate model
         groups = [
             (group, chosen)
             for group, chosen in zip(self.model.groups, few._averages[1], strict=True)
@@ -207,7 +209,7 @@ class SolidStress:
         local = replace(few, model=around, node=np.searchsorted(used, few.node))
         n, m = 3 * len(used), 6 * len(few)
         columns = (3 * used[:, None] + np.arange(3)).ravel()
-        # some columns at a time: those of many sites would not fit, and are nearly empty
+        # block by block of columns: all columns would not fit, and are nearly empty
         step = max(1, ROWS_BYTES // (8 * (n + m)))
         found = []
         for start in range(0, n, step):
@@ -225,7 +227,7 @@ class SolidStress:
 
     @cached_property
     def numbers(self) -> Ints:
-        """Number of the site of each node in each material (n materials, nn), -1 if it has none."""
+        """Index of the site of each node in each material (n materials, nn), -1 for none."""
         site = np.full((len(self.model.materials), len(self.model.nodes)), -1, dtype=np.int64)
         site[self.material, self.node] = np.arange(len(self))
         return site
@@ -237,7 +239,7 @@ class SolidStress:
 
     @cached_property
     def _averages(self) -> tuple[Sparse, tuple[Ints, ...]]:
-        """Weights (ns, points) of the strains at the points; and the elements that have them."""
+        """Weights (ns, points) of the strains at the points; and the elements with these points."""
         site = self.numbers
         chosen, rows, columns, values, at = [], [], [], [], 0
         for group in self.model.groups:
@@ -254,7 +256,7 @@ class SolidStress:
             values.append(np.broadcast_to(E, row.shape)[keep])
             at += len(touching) * nq
         row, value = np.concatenate(rows), np.concatenate(values)
-        # weights of every element add up to one at its nodes
+        # the weights of each element add up to one at its nodes
         total = np.bincount(row, weights=value, minlength=len(self))
         value = value / total[row]
         matrix = sp.coo_array((value, (row, np.concatenate(columns))), shape=(len(self), at))
@@ -262,14 +264,14 @@ class SolidStress:
 
 
 def continuation(kind: str, formulation: str = "full") -> Array:
-    """Return the weights (k, nq) that continue values at the points of stress to the nodes."""
+    """Return the weights (k, nq) that extrapolate values at the stress points to the nodes."""
     points = table(kind, "stress", formulation).points
     corners = CORNERS[kind]
     if len(points) == 1:
         return np.ones((len(places(kind)), 1))
     at_points = shape_functions(corners, points)[0]
     at_nodes = shape_functions(corners, places(kind))[0]
-    # fewer points than corners: the smallest corner values, alike across the missing directions
+    # fewer points than corners: smallest corner values, constant in the missing directions
     square = len(points) == at_points.shape[1]
     return np.asarray(at_nodes @ (np.linalg.inv if square else np.linalg.pinv)(at_points))
 
@@ -301,20 +303,20 @@ def point_strains(model: SolidModel, group: SolidGroup, chosen: Ints, X: Array, 
 def block_strains(
     model: SolidModel, group: SolidGroup, nodes: Ints, U: Array, purpose: str, out: Array
 ) -> Array:
-    """Write the strains of elements with the same nodes (m, k) and return volumes (m, nq) in m^3.
+    """Write strains of elements with the same nodes (m, k); return volumes (m, nq) in m^3.
 
     Parameters
     ----------
     model : SolidModel
     group : SolidGroup
-        Their kind, formulation and material.
+        Kind, formulation and material of the elements.
     nodes : (m, k) ndarray of int
     U : (m, k, 3 n) ndarray
         Displacements of the nodes, direction by direction.
     purpose : {"stress", "stiffness"}
-        Whose points; see `table`.
+        Purpose of the integration points; see `table`.
     out : (m * nq, 6, n) ndarray
-        As in `point_strains`.
+        See `point_strains`.
     """
     m, k = nodes.shape
     x = model.nodes[nodes]

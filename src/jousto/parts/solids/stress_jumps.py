@@ -1,4 +1,4 @@
-"""By how much elements disagree about the stress of many shapes, so that it adds up over them."""
+"""Stress jumps between elements as quadratic forms of the amplitudes of many shapes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from jousto.mesh.reference import table
 from jousto.parts.solids.stress import SolidStress, continuation, point_strains
 
 ROWS = 6
-"""Rows that are kept of a place: what is left out of them is small beside what is kept."""
+"""Number of eigenvectors stored per site; the remaining ones contribute little."""
 BLOCK_BYTES = 64 << 20
-"""Memory of the stress that elements say at the places of a block."""
+"""Memory of the element stresses at the sites of a block, bytes."""
 
-# von Mises stress of a tensor is the length of these five numbers
+# the von Mises stress of a tensor is the length of these five numbers
 MISES = np.array(
     [
         [np.sqrt(0.75), -np.sqrt(0.75), 0, 0, 0, 0],
@@ -29,11 +29,11 @@ MISES = np.array(
 
 
 def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array:
-    """Return E (ns, r, n), with which ``|E p|`` is the estimated error of the stress of ``X p``.
+    """Return E (ns, r, n) for which ``|E p|`` is the estimated stress error of ``X p``.
 
-    It is that of `place_errors`, the root mean square of the von Mises stress of ``s_e - s*`` over
-    the elements around a place, ``p^T Q p`` with ``Q = sum A_e^T A_e / count``; of Q the r largest
-    eigenvalues are kept, at shapes of the size `size`.
+    The error is that of `place_errors`, the root mean square of the von Mises stress of ``s_e -
+    s*`` over the elements around a site, ``p^T Q p`` with ``Q = sum A_e^T A_e / count``; the r
+    largest eigenvalues of Q are stored, for shapes scaled by `size`.
 
     Parameters
     ----------
@@ -41,14 +41,14 @@ def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array
     X : (ndof, n) ndarray
         Displacements of the shapes, m.
     s : (ns, 6, n) ndarray
-        Their stress, ``stress.evaluate(X)``.
+        Stress of the shapes, ``stress.evaluate(X)``.
     size : (n,) ndarray
-        How large the shapes typically are beside one another.
+        Typical relative amplitudes of the shapes.
     """
     ns, n = len(stress), X.shape[1]
     found = np.zeros((ns, min(ROWS, n), n))
     order = np.argsort(stress.node, kind="stable")
-    # eight elements around a place, each with its points, the stress at its nodes, and Q
+    # memory of eight elements around a site: their points, the stress at their nodes, and Q
     step = max(32, BLOCK_BYTES // (8 * n * (8 * 6 * 60 + n)))
     for start in range(0, ns, step):
         chosen = order[start : start + step]
@@ -58,12 +58,12 @@ def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array
         values, vectors = np.linalg.eigh(Q)
         rows = np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2) / size
         found[chosen] = rows[:, ::-1][:, : found.shape[1]]
-    # an estimate needs no more digits, and files are shorter
+    # single precision is enough for an estimate, and files are shorter
     return np.asarray(found.astype(np.float32).astype(np.float64))
 
 
 def _squares(few: SolidStress, X: Array, s: Array) -> Array:
-    """Return Q (ns, n, n) of some places."""
+    """Return Q (ns, n, n) of some sites."""
     n, model, site = X.shape[1], few.model, few.numbers
     Q, count = np.zeros((len(few), n, n)), np.zeros(len(few))
     for group, touching in zip(model.groups, few._averages[1], strict=True):
@@ -87,7 +87,7 @@ def _squares(few: SolidStress, X: Array, s: Array) -> Array:
 
 
 def _add(Q: Array, at: Array, A: Array) -> None:
-    """Add ``A_k^T A_k`` of rows A (m, 5, n) to the places they belong to."""
+    """Add ``A_k^T A_k`` of rows A (m, 5, n) to the sites they belong to."""
     order = np.argsort(at, kind="stable")
     places, first, times = np.unique(at[order], return_index=True, return_counts=True)
     for k in np.unique(times):

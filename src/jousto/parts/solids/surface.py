@@ -1,4 +1,4 @@
-"""Stress of free surfaces of solids from the strain of their skin, as strain gauges would tell."""
+"""Stress of free surfaces of solids from their surface strain, as measured by strain gauges."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def surface_stress(
     """Return the stress of free surfaces, see `Part.surface_stress`."""
     where, problems = f"part '{part.name}'", Problems()
     if model is None:
-        problems.add(where, "has no surface: only parts of solids (Part.solid) have one")
+        problems.add(
+            where, "has no surface stress; it is defined for parts of solids (Part.solid) only"
+        )
         problems.raise_if_any()
     assert model is not None
     if on is None:
@@ -43,7 +45,7 @@ def surface_stress(
         inside[picked] = True
         chosen = [np.all(inside[face], axis=1) for face in model.faces]
     if not any(np.any(mask) for mask in chosen):
-        problems.add(where, "no outer face has all its nodes there; pick its mid nodes, too")
+        problems.add(where, "no outer face has all its nodes in the pick; pick mid-side nodes, too")
     problems.raise_if_any()
     faces = [face[mask] for face, mask in zip(model.faces, chosen, strict=True)]
     behind = [m[mask] for m, mask in zip(model.face_materials, chosen, strict=True)]
@@ -55,10 +57,10 @@ def skin_stress(
 ) -> StressOperator:
     """Return the stress at the nodes of outer faces on which no load acts.
 
-    Each face gives the strain of its own plane, ``grad_t u``, at its nodes; the rest of the strain
-    follows from ``s n = 0``: with ``A = n . C . n`` and the stress ``t = s n`` of the tangential
-    strain alone, ``s <- s - C : (A^-1 t) n``. The mean over the faces of one material around a node
-    is its stress. No value is continued from inside the body.
+    The in-plane strain at the nodes is that of the face, ``grad_t u``; the rest of the strain
+    follows from ``s n = 0``: with ``A = n . C . n`` and the traction ``t = s n`` of the in-plane
+    strain only, ``s <- s - C : (A^-1 t) n``. The stress of a node is the mean over the faces of one
+    material around it. No value is extrapolated from inside the body.
 
     Parameters
     ----------

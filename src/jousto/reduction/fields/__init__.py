@@ -1,1 +1,1 @@
-"""What a reduced part keeps beside its modes: invariants, stress modes, stiffening."""
+"""Fields of a reduced part besides its modes: invariants, stress modes, stiffening."""

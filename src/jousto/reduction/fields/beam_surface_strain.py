@@ -1,4 +1,4 @@
-"""Strain on the surface of beams anywhere along an element, from the stress at section points."""
+"""Strain on the surface of beams at any position along an element, from section points."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from jousto.base.arrays import Array
 from jousto.reduction.fields.stress import StressModes
 
 SAME = 1e-6
-"""Share of a section's size within which two points of it are the same."""
+"""Largest distance of coincident section points / size of the section."""
 _KNOWN: WeakKeyDictionary[StressModes, list[Element]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class Element:
-    """A beam element as its stress sites know it.
+    """Beam element reconstructed from its stress sites.
 
     Attributes
     ----------
     name : str
         Such as ``e3``.
     points : tuple of str
-        Names of the section points that both ends have.
+        Names of the section points at both ends.
     a, b : tuple of int
-        Their stress sites at both ends.
+        Stress sites of these points at end a and end b.
     origin : (3,) array
         Site of the first point at end a, m.
     axes : (3, 3) array
         Columns are the axes of the element, part frame.
     length : float
-        Between the ends, m.
+        Distance of the ends, m.
     yz : (m, 2) array
         Section points relative to the first one, m.
     """
@@ -55,38 +55,38 @@ class Element:
 
     @cached_property
     def box(self) -> tuple[Array, Array]:
-        """Least and largest coordinates of its section points, in its axes, m."""
+        """Smallest and largest coordinates of the section points, element axes, m."""
         low, high = self.yz.min(axis=0), self.yz.max(axis=0)
         return np.array([0.0, *low]), np.array([self.length, *high])
 
     def nearest(self, local: Array) -> Array:
-        """Return the place of the box that is nearest to a point in its axes."""
+        """Return the point of the box nearest to a point in element axes."""
         low, high = self.box
         return np.minimum(np.maximum(local, low), high)
 
     def gap(self, x: Array) -> float:
-        """Return how far a point is off the box, m."""
+        """Return the distance of a point from the box, m."""
         local = self.axes.T @ (x - self.origin)
         return math.dist(local, self.nearest(local))
 
 
 @dataclass(frozen=True, eq=False)
 class Fibre:
-    """A place on the surface of a beam.
+    """Position on the surface of a beam.
 
     Attributes
     ----------
     element : Element
     s : float
-        Share of the length from end a, 0 to 1.
+        Position along the element, 0 at end a, 1 at end b.
     shares : (m,) array
         Weights of the section points; they add up to one.
     exact : bool
-        Whether it is a named section point, where shear stress is known, too.
+        Whether the position is a named section point, where shear stress is known, too.
     x : (3,) array
         Position, part frame, m.
     distance : float
-        From the point that was asked for, m.
+        Distance from the requested point, m.
     """
 
     element: Element
@@ -97,7 +97,7 @@ class Fibre:
     distance: float
 
     def sites(self, s: float | None = None) -> dict[int, float]:
-        """Return stress sites with their weights, at the share s of the length."""
+        """Return stress sites and their weights at the relative length s."""
         at = self.s if s is None else s
         e = self.element
         out: dict[int, float] = {}
@@ -109,7 +109,7 @@ class Fibre:
 
 
 def elements(stress: StressModes) -> list[Element]:
-    """Return the beam elements whose stress sites are labelled ``e3.a.top``, ``e3.b.top``."""
+    """Return the beam elements whose stress sites have labels like ``e3.a.top``, ``e3.b.top``."""
     if stress not in _KNOWN:
         _KNOWN[stress] = _elements(stress)
     return _KNOWN[stress]
@@ -136,14 +136,14 @@ def _elements(stress: StressModes) -> list[Element]:
 
 
 def nearest_fibre(beams: list[Element], x: Array) -> Fibre:
-    """Return the place within the outline of the section points that is nearest to x (3,), m.
+    """Return the position inside the outline of section points nearest to x (3,), m.
 
     Axial stress is linear over a section, ``s11 = N/A + My z/Iy - Mz y/Iz``, so that three points
-    that are not on a line give it everywhere.
+    that are not on a line determine it everywhere.
     """
     gaps = np.array([element.gap(x) for element in beams])
     best = _on(beams[int(np.argmin(gaps))], x)
-    # an element whose box is farther away than that has no nearer place; of equals the first counts
+    # skip elements whose box is farther away; of equal distances the first counts
     near = np.flatnonzero(gaps <= best.distance * (1.0 + 1e-9) + 1e-12)
     best = _on(beams[near[0]], x)
     for i in near[1:]:
@@ -154,7 +154,7 @@ def nearest_fibre(beams: list[Element], x: Array) -> Fibre:
 
 
 def _on(element: Element, x: Array) -> Fibre:
-    """Return the place of an element that is nearest to x."""
+    """Return the position on an element nearest to x."""
     along, *yz = element.nearest(element.axes.T @ (x - element.origin))
     shares, exact = _shares(element, np.array(yz))
     foot = element.origin + element.axes @ np.array([along, *(shares @ element.yz)])
@@ -163,12 +163,12 @@ def _on(element: Element, x: Array) -> Fibre:
 
 
 def _shares(element: Element, yz: Array) -> tuple[Array, bool]:
-    """Return the weights of the section points at (y, z), and whether one of them is there."""
+    """Return the weights of the section points at (y, z), and whether (y, z) is one of them."""
     away = np.linalg.norm(element.yz - yz, axis=1)
     i = int(np.argmin(away))
     if away[i] <= SAME * max(element.size, 1e-300) or len(element.yz) == 1:
         return np.eye(len(element.yz))[i], True
-    # least norm: the weights that move least, exact for values linear over the section
+    # weights of least norm, exact for values linear over the section
     A = np.vstack([np.ones(len(element.yz)), element.yz.T / element.size])
     target = np.array([1.0, *(yz / element.size)])
     shares = np.linalg.lstsq(A, target, rcond=1e-9)[0]

@@ -1,8 +1,8 @@
-"""Inertia shape invariants: every mass integral of a modal body that its motion needs.
+"""Inertia shape invariants: all mass integrals of a modal body in its equations of motion.
 
-All of them follow from six: mass, ``int u0 dm``, ``int u0 u0^T dm``, ``int phi_j dm``,
+All invariants follow from six integrals: mass, ``int u0 dm``, ``int u0 u0^T dm``, ``int phi_j dm``,
 ``int u0 phi_j^T dm`` and ``int phi_j phi_k^T dm``; I1..I9 of Rantalainen 2007 (eqs. 3.49-3.67) are
-properties derived from these, so that they can never contradict each other.
+properties derived from these six, so that they are always consistent.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ EPS[0, 1, 2] = EPS[1, 2, 0] = EPS[2, 0, 1] = 1.0
 EPS[0, 2, 1] = EPS[2, 1, 0] = EPS[1, 0, 2] = -1.0
 
 SYMMETRY = 1e-9
-"""Largest relative asymmetry of U0 and of E[k, j] against E[j, k]^T that is taken as rounding."""
+"""Largest relative asymmetry of U0, and of E[k, j] against E[j, k]^T, that counts as rounding."""
 
 
 @described
@@ -59,7 +59,7 @@ class Invariants:
     Raises
     ------
     InputError
-        Wrong shapes, values that are not finite, no mass, or a broken symmetry.
+        If shapes are wrong, values are not finite, there is no mass, or a symmetry is violated.
     """
 
     mass: float
@@ -97,7 +97,7 @@ class Invariants:
         return int(self.I3.shape[1])
 
     def __add__(self, other: Invariants) -> Invariants:
-        """Return the invariants of two masses that move with the same modes."""
+        """Return the invariants of the sum of two masses with the same modes."""
         return Invariants(
             self.mass + other.mass,
             self.first_moment + other.first_moment,
@@ -108,7 +108,7 @@ class Invariants:
         )
 
     def keep(self, indices: NDArray[np.intp]) -> Invariants:
-        """Return the invariants of some of the modes, in the order given."""
+        """Return the invariants of selected modes, in the given order."""
         return Invariants(
             self.mass,
             self.first_moment,
@@ -119,10 +119,10 @@ class Invariants:
         )
 
     def rigid_motion(self, momentum: Array) -> Array:
-        """Return the rigid motions (6, m) that have these momenta (6, m).
+        """Return the rigid motions (6, m) with given momenta (6, m).
 
-        Translations of the origin and rotations ``[t, theta]``; ``int (t + theta x u0) dm`` and
-        ``int u0 x (t + theta x u0) dm`` are the linear and the angular momentum.
+        The motions are translations of the origin and rotations ``[t, theta]``; ``int (t + theta x
+        u0) dm`` and ``int u0 x (t + theta x u0) dm`` are the linear and the angular momentum.
         """
         first = np.einsum("abc,b->ac", EPS, self.first_moment)
         M = np.block([[self.mass * np.eye(3), first.T], [first, self.I7]])
@@ -185,13 +185,13 @@ def _tilde_tilde(outer: Array) -> Array:
 
 
 def outer(tilde_tilde: Array) -> Array:
-    """Return ``int a b^T dm`` of ``int a~^T b~ dm``, whose trace is twice that of ``a.b``."""
+    """Return ``int a b^T dm`` from ``int a~^T b~ dm``, whose trace is twice that of ``a.b``."""
     trace = 0.5 * np.trace(tilde_tilde, axis1=-2, axis2=-1)[..., None, None]
     return np.asarray(np.swapaxes(trace * np.eye(3) - tilde_tilde, -1, -2))
 
 
 def invariants_from_points(points: MassPoints, X: Array) -> Invariants:
-    """Return the invariants from mass points that carry their own second moment.
+    """Return the invariants from mass points with second moments.
 
     A particle at s in point k moves by ``phi_k + psi_k x s`` with ``phi = N d``,
     ``psi = N_rot d``; with ``G = int s s^T dm`` and ``int s dm = 0`` this gives
@@ -242,9 +242,9 @@ def invariants_from_matrix(
     ``e_a x t``) and r_a the rigid rotation about axis a, ``I8[j][a, b] = r_a^T M C_b phi_j`` and
     ``I9[j, k][a, b] = (C_a phi_j)^T M (C_b phi_k)``. This is exact for isoparametric elements,
     whose mass matrix is a scalar matrix times the identity. For beams with consistent mass it
-    converges with the square of the element length, but for the share of rotary inertia, which a
-    matrix alone does not tell. Momentum and modal mass are exact always: I3 and I4 are taken from
-    ``R^T M phi`` and ``trace E[j, k]`` is ``phi_j^T M phi_k``.
+    converges with the square of the element length, except for the rotary inertia, which cannot be
+    identified from a matrix. Momentum and modal mass are always exact: I3 and I4 follow from ``R^T
+    M phi``, and ``trace E[j, k]`` is ``phi_j^T M phi_k``.
 
     Parameters
     ----------
@@ -275,10 +275,10 @@ def invariants_from_matrix(
         I8[:, :, b] = (R[:, 3:].T @ mass_turned[b]).T
         for a in range(3):
             I9[:, :, a, b] = turned[a].T @ mass_turned[b]
-    # angular momentum decides the antisymmetric part of N0
+    # the angular momentum determines the antisymmetric part of N0
     N0 = outer(I8)
     N0 = 0.5 * (N0 + N0.transpose(0, 2, 1)) + 0.5 * np.einsum("abc,aj->jbc", EPS, momentum[3:])
-    # modal mass decides the trace of E
+    # the modal mass determines the trace of E
     E = outer(I9)
     E = 0.5 * (E + E.transpose(1, 0, 3, 2))
     modal_mass = X.T @ (M @ X)

@@ -1,4 +1,4 @@
-"""Residual stress: what the kept modes leave out of the static response to loads and inertia."""
+"""Residual stress: the part of the static response to loads and inertia outside of the modes."""
 
 from __future__ import annotations
 
@@ -33,21 +33,22 @@ CENTRIFUGAL = tuple(f"centrifugal {AXES[a]}{AXES[b]}" for a, b in PRODUCTS)
 
 @dataclass(frozen=True, eq=False)
 class ResidualStress:
-    """Stress that the modes leave out, for unit loads, by the method of mode acceleration.
+    """Stress outside of the modes, for unit loads, by the method of mode acceleration.
 
-    ``u = Phi p + [K^+ - Phi W^-2 Phi^T] F``: F are all loads with the inertia of the motion.
+    ``u = Phi p + [K^+ - Phi W^-2 Phi^T] F``: F are all loads including the inertia forces of the
+    motion.
 
     Parameters
     ----------
     names : tuple of str
-        What each column is the response to: "acceleration x" .. "z" of the origin less gravity, per
+        Load of each column: "acceleration x" .. "z" of the origin minus gravity, per
         m/s2, "angular acceleration x" .. "z" per rad/s2, "centrifugal xx" .. "xz" per rad2/s2 of
         ``w_x w_x`` .. ``w_x w_z``, all in the body frame; "mode 1" .. per unit of p''; then the
         named loads.
     columns : (ns, 6, m) array
         Pa.
     static : (n, m) array
-        What the modes hold of each response, ``W^-2 Phi^T F``.
+        Part of each response that the modes contain, ``W^-2 Phi^T F``.
     """
 
     names: tuple[str, ...]
@@ -56,16 +57,16 @@ class ResidualStress:
 
     @property
     def loads(self) -> tuple[str, ...]:
-        """Names of the loads that are not inertia."""
+        """Names of the loads that are not inertia forces."""
         return self.names[len(ACCELERATIONS) + len(CENTRIFUGAL) + len(self.static) :]
 
     def keep(self, modes: NDArray[np.intp], stress: Array) -> ResidualStress:
-        """Return what fewer modes leave out.
+        """Return the residual stress for fewer modes.
 
         Parameters
         ----------
         modes : (k,) int array
-            Modes that stay, in their order.
+            Indices of the remaining modes.
         stress : (ns, 6, n) array
             Stress of all modes.
         """
@@ -81,12 +82,12 @@ class ResidualStress:
 
 
 def read_loads(part: Part, given: Any) -> dict[str, Array] | None:
-    """Return the named loads of ``residual_stress=``, None if there is to be none.
+    """Return the named loads of ``residual_stress=``; None for no residual stress.
 
     Raises
     ------
     InputError
-        Everything that is wrong with them.
+        With all problems of the loads.
     """
     if given is False or given is None:
         return None
@@ -118,8 +119,8 @@ def residual_stress(
 ) -> ResidualStress:
     """Return the residual stress of a reduction.
 
-    Accelerations and named loads are balanced by loads on the interfaces: what the joints do. A
-    reduction without interfaces balances them by its own inertia.
+    Accelerations and named loads are balanced by loads on the interfaces, the reactions of the
+    joints. In a reduction without interfaces they are balanced by inertia forces.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def residual_stress(
     stiffness : (n,) array
         ``omega^2``.
     interfaces : tuple of str
-        Where joints hold the part.
+        Interfaces where joints support the part.
     rigid : RigidBasis
     loads : dict
         Named nodal loads (ndof,).
@@ -138,7 +139,7 @@ def residual_stress(
     Raises
     ------
     InputError
-        If the interfaces together cannot hold the part.
+        If the interfaces together do not stop all rigid motions of the part.
     """
     assert part.stress is not None
     M, K, R = sp.csr_array(part.M), sp.csr_array(part.K), part.rigid_modes()
@@ -159,10 +160,11 @@ def residual_stress(
         balance, _, rank, _ = np.linalg.lstsq(held, -((R / size).T @ F), rcond=None)
         if rank < 6:
             message = (
-                "its interfaces cannot hold it: residual stress needs one that stops all motion"
+                "its interfaces do not stop all rigid motions, which residual stress needs; use"
+                " residual_stress=False"
             )
             raise InputError(Problem(f"part '{part.name}'", message))
-        balance[:, 12 : 12 + n] = 0.0  # in balance already
+        balance[:, 12 : 12 + n] = 0.0  # already balanced
         F = F + L @ balance
     F = F - rigid.MR @ (rigid.R.T @ F)
     basis = whole_part_basis(part, K, run)

@@ -1,4 +1,4 @@
-"""Strain of the surface of solids under the grid of a strain gauge, from displacements alone."""
+"""Surface strain of solids under the grid of a strain gauge, from displacements only."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from jousto.base.arrays import Array, Index
 from jousto.mesh.reference import FACES, places, shape_functions
 
 STEPS = 16
-"""Pieces into which a grid is cut along its length."""
+"""Number of pieces of a grid along its length."""
 
 LINES = 5
-"""Lines across the width of a grid (Gauss-Legendre, exact to the ninth degree)."""
+"""Number of lines over the width of a grid (Gauss-Legendre, exact to degree 9)."""
 
 SLACK = 0.25
-"""Share of a piece by which a grid may leave the surface."""
+"""Largest distance of a grid from the surface / length of a piece."""
 
 INWARD = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Foot:
-    """The point of a surface that is nearest to a point of space.
+    """Point of a surface nearest to a point of space.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Foot:
     G : (3, k) array
         Their derivatives along x, y and z within the tangent plane, 1/m.
     distance : float
-        From the point to its foot, m.
+        Distance from the point to its foot, m.
     """
 
     x: Array
@@ -52,26 +52,26 @@ class Foot:
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """A number that is linear in nodal displacements: ``sum_a w_a . u_a``.
+    """Linear functional of nodal displacements: ``sum_a w_a . u_a``.
 
     Attributes
     ----------
     nodes : (m,) int array
         Nodes, each once, ascending.
     values : (m, 3) array
-        Weights w of their displacements; those of a strain in 1/m.
+        Weights w of the displacements of these nodes; 1/m for a strain.
     """
 
     nodes: Index
     values: Array
 
     def __call__(self, u: Array) -> Array:
-        """Return the number of displacements u (nn, 3) or the numbers (n,) of modes (nn, 3, n)."""
+        """Return the value for displacements u (nn, 3), or the values (n,) for modes (nn, 3, n)."""
         return np.asarray(np.tensordot(self.values, u[self.nodes], axes=([0, 1], [0, 1])))
 
     @classmethod
     def gather(cls, nodes: Sequence[Index], values: Sequence[Array]) -> Weights:
-        """Return the sum of several."""
+        """Return the sum of several functionals."""
         every, place = np.unique(np.concatenate(nodes), return_inverse=True)
         total = np.zeros((len(every), 3))
         np.add.at(total, place, np.concatenate(values))
@@ -79,12 +79,12 @@ class Weights:
 
 
 class LeavesSurface(Exception):
-    """A grid reaches beyond the surface or around a sharp edge.
+    """Error of a grid that extends beyond the surface or around a sharp edge.
 
     Attributes
     ----------
     reach : float
-        How far from the middle of the grid it does, m.
+        Distance from the middle of the grid to that point, m.
     """
 
     def __init__(self, reach: float) -> None:
@@ -129,7 +129,7 @@ class Skin:
         return Skin(self.nodes, near)
 
     def foot(self, x: Array) -> Foot:
-        """Return the point of the surface that is nearest to x (3,)."""
+        """Return the point of the surface nearest to x (3,)."""
         best: tuple[float, int, int, Array] | None = None
         for block, (middle, radius) in enumerate(zip(self._middle, self._radius, strict=True)):
             away = np.linalg.norm(middle - x, axis=1)
@@ -140,7 +140,7 @@ class Skin:
             if not len(rows):
                 continue
             xi, distance = _nearest(self.nodes[self.faces[block][rows]], x)
-            # of faces that are equally near the first counts: the same in every run
+            # of faces at equal distance the first counts: the same result in every run
             i = int(np.argmax(distance <= distance.min() * (1.0 + 1e-9) + 1e-15))
             if best is None or distance[i] < best[0]:
                 best = (float(distance[i]), block, int(rows[i]), xi[i])
@@ -148,7 +148,7 @@ class Skin:
         return self._foot(best[1], best[2], best[3], best[0])
 
     def feet(self, x: Array) -> list[Foot]:
-        """Return the nearest point once for every face that meets there."""
+        """Return the nearest point once per face that contains it."""
         nearest = self.foot(x)
         found = []
         for block, (middle, radius) in enumerate(zip(self._middle, self._radius, strict=True)):
@@ -175,14 +175,14 @@ class Skin:
 
 
 def point_strain(feet: Sequence[Foot], t: Array) -> Weights:
-    """Return the strain ``t . grad u t`` at a point, the mean over the faces that meet there.
+    """Return the strain ``t . grad u t`` at a point, the mean over the faces at the point.
 
     Parameters
     ----------
     feet : sequence of Foot
         See `Skin.feet`.
     t : (3,) array
-        Unit direction; its component in each face's plane counts.
+        Unit direction; its component in the plane of each face is used.
     """
     values = []
     for foot in feet:
@@ -194,9 +194,9 @@ def point_strain(feet: Sequence[Foot], t: Array) -> Weights:
 def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) -> Weights:
     """Return the mean strain under a grid, its elongation over its length.
 
-    ``sum_k c_k . (u_k+1 - u_k) / sum_k |dx_k|`` along the unit chords c_k of a path on the surface:
-    on a plane face the difference of the displacements of both ends, exact for the finite element
-    field whatever elements lie between. The mean over `LINES` lines is that over the width.
+    ``sum_k c_k . (u_k+1 - u_k) / sum_k |dx_k|`` along the unit chords c_k of a path on the surface.
+    On a plane face this is the difference of the displacements of both ends / length, exact for the
+    finite element field. The mean over the width uses `LINES` lines.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) 
     Raises
     ------
     LeavesSurface
-        The grid reaches beyond the surface or around a sharp edge.
+        If the grid extends beyond the surface or around a sharp edge.
     """
     near = skin.around(start.x, 0.75 * (length + width))
     gauss, share = np.polynomial.legendre.leggauss(LINES)
@@ -232,7 +232,7 @@ def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) 
         chords = np.diff([foot.x for foot in path], axis=0)
         size = np.linalg.norm(chords, axis=1)
         c = chords / size[:, None]
-        # u_k stands at the end of chord k-1 and at the start of chord k
+        # u_k belongs to the end of chord k-1 and to the start of chord k
         factor = np.zeros((len(path), 3))
         factor[1:] += c
         factor[:-1] -= c
@@ -244,13 +244,13 @@ def grid_strain(skin: Skin, start: Foot, t: Array, length: float, width: float) 
 
 
 def tangent(t: Array, normal: Array) -> Array:
-    """Return the unit vector along the projection of t to the plane with a unit normal."""
+    """Return the unit vector along the projection of t onto the plane with a unit normal."""
     s = t - (t @ normal) * normal
     return np.asarray(s / np.linalg.norm(s))
 
 
 def _walk(skin: Skin, start: Foot, t: Array, length: float, pieces: int) -> list[Foot]:
-    """Return the points of a straightest path on the surface, the start left out."""
+    """Return the points of a straightest path on the surface, without the start."""
     step = length / pieces
     out, here, along = [], start, t
     for k in range(pieces):
@@ -265,9 +265,9 @@ def _walk(skin: Skin, start: Foot, t: Array, length: float, pieces: int) -> list
 
 
 def _nearest(x: Array, point: Array) -> tuple[Array, Array]:
-    """Return the reference coordinates (m, 2) nearest to a point on faces x (m, k, 3).
+    """Return the reference coordinates (m, 2) on faces x (m, k, 3) nearest to a point.
 
-    Gauss-Newton steps kept inside the face; and the distances (m,).
+    Gauss-Newton steps restricted to the face; the distances (m,) are returned, too.
     """
     kind = FACES[x.shape[1]][0]
     corners = 3 if kind.startswith("triangle") else 4
@@ -298,7 +298,7 @@ def _inside(xi: Array, corners: int) -> Array:
     beyond = over > 0.0
     xi = xi - over[:, None]
     clipped = np.maximum(xi, 0.0)
-    # on the slanted side a point pushed over a corner stays at the corner
+    # on the hypotenuse, points beyond a corner are moved to the corner
     total = clipped.sum(axis=1)
     scale = np.where(beyond & (total > 1.0), 1.0 / np.where(total > 0.0, total, 1.0), 1.0)
     return np.asarray(clipped * scale[:, None])

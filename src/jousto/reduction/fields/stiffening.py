@@ -1,7 +1,8 @@
-"""Geometric stiffening: the second-order displacement field of a modal body.
+"""Geometric stiffening: second-order displacement field of a modal body.
 
-``u = u0 + Phi p + 1/2 chi(p, p)``: a beam that bends draws its ends together, and a force along it
-works on that. With chi the forces of a fast spin and of joints stiffen (or soften) the body.
+``u = u0 + Phi p + 1/2 chi(p, p)``: the ends of a bent beam move towards each other, and an axial
+force does work on this displacement. By chi the centrifugal forces and joint forces stiffen (or
+soften) the body.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ if TYPE_CHECKING:
 
 
 LARGEST_FIELD = 1 << 30
-"""Largest array of the field, bytes; three of them are needed at a time."""
+"""Largest array of the field, bytes; three such arrays exist at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stiffening:
     """Second-order displacements chi of a body with n modes, ``chi_jk = chi_kj``.
 
-    The rigid motion that chi leaves open is chosen so that it carries no momentum,
+    The rigid motion in chi is arbitrary and chosen such that chi has no momentum,
     ``int chi dm = int u0 x chi dm = 0``.
 
     Parameters
@@ -47,7 +48,7 @@ class Stiffening:
     Raises
     ------
     InputError
-        Shapes that do not belong together or values that are not finite.
+        If shapes are inconsistent or values are not finite.
     """
 
     second_moment: Array
@@ -73,7 +74,7 @@ class Stiffening:
         return len(self.second_moment)
 
     def keep(self, indices: NDArray[np.intp]) -> Stiffening:
-        """Return the field of some of the modes, in the order given."""
+        """Return the field of selected modes, in the given order."""
         j, k = np.ix_(indices, indices)
         return Stiffening(
             self.second_moment[j, k],
@@ -85,28 +86,28 @@ class Stiffening:
 def stiffening(part: Part, X: Array) -> Stiffening:
     """Return the second-order displacement field of mode shapes (ndof, n) of beams or solids.
 
-    An element stores the energy of ``B d + s(d, d)/2``, see `parts.second_order` and
+    The energy of an element is that of ``B d + s(d, d)/2``, see `parts.second_order` and
     `parts.solids.second_order`. Displacements
     ``d = X p + chi(p, p)/2`` free of energy of the second order solve
 
         ``K chi_jk = -sum_e B^T k s(x_j, x_k)``,
 
-    which is the dual of geometric stiffness: ``f . chi(p, p) = -p^T Kg(f) p`` for every load f with
-    the stress state ``K d = f``. The rigid part of chi is chosen such that ``int chi dm`` and
-    ``int u0 x chi dm`` vanish.
+    the dual of geometric stiffness: ``f . chi(p, p) = -p^T Kg(f) p`` for every load f, with Kg of
+    the stress state ``K d = f``. The rigid part of chi is chosen such that ``int chi dm`` and ``int
+    u0 x chi dm`` vanish.
 
     Raises
     ------
     InputError
-        If the part is made neither of beams nor of solids, or the field needs too much memory.
+        If the part consists neither of beams nor of solids, or the field needs too much memory.
     """
     where = f"part '{part.name}'"
     second = part.second_order
     if second is None:
         message = (
-            "has no geometric stiffening: it comes from matrices, only parts made of beams "
-            "(Part.beam, Part.frame, Part.from_members) or solids (Part.solid) know their stress; "
-            "reduce with stiffening=False, or cut the part into several bodies"
+            "has no geometric stiffening, because it was built from matrices; only parts of "
+            "beams (Part.beam, Part.frame, Part.from_members) or solids (Part.solid) have "
+            "stress data; reduce with stiffening=False, or cut the part into several bodies"
         )
         raise InputError(Problem(where, message))
     ndof, n = X.shape
@@ -124,7 +125,7 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     turned = [_turned(part, tie, X) for tie in part.ties]
     chi = np.empty((ndof, n, n))
     for j in range(n):
-        # what rigidly tied nodes do beyond the motions that a tie allows to first order
+        # second-order motion of rigidly tied nodes beyond the first-order motion of the tie
         beyond = np.zeros((ndof, n - j))
         for tie, c in zip(part.ties, turned, strict=True):
             if tie.kind == "rigid":
@@ -139,7 +140,7 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     loads = second.field_loads
     work = np.einsum("df,djk->fjk", loads, chi, optimize=True) + second.work(X)
 
-    # take the rigid motions out, twice for the digits
+    # remove the rigid motions, twice for accuracy
     M = sp.csr_array(part.M)
     rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where).R
     fields = _affine(rigid, part)
@@ -153,7 +154,7 @@ def stiffening(part: Part, X: Array) -> Stiffening:
     translations = nodal[:, :3]
     rotations = nodal[:, 3:] if part.dofs_per_node == 6 else np.zeros((len(nodal), 3, n, n))
     if part.ties:
-        # the reference nodes follow what the tied nodes do beyond a finite rotation
+        # reference nodes follow the tied nodes minus the effect of a finite rotation
         q = np.stack(
             [
                 np.einsum("ad,djk->ajk", tie.averaging, chi[tie.dofs] - c)
@@ -169,7 +170,8 @@ def stiffening(part: Part, X: Array) -> Stiffening:
 def _turned(part: Part, tie: Tie, X: Array) -> Array:
     """Return ``theta x (theta x s)`` of the tied nodes (k d, n, n), s from the reference point.
 
-    A finite rotation of the reference node moves its nodes so, to the second order.
+    This is the second-order displacement of the tied nodes in a finite rotation of the reference
+    node.
     """
     theta = tie.averaging[3:] @ X[tie.dofs]
     n, d = X.shape[1], part.dofs_per_node

@@ -1,4 +1,4 @@
-"""Modal stress: the stress at named places in every mode."""
+"""Modal stress: stress of every mode at stress sites."""
 
 from __future__ import annotations
 
@@ -25,38 +25,38 @@ COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 @described
 @dataclass(frozen=True, eq=False)
 class StressModes:
-    """Stress of each mode at ns places; the stress of a moving body is ``modes @ p``.
+    """Stress of each mode at ns sites; the stress of a moving body is ``modes @ p``.
 
     Parameters
     ----------
     labels : tuple of str
-        Names of the places, such as ``e3.a.top``.
+        Names of the sites, such as ``e3.a.top``.
     positions : (ns, 3) array
-        Where they are, part frame, m.
+        Positions of the sites, part frame, m.
     axes : (ns, 3, 3) array
         Columns are the axes in which the stress is resolved, part frame.
     modes : (ns, 6, n) array
         ``[s11, s22, s33, s12, s23, s13]`` of each mode, Pa per unit modal coordinate.
     elasticity : (ns, 2) array, optional
-        Young's modulus, Pa, and Poisson's ratio at each place; None if they are not known.
+        Young's modulus, Pa, and Poisson's ratio at each site; None if unknown.
     compliance : (ns, 6, 6) array, optional
-        Strain ``[e11 e22 e33 g12 g23 g13]`` from stress at each place, 1/Pa, in its axes: for
-        materials that Young's modulus and Poisson's ratio do not describe.
+        Strain ``[e11 e22 e33 g12 g23 g13]`` from stress at each site, 1/Pa, in the axes of the
+        site: for anisotropic materials.
     nodes : (ns,) int array, optional
-        Node of the body at each place, -1 where there is none. Several places may belong to one
-        node: the points of a section of a beam, or the materials that meet there.
+        Node of the body at each site, -1 for none. Several sites may belong to one node: the points
+        of a beam section, or the materials that meet at a node.
     sets : mapping of str to (k,) int array
-        Named groups of places, by index: those at the nodes of a node set.
+        Named groups of sites, by index: those at the nodes of a node set.
     residual : ResidualStress, optional
-        Stress that the modes leave out.
+        Stress outside of the modes.
     scatter : (ns, r, n) array, optional
-        Of parts of solids: ``|scatter p|`` estimates the error of the stress by the mesh, Pa, as
-        `place_errors` does. None if it is not known.
+        For parts of solids: ``|scatter p|`` is the estimated discretisation error of the stress,
+        Pa, as in `place_errors`. None if unknown.
 
     Raises
     ------
     InputError
-        Lengths that do not belong together, names used twice, or values that are not finite.
+        If lengths are inconsistent, names occur twice, or values are not finite.
     """
 
     labels: tuple[str, ...]
@@ -98,7 +98,7 @@ class StressModes:
         sets = {str(k): np.array(v, dtype=np.int64) for k, v in self.sets.items()}
         for key, members in sets.items():
             if members.size and not 0 <= members.min() <= members.max() < ns:
-                problems.add("StressModes", f"set '{key}' names places outside 0..{ns - 1}")
+                problems.add("StressModes", f"set '{key}' refers to sites outside 0..{ns - 1}")
         problems.raise_if_any()
         object.__setattr__(self, "labels", labels)
         object.__setattr__(self, "compliance", compliance)
@@ -111,30 +111,30 @@ class StressModes:
         object.__setattr__(self, "modes", modes)
 
     def nearest(self, point: ArrayLike) -> str:
-        """Return the label of the site nearest to a point of the part frame, m."""
+        """Return the label of the site nearest to a point in the part frame, m."""
         away = np.linalg.norm(self.positions - np.asarray(point, dtype=np.float64), axis=1)
         return self.labels[int(np.argmin(away))]
 
     def keep(self, indices: NDArray[np.intp]) -> StressModes:
-        """Return the stress of some of the modes, in the order given."""
+        """Return the stress of selected modes, in the given order."""
         residual = self.residual and self.residual.keep(np.asarray(indices), self.modes)
         scatter = None if self.scatter is None else self.scatter[:, :, indices]
         return replace(self, modes=self.modes[:, :, indices], residual=residual, scatter=scatter)
 
     def combined(self, V: Array) -> StressModes:
-        """Return the stress of the modes ``V`` (n, m) of these modes."""
+        """Return the stress of linear combinations ``V`` (n, m) of the modes."""
         scatter = None if self.scatter is None else self.scatter @ V
         return replace(self, modes=self.modes @ V, scatter=scatter)
 
     def mesh_error(self, place: int, p: Array) -> float:
-        """Return the estimated error of the stress at a place by the mesh, Pa; nan if not known."""
+        """Return the estimated discretisation error of the stress at a site, Pa; nan if unknown."""
         if self.scatter is None:
             return float("nan")
         rows = self.scatter[place]
         return float(np.linalg.norm(rows @ p[: rows.shape[1]]))
 
     def select(self, places: NDArray[np.intp]) -> StressModes:
-        """Return some of the places, by index, in the order given."""
+        """Return selected sites, by index, in the given order."""
         if np.array_equal(places, np.arange(len(self.labels))):
             return self
         where = np.full(len(self.labels), -1, dtype=np.int64)

@@ -1,8 +1,8 @@
-"""Reductions kept on disk by the content of what they are made of.
+"""Cache of reductions on disk, with the content of their input as key.
 
-A finished reduction is read back instead of computed again; one that was killed continues after the
-last stage it finished. The key is a hash of the part, the method and the options, so that nothing
-stale is ever found. Every file appears complete or not at all.
+A finished reduction is read from the cache; an interrupted reduction continues after its last
+finished stage. The key is a hash of the part, the method and the options, so that an entry never
+belongs to other input. A file appears only when it is complete.
 """
 
 from __future__ import annotations
@@ -28,40 +28,40 @@ from jousto.base.object_repr import described
 from jousto.reduction.reduced import ReducedPart
 
 RECIPE = 2
-"""Raised when the same input gives another result, so that older entries are not found."""
+"""Version of the results; incremented when the same input leads to another result."""
 
 AUTOMATIC = 30_000
-"""Degrees of freedom from which reductions are kept without being asked to."""
+"""Degrees of freedom above which reductions are cached by default."""
 
 FINISHED = "part.h5"
 
 ENTRY = re.compile(r"(mesh-)?[0-9a-f]{40}")
-"""Names of the folders that are ours: a key."""
+"""Pattern of the names of cache folders: a key."""
 
 OWN = re.compile(r"part\.h5|[a-z-]+\.npz|\.[0-9a-f]{32}\.(h5|npz)")
-"""Names of the files in them: the part, its stages, and either while it is written."""
+"""Pattern of the file names in these folders: the part, its stages, and unfinished files."""
 
 STALE = 86400.0
-"""Seconds after which a file that is still being written belongs to a killed process."""
+"""Age above which a partially written file belongs to a killed process, s."""
 
 
 class NotHashable(Exception):
-    """The input holds something whose content is unknown, such as a function."""
+    """Error for input whose content cannot be hashed, such as a function."""
 
 
 @described
 @dataclass(frozen=True)
 class ReductionCache:
-    """A folder of finished and interrupted reductions.
+    """Folder of finished and interrupted reductions.
 
     Parameters
     ----------
     folder : path, optional
-        Where they are kept. If not given, the folder that the environment variable `JOUSTO_CACHE`
-        names, or the user's cache folder (``~/.cache/jousto/reductions`` on Linux). Whatever else
-        lies in it is left alone.
+        Folder of the cache. None for the folder in the environment variable `JOUSTO_CACHE`, or the
+        cache folder of the user (``~/.cache/jousto/reductions`` on Linux). Other files in the
+        folder are never changed.
     limit : float
-        Bytes in all; the reductions used longest ago are removed above it.
+        Largest total size, bytes; above it the least recently used reductions are removed.
 
     Examples
     --------
@@ -82,7 +82,7 @@ class ReductionCache:
 
     @property
     def path(self) -> Path:
-        """The folder."""
+        """Folder of the cache."""
         if self.folder is not None:
             return Path(self.folder)
         if os.environ.get("JOUSTO_CACHE"):
@@ -93,13 +93,13 @@ class ReductionCache:
 
     @property
     def size(self) -> int:
-        """Bytes that are used."""
+        """Total size of the entries, bytes."""
         return sum(_size(entry) for entry in self.entries())
 
     def entries(self) -> tuple[Path, ...]:
-        """Return the folders of all reductions, the one used longest ago first.
+        """Return the folders of all reductions, least recently used first.
 
-        Folders of other names, and those that hold anything else, are no reductions.
+        Folders with other names or other content are no reductions.
         """
         if not self.path.is_dir():
             return ()
@@ -111,13 +111,13 @@ class ReductionCache:
             _remove(entry)
 
     def entry(self, key: str) -> Entry:
-        """Return the place of one reduction."""
+        """Return the entry of a reduction."""
         return Entry(self, self.path / key)
 
     def prune(self, keep: Path) -> None:
-        """Remove the reductions used longest ago until the rest fits the limit.
+        """Remove the least recently used reductions until the rest fits the limit.
 
-        What killed processes left half written goes first.
+        Partially written files of killed processes are removed first.
         """
         entries = self.entries()
         for entry in entries:
@@ -132,7 +132,7 @@ class ReductionCache:
 
 
 class Entry:
-    """The files of one reduction: one for each stage it finished, or the reduced part."""
+    """Files of one reduction: one per finished stage, or the reduced part."""
 
     def __init__(self, cache: ReductionCache, folder: Path) -> None:
         self.cache = cache
@@ -140,7 +140,7 @@ class Entry:
         self._full = False
 
     def finished(self) -> ReducedPart | None:
-        """Return the reduced part if it is there."""
+        """Return the reduced part if it exists."""
         path = self.folder / FINISHED
         if not path.exists():
             return None
@@ -156,7 +156,7 @@ class Entry:
         return reduced
 
     def finish(self, reduced: ReducedPart) -> None:
-        """Keep the reduced part and drop what led to it."""
+        """Store the reduced part and remove the files of its stages."""
         if self._full:
             return
         try:
@@ -166,14 +166,14 @@ class Entry:
             self._give_up(error)
             return
         for path in _files(self.folder):
-            # what begins with a dot is being written by another thread or process
+            # names with a leading dot are being written by another thread or process
             if path.suffix == ".npz" and not path.name.startswith("."):
                 with contextlib.suppress(OSError):
                     path.unlink()
         self.cache.prune(self.folder)
 
     def read(self, stage: str) -> dict[str, NDArray[Any]] | None:
-        """Return the arrays of a stage, or None if they are not there or damaged."""
+        """Return the arrays of a stage, or None if the file is missing or damaged."""
         path = self._file(stage)
         try:
             with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
@@ -206,14 +206,14 @@ class Entry:
         self._full = True
         warn(
             "reduce",
-            f"cannot keep results of the reduction in {self.folder} ({error}); it continues, but "
-            "would start again if it were killed. Free space, name another folder "
-            "(cache=...), or say cache=False",
+            f"cannot store results of the reduction in {self.folder} ({error}); the reduction "
+            f"continues without them. Free disk space, choose another folder (cache=...), or give "
+            f"cache=False",
         )
 
 
 def choose(cache: ReductionCache | Path | str | bool | None, size: int) -> ReductionCache | None:
-    """Return the cache for a part of `size` degrees of freedom: see `reduce`."""
+    """Return the cache for a part of `size` degrees of freedom, see `reduce`; None for none."""
     if cache is None:
         return ReductionCache() if size >= AUTOMATIC else None
     if isinstance(cache, bool):
@@ -227,14 +227,14 @@ def key(*things: object, instead: Callable[[Any], object] | None = None) -> str:
     Parameters
     ----------
     *things : object
-        What is hashed.
+        Objects that are hashed.
     instead : function, optional
-        Says for each thing met what is hashed in its place.
+        Function that returns the object to hash in place of each object.
 
     Raises
     ------
     NotHashable
-        Something whose content is unknown.
+        If the content of an object is unknown.
 
     Examples
     --------
@@ -294,7 +294,7 @@ def _add(digest: Any, thing: object, instead: Callable[[Any], object] | None) ->
 
 
 def _is_ours(folder: Path) -> bool:
-    """Return whether a folder is a reduction: its name and all it holds are ours."""
+    """Return whether a folder is a cached reduction: its name and all its files."""
     if not ENTRY.fullmatch(folder.name) or folder.is_symlink() or not folder.is_dir():
         return False
     try:
@@ -307,7 +307,7 @@ def _is_ours(folder: Path) -> bool:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Return our files in a folder."""
+    """Return the cache files in a folder."""
     try:
         return [path for path in folder.iterdir() if OWN.fullmatch(path.name)]
     except OSError:
@@ -315,7 +315,7 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _remove(folder: Path) -> None:
-    """Remove our files of a reduction and its folder if nothing else is in it."""
+    """Remove the cache files of a reduction, and its folder if it is empty then."""
     for path in _files(folder):
         with contextlib.suppress(OSError):
             path.unlink()
@@ -324,7 +324,7 @@ def _remove(folder: Path) -> None:
 
 
 def _remove_stale(folder: Path) -> None:
-    """Remove what a killed process left half written."""
+    """Remove partially written files of killed processes."""
     for path in _files(folder):
         with contextlib.suppress(OSError):
             if path.name.startswith(".") and time.time() - path.stat().st_mtime > STALE:

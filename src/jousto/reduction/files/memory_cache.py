@@ -1,4 +1,4 @@
-"""Reductions remembered while many variants of a model are made, by what they are made of."""
+"""Cache of reductions in memory, for many variants of a model, with their input as key."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from jousto.reduction.files.cache import NotHashable, key
 from jousto.reduction.reduced import ReducedPart
 
 MOST = 64
-"""Reduced parts that are kept; the one made first goes first."""
+"""Largest number of reduced parts in the cache; the oldest is removed first."""
 
 
 class Recalled:
-    """Reduced parts by the content of what they are made of.
+    """Reduced parts by the content of their input.
 
     Attributes
     ----------
     made : int
         Reductions that were computed.
     found : int
-        Those that were asked for again.
+        Reductions that were found in the cache.
     """
 
     def __init__(self) -> None:
@@ -30,7 +30,7 @@ class Recalled:
         self._parts: dict[str, ReducedPart] = {}
 
     def get(self, things: tuple[object, ...], make: Callable[[], ReducedPart]) -> ReducedPart:
-        """Return what was made of the same things before, or make it."""
+        """Return the result for an input from the cache, or compute and store it."""
         try:
             place = key(*things)
         except NotHashable:
@@ -51,13 +51,13 @@ _CURRENT: ContextVar[Recalled | None] = ContextVar("recalled", default=None)
 
 
 def current() -> Recalled | None:
-    """Return what remembers reductions here, None outside of `recalling`."""
+    """Return the active cache, None outside of `recalling`."""
     return _CURRENT.get()
 
 
 @contextmanager
 def recalling(memory: Recalled) -> Iterator[None]:
-    """Let `reduce` look up what it made before within the block."""
+    """Use a cache in all calls of `reduce` within the block."""
     token = _CURRENT.set(memory)
     try:
         yield

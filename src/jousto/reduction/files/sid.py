@@ -1,4 +1,4 @@
-"""Reading standard input data (SID) of flexible bodies, the text that multibody programs share."""
+"""Reader of standard input data (SID) of flexible bodies, a text format of multibody programs."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ HEAD = ("order", "nrow", "ncol", "nq", "nqn", "structure")
 ZERO, DIAGONAL, SYMMETRIC, FULL, UNIT = range(5)
 MARKS = {("part",), ("refmod",), ("new", "modal"), ("frame",)}
 LARGEST = 1 << 27
-"""Numbers in one matrix, at most."""
+"""Largest count of numbers in one matrix."""
 LARGEST_FILE = 1 << 31
 """Bytes."""
 SAME = 1e-6
-"""Relative difference of what two blocks say of one integral that is rounding of the file."""
+"""Relative difference of one integral in two blocks that counts as rounding."""
 NEEDED = ("mdCM", "J", "Ct", "Cr", "Me", "Gr", "Ke")
 SPIN = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
-"""The products ``w_a w_b`` that belong to the columns of Oe."""
+"""Products ``w_a w_b`` of the columns of Oe."""
 
 _ENTRY = re.compile(r"(m[01n])\(\s*(\d+)\s*,\s*(\d+)\s*(?:,\s*(\d+)\s*)?\)\s*=\s*(\S+)")
 _SAID = re.compile(r"(\w+)\s*(?:\(\s*\d+\s*\))?\s*=\s*(.*)")
@@ -48,13 +48,13 @@ class Block:
     M1: Array | None = None
 
     def begin(self) -> str:
-        """Make room for the matrices once the head is known; return what is wrong with it."""
+        """Allocate the matrices after the header of the block; return what is wrong with it."""
         missing = [key for key in HEAD if key not in self.head]
         if missing:
             return f"lacks {', '.join(missing)}"
         rows, columns, nq = (self.head[key] for key in ("nrow", "ncol", "nq"))
         if min(rows, columns, nq) < 0 or rows * columns * max(nq, 1) > LARGEST:
-            return f"has {rows} x {columns} x {nq} numbers, which cannot be"
+            return f"has {rows} x {columns} x {nq} numbers, which is beyond any valid size"
         if not ZERO <= self.head["structure"] <= UNIT:
             return f"has structure {self.head['structure']}, must be 0 to 4"
         self.M0 = np.eye(rows, columns) * float(self.head["structure"] == UNIT)
@@ -63,7 +63,7 @@ class Block:
         return ""
 
     def put(self, which: str, place: tuple[int, ...], value: float) -> str:
-        """Set a number; return what is wrong with its place."""
+        """Set an entry of a matrix; return what is wrong with its indices."""
         if which == "mn":
             return ""
         if (which == "m0") != (len(place) == 2):
@@ -83,7 +83,7 @@ class Block:
 
 @dataclass(eq=False)
 class Node:
-    """A node of the file: its name there, and its matrices."""
+    """Node of the file: its name and its matrices."""
 
     number: str
     label: str = ""
@@ -92,7 +92,7 @@ class Node:
 
 @dataclass(eq=False)
 class Text:
-    """What stands in a file."""
+    """Content of a file."""
 
     mass: float = float("nan")
     nodes: list[Node] = field(default_factory=list)
@@ -102,28 +102,28 @@ class Text:
 def load_sid(path: Path, kind: type[P], versions: Mapping[str, str]) -> P:
     """Return a flexible body from standard input data (.sid, .SID_FEM).
 
-    The integrals of Wallrapp (Mech. Struct. Mach. 22, 1994) are those of this package, as
-    `write_sid` has them; modes that are not orthonormal are replaced by those of
-    ``Ke x = omega^2 Me x``. Gr of first order tells how the inertia changes with products of modal
-    coordinates; without it that is left out, and so is stiffening. Stiffening is taken from Oe and
-    the shapes of the nodes where these have the first order.
+    The integrals are those of Wallrapp (Mech. Struct. Mach. 22, 1994), as in `write_sid`; modes
+    that are not orthonormal are replaced by those of ``Ke x = omega^2 Me x``. Gr of first order
+    contains the change of inertia with products of modal coordinates; without Gr this change and
+    stiffening are left out. Stiffening follows from Oe and the shapes of the nodes, if both have
+    first order.
 
-    Modal stress is not in such files. Damping is (De): ``provenance["damping ratios"]`` has those
-    of the modes, for `FlexibleBody(damping=)`.
+    Such files contain no modal stress, but damping (De): ``provenance["damping ratios"]`` has the
+    ratios of the modes, for `FlexibleBody(damping=)`.
 
-    Node sets are ``node1``, ... by the numbers of the file, and their names behind "!" where the
-    file is from here.
+    Node sets are ``node1``, ... by the numbers of the file, and the names behind "!" in files of
+    `write_sid`.
 
     Raises
     ------
     InputError
-        What cannot be read, with its line; matrices that are missing, of other sizes, not finite
-        or not definite.
+        If a line cannot be read (the message contains it), or matrices are missing, of wrong size,
+        not finite or not definite.
 
     Warns
     -----
     JoustoWarning
-        What of the file is left out.
+        With the content of the file that is left out.
     """
     where = path.name
     if path.is_dir():
@@ -142,11 +142,11 @@ def load_sid(path: Path, kind: type[P], versions: Mapping[str, str]) -> P:
     return _part(found, path, kind, versions)
 
 
-# -- the text ---------------------------------------------------------------------------------
+# -- parsing -----------------------------------------------------------------------------------
 
 
 def _parse(text: str, where: str) -> Text:
-    """Return what stands in a text."""
+    """Return the content of a text."""
     found, problems = Text(), Problems()
     target, block, broken = found.blocks, None, False
     for number, raw in enumerate(text.splitlines()[1:], 2):
@@ -203,7 +203,7 @@ def _headed(block: Block, key: str, value: str) -> str:
 
 def _entered(block: Block, entry: re.Match[str]) -> str:
     if "structure" not in block.head:
-        return "has numbers before its structure"
+        return "has numbers before the line with its structure"
     value = _value(entry[5])
     if not np.isfinite(value):
         return f"has {entry[5][:40]!r}, must be a finite number"
@@ -218,15 +218,15 @@ def _value(text: str) -> float:
 
 
 def _check(found: Text, where: str) -> None:
-    """Raise InputError for what is missing or has other sizes."""
+    """Raise InputError for missing data and wrong sizes."""
     problems = Problems()
     if not (np.isfinite(found.mass) and found.mass > 0.0):
         problems.add(where, f"mass is {found.mass:g} kg, must be positive (refmod)")
     for name in NEEDED:
         if name not in found.blocks:
-            problems.add(where, f"has no {name}: is it standard input data?")
+            problems.add(where, f"has no {name}; check that the file is standard input data")
     if not found.nodes:
-        problems.add(where, "has no nodes: joints and forces could act nowhere")
+        problems.add(where, "has no nodes, which joints and forces need")
     problems.raise_if_any()
     n = len(found.blocks["Me"].M0)
     if n == 0:
@@ -259,11 +259,11 @@ def _sized(
             message = f"{name} has {rows} x {columns} numbers, must have {size[0]} x {size[1]}"
             problems.add(where, message)
         elif block.M1 is not None and block.M1.shape[2] != n:
-            message = f"{name} is of {block.M1.shape[2]} modal coordinates, must be of {n}"
+            message = f"{name} has {block.M1.shape[2]} modal coordinates, must have {n}"
             problems.add(where, message)
 
 
-# -- the body ---------------------------------------------------------------------------------
+# -- reduced part ------------------------------------------------------------------------------
 
 
 def _part(found: Text, path: Path, kind: type[P], versions: Mapping[str, str]) -> P:
@@ -275,7 +275,7 @@ def _part(found: Text, path: Path, kind: type[P], versions: Mapping[str, str]) -
         warn(where, f"{' and '.join(lost)}: stiffness, damping or inertia of higher order is left"
              " out")  # fmt: skip
     if any(np.abs(b.M0 - np.eye(3)).max() > SAME for b in _of_nodes(found, "AP")):
-        warn(where, "nodes have axes of their own; markers here have those of the body")
+        warn(where, "nodes have local axes, which are ignored; markers have the axes of the body")
     X, frequencies = _modes(blocks["Ke"].M0, blocks["Me"].M0, where)
     nodes = np.array([node.blocks["origin"].M0[:, 0] for node in found.nodes])
     shapes = np.array([node.blocks["phi"].M0 for node in found.nodes])
@@ -314,7 +314,7 @@ def _of_nodes(found: Text, name: str) -> list[Block]:
 
 
 def _some(block: Block | None, order: int) -> bool:
-    """Whether a block has numbers other than zero."""
+    """Return whether a block has nonzero numbers of an order."""
     matrix = None if block is None else (block.M1 if order else block.M0)
     return matrix is not None and bool(np.any(matrix))
 
@@ -331,7 +331,7 @@ def _sets(found: Text) -> dict[str, tuple[int, ...]]:
 
 
 def _modes(K: Array, M: Array, where: str) -> tuple[Array, Array]:
-    """Return the orthonormal modes in those of the file (n, n), and frequencies, Hz."""
+    """Return the orthonormal modes in terms of those of the file (n, n), and frequencies, Hz."""
     problems = Problems()
     for name, matrix in (("Ke", K), ("Me", M)):
         if np.abs(matrix - matrix.T).max() > SAME * np.abs(matrix).max(initial=0.0):
@@ -345,7 +345,7 @@ def _modes(K: Array, M: Array, where: str) -> tuple[Array, Array]:
         try:
             values, X = scipy.linalg.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
         except scipy.linalg.LinAlgError:
-            message = "Me is not positive definite: its modes depend on one another"
+            message = "Me is not positive definite: its modes are linearly dependent"
             raise InputError(Problem(where, message)) from None
     if values.min() <= 0.0:
         message = f"Ke is not positive definite: {count(int(np.sum(values <= 0)), 'mode')} without"
@@ -358,13 +358,14 @@ def _invariants(found: Text, where: str) -> Invariants:
     blocks = found.blocks
     J, Gr = blocks["J"].M0, blocks["Gr"]
     n = len(blocks["Me"].M0)
-    # blocks of three columns for each mode: 2 I8[j], 2 I9[k, j]
+    # blocks of three columns per mode: 2 I8[j], 2 I9[k, j]
     N0 = outer(0.5 * Gr.M0.reshape(3, n, 3).transpose(1, 0, 2))
     if Gr.M1 is not None and np.any(Gr.M1):
         E = outer(0.5 * Gr.M1.reshape(3, n, 3, n).transpose(3, 1, 0, 2))
     else:
-        warn(where, "Gr is not of first order: how the inertia changes with products of modal"
-             " coordinates is left out, and so is stiffening")  # fmt: skip
+        warn(where, "Gr is not of first order: the change of inertia with products of modal "
+            "coordinates"
+            " and stiffening are left out")  # fmt: skip
         E = blocks["Me"].M0[:, :, None, None] / 3.0 * np.eye(3)
         Cr = blocks["Cr"].M1
         if Cr is not None:  # I5[j, a, i] at row i, column a, coordinate j
@@ -374,7 +375,7 @@ def _invariants(found: Text, where: str) -> Invariants:
     made = Invariants(
         found.mass, blocks["mdCM"].M0[:, 0], 0.5 * np.trace(J) * np.eye(3) - J, I3, N0, E
     )
-    # what each is at most, by Cauchy and Schwarz: int u phi dm <= sqrt(int u^2 dm int phi^2 dm)
+    # upper bounds by Cauchy-Schwarz: int u phi dm <= sqrt(int u^2 dm int phi^2 dm)
     modal = float(np.abs(blocks["Me"].M0).max())
     length, mass = (float(np.sqrt(x * modal)) for x in (np.trace(J), found.mass))
     twice = (
@@ -385,12 +386,12 @@ def _invariants(found: Text, where: str) -> Invariants:
     for names, one, other, size in twice:
         gap = 0.0 if one is None else float(np.abs(one - other).max()) / size
         if gap > SAME:
-            warn(where, f"{names} disagree by {gap:.1e} of their size; {names[-2:]} is taken")
+            warn(where, f"{names} differ by {gap:.1e} of their size; {names[-2:]} is used")
     return made
 
 
 def _stiffening(found: Text, inertia: Invariants, X: Array) -> Stiffening | None:
-    """Return second-order displacements, if the shapes of the nodes and Oe have the first order."""
+    """Return second-order displacements, if node shapes and Oe have the first order."""
     fields: dict[str, Any] = {}
     for name in ("phi", "psi"):
         ones = [node.blocks[name].M1 if name in node.blocks else None for node in found.nodes]

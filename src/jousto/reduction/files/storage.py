@@ -1,4 +1,4 @@
-"""Reduced parts in HDF5 files: complete or not there at all, checked when read."""
+"""Reduced parts in HDF5 files, written atomically and checked when read."""
 
 from __future__ import annotations
 
@@ -77,14 +77,14 @@ def save(part: Content, path: Path) -> None:
     if part.stress is not None and part.stress.residual is not None:
         about["residual"] = list(part.stress.residual.names)
     header = json.dumps(about, ensure_ascii=False)
-    # the file is made in memory: HDF5 may crash the process where a disk is full
-    # of a name of its own: threads may save at the same time
+    # created in memory, since HDF5 may crash the process if a disk is full
+    # with a unique name, since threads may save at the same time
     unique = uuid.uuid4().hex
     with h5py.File(unique, "w", driver="core", backing_store=False) as file:
         file.attrs["format"] = FORMAT
         file.attrs["version"] = VERSION
         file.attrs["checksum"] = _checksum(header, arrays)
-        # bytes, so that its length has no limit and any character is allowed
+        # bytes, for any length and any character
         file["header"] = np.frombuffer(header.encode(), dtype=np.uint8)
         for key, array in arrays.items():
             dataset = file.create_dataset(key, data=array)
@@ -114,7 +114,7 @@ def load(path: Path, kind: type[P]) -> P:
     if not path.exists():
         raise MissingFileError(Problem(where, f"there is no such file; {AGAIN}"))
     try:
-        sealed(path)  # HDF5 may crash over damage
+        sealed(path)  # check before opening, since HDF5 may crash on damaged files
         with h5py.File(path, "r") as opened:
             file = Group(opened)
             _check_version(file, where)
@@ -126,7 +126,7 @@ def load(path: Path, kind: type[P]) -> P:
     except PermissionError as error:
         raise InputError(Problem(where, f"cannot be read: {error.strerror}")) from error
     except OSError as error:
-        state = "damaged or cut short" if _looks_like_hdf5(path) else "not an HDF5 file"
+        state = "damaged or truncated" if _looks_like_hdf5(path) else "not an HDF5 file"
         raise InputError(Problem(where, f"is {state} ({_short(error)}); {AGAIN}")) from error
     except DAMAGE as error:
         raise InputError(
@@ -144,7 +144,7 @@ def load(path: Path, kind: type[P]) -> P:
         raise InputError(Problem(where, f"is damaged ({_short(error)}); {AGAIN}")) from error
     if checksum != _checksum(header, arrays):
         raise InputError(
-            Problem(where, f"its content was changed after writing (checksum); {AGAIN}")
+            Problem(where, f"its content was changed after writing (wrong checksum); {AGAIN}")
         )
     return part
 

@@ -1,1 +1,1 @@
-"""Reference conditions: how the frame of a flexible body follows it."""
+"""Reference conditions: the motion of the frame of a flexible body relative to its deformation."""

@@ -1,4 +1,4 @@
-"""clamp, in_frame: the same flexible body seen from another frame."""
+"""clamp, in_frame: the same flexible body relative to another body frame."""
 
 from __future__ import annotations
 
@@ -17,31 +17,31 @@ from jousto.reduction.frames.stiffening_transform import Turn, turned_stiffening
 from jousto.reduction.reduced import ReducedPart
 
 SHORT = 1e-9
-"""Length of a chord over the size of the part below which it has no direction."""
+"""Smallest length of a chord / size of the part."""
 
 
 @explained
 def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
-    """Return the part held at a node: modes that vanish there, frequencies of the clamped part.
+    """Return the part clamped at a node: modes that vanish there, frequencies of the clamped part.
 
     This is ``in_frame(reduced, NodeFrame(node))``.
 
     Parameters
     ----------
     reduced : ReducedPart
-        From `reduce`, with the node among its interfaces if its clamped modes shall be right.
+        Result of `reduce`; for accurate clamped modes the node must be one of its interfaces.
     node : str
-        Name of a node that turns: an interface, a set of one node or ``"node7"``.
+        Name of a node with rotations: an interface, a set of one node or ``"node7"``.
 
     Returns
     -------
     ReducedPart
-        With as many modes, in the order of the clamped frequencies.
+        The same number of modes, sorted by their clamped frequencies.
 
     Raises
     ------
     InputError
-        If there is no such node, or it does not turn.
+        If there is no such node, or it has no rotations.
 
     Examples
     --------
@@ -61,35 +61,34 @@ def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
 def in_frame(reduced: ReducedPart, frame: Frame) -> ReducedPart:
     """Return the part with the modes of another reference condition.
 
-    From every mode the rigid motion is taken that the frame makes in it,
-    ``phi'_j = phi_j - t_j - theta_j x u0`` with t the translation of the frame's point at the
-    origin and theta its rotation, and the modes are made orthonormal again with the mass they then
-    move, ``K V = M' V diag(omega^2)``. The body and what it can do are the same; only the frame
-    now follows it in another way. The stress of a deformation is the same in both. Stiffening
-    stays: to the second order a frame turns by ``exp(theta~)``, which its field ``chi`` takes up.
+    The motion of the frame in each mode is subtracted, ``phi'_j = phi_j - t_j - theta_j x u0``,
+    with t its translation at the origin and theta its rotation. The modes are then orthonormalised
+    with their new mass, ``K V = M' V diag(omega^2)``. The possible deformations and their stress do
+    not change, only the motion of the frame relative to the body does. Stiffening is transformed to
+    second order with the finite rotation ``exp(theta~)`` of the frame.
 
     Parameters
     ----------
     reduced : ReducedPart
-        From `reduce`.
+        Result of `reduce`.
     frame : MeanFrame, NodeFrame or ChordFrame
         The reference condition.
 
     Returns
     -------
     ReducedPart
-        With as many modes, in the order of the frequencies that they have with the frame at rest.
+        The same number of modes, sorted by their frequencies with the frame at rest.
 
     Raises
     ------
     InputError
-        If there is no such node, it does not turn, or the stress that modes leave out is kept,
-        which is that of mean axes.
+        If there is no such node, it has no rotations, or the part has residual stress, which is
+        defined for mean axes only.
 
     Examples
     --------
-    Seen from the chord between its ends a beam has the frequencies of one on two supports; slender
-    beam theory gives 23.454 Hz:
+    Relative to the chord between its ends, a beam has the frequencies of a simply supported one;
+    slender beam theory gives 23.454 Hz:
 
     >>> import jousto as jo
     >>> from jousto.reduction import ChordFrame, in_frame
@@ -103,28 +102,27 @@ def in_frame(reduced: ReducedPart, frame: Frame) -> ReducedPart:
 
 
 def seen_from(reduced: ReducedPart, t: Array, turn: Array, frame: Frame) -> ReducedPart:
-    """Return the part seen from a frame with these motions in its modes.
+    """Return the part relative to a frame with given motions in its modes.
 
     Parameters
     ----------
     reduced : ReducedPart
     t, turn : (3, n) array
         Translation of the frame's point at the origin and rotation in each mode, part frame.
-    frame : Frame
-        What it is called.
+    frame : Frame Reference condition, for the provenance.
     """
     where = f"reduced part '{reduced.name}'"
     if reduced.stress is not None and reduced.stress.residual is not None:
         message = (
-            "the stress that its modes leave out is that of mean axes: reduce with "
-            "residual_stress=False, or stay with MeanFrame()"
+            "its residual stress is that of mean axes: reduce with residual_stress=False, or "
+            "use MeanFrame()"
         )
         raise InputError(Problem(where, message))
     # theta_j x as matrices (n, 3, 3)
     cross = np.einsum("abc,bj->jac", EPS, turn)
     I = reduced.invariants
     held = _shifted(I, -t, cross)
-    # motions that move no mass have the modal mass 1 all the same
+    # motions without mass keep the modal mass 1
     mass = held.I6 + np.eye(reduced.n) - I.I6
     stiffness, V = la.eigh(np.diag(reduced.stiffness), 0.5 * (mass + mass.T))
     modes = reduced.modes - t - np.einsum("jab,kb->kaj", cross, reduced.nodes)
@@ -145,13 +143,13 @@ def seen_from(reduced: ReducedPart, t: Array, turn: Array, frame: Frame) -> Redu
 
 
 def by_mean_axes(reduced: ReducedPart) -> ReducedPart:
-    """Return the part seen from its mean axes, as `reduce` makes it without a frame."""
+    """Return the part relative to its mean axes, as created by `reduce` without a frame."""
     return in_frame(reduced, MeanFrame()) if "frame" in reduced.provenance else reduced
 
 
 @singledispatch
 def followed(frame: object, reduced: ReducedPart) -> tuple[Array, Array]:
-    """Return the translation at the origin (3, n) and rotation (3, n) of a frame in each mode."""
+    """Return the translation at the origin and the rotation (3, n) of a frame in each mode."""
     message = f"frame is {frame!r}, must be MeanFrame(), NodeFrame(...) or ChordFrame(...)"
     raise InputError(Problem(f"reduced part '{reduced.name}'", message))
 
@@ -161,9 +159,7 @@ def _(frame: NodeFrame, reduced: ReducedPart) -> tuple[Array, Array]:
     k = reduced.node(frame.node)
     turn = reduced.rotation(k)
     if turn is None:
-        message = (
-            f"node '{frame.node}' has no rotation, so it cannot hold the part; name an interface"
-        )
+        message = f"node '{frame.node}' has no rotation, which the frame needs; use an interface"
         raise InputError(Problem(f"reduced part '{reduced.name}'", message))
     return reduced.modes[k] - np.cross(turn, reduced.nodes[k], axisa=0, axisc=0), turn
 
@@ -175,13 +171,13 @@ def _(frame: ChordFrame, reduced: ReducedPart) -> tuple[Array, Array]:
     chord = reduced.nodes[b] - reduced.nodes[a]
     length = float(np.linalg.norm(chord))
     if length <= SHORT * float(np.ptp(reduced.nodes, axis=0).max()):
-        message = f"'{frame.first}' and '{frame.second}' are at one place: there is no chord"
+        message = f"'{frame.first}' and '{frame.second}' coincide, so that there is no chord"
         raise InputError(Problem(where, message))
     turns = [turn for turn in (reduced.rotation(a), reduced.rotation(b)) if turn is not None]
     if not turns:
         message = (
-            f"neither '{frame.first}' nor '{frame.second}' turns, so nothing says how the frame "
-            "turns about the chord; name an interface for one of them"
+            f"neither '{frame.first}' nor '{frame.second}' has rotations, so the rotation about "
+            f"the chord is undetermined; use an interface for one of them"
         )
         raise InputError(Problem(where, message))
     e = chord / length

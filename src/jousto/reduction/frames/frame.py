@@ -1,4 +1,4 @@
-"""Reference conditions: which six motions of a deforming body its frame follows."""
+"""Reference conditions: six conditions that define the body frame of a deforming body."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from jousto.base.fields import Nested, Text, field
 
 
 class Frame(Declared, section="reference conditions", by_value=True):
-    """How the frame of a flexible body follows it, to the first order in its deformation."""
+    """Reference condition of the frame of a flexible body, to first order in the deformation."""
 
 
 class MeanFrame(Frame, tag="mean"):
-    """The mean axes: the deformation has no momentum (Buckens; to first order Tisserand's).
+    """Mean axes: the deformation has no momentum (Buckens; to first order Tisserand).
 
-    ``int Phi dm = 0`` and ``int u0 x Phi dm = 0``. Kinetic energy of the deformation is least.
+    ``int Phi dm = 0`` and ``int u0 x Phi dm = 0``. The kinetic energy of the deformation is
+    minimal.
 
     Examples
     --------
@@ -24,9 +25,9 @@ class MeanFrame(Frame, tag="mean"):
 
 
 class NodeFrame(Frame, tag="node"):
-    """A frame that sits on a node and turns with it (tangent frame).
+    """Frame fixed to a node, with its rotation (tangent frame).
 
-    ``Phi = 0`` and ``Psi = 0`` there.
+    ``Phi = 0`` and ``Psi = 0`` at the node.
 
     Examples
     --------
@@ -34,19 +35,19 @@ class NodeFrame(Frame, tag="node"):
     NodeFrame(node='start')
     """
 
-    node: Text = field("A node that turns: an interface, a set of one node or ``node7``")
+    node: Text = field("A node with rotations: an interface, a set of one node or ``node7``")
 
 
 class ChordFrame(Frame, tag="chord"):
-    """A frame that starts at a node and whose axis goes through another one.
+    """Frame with its origin at a node and an axis through another node.
 
     ``Phi = 0`` at the first and ``e x Phi = 0`` at the second, e the unit vector from one to the
-    other; about this axis the frame turns with the first of them that turns.
+    other; the rotation about this axis is that of the first of the two nodes with rotations.
 
     Raises
     ------
     InputError
-        Both are the same.
+        If both nodes are the same.
 
     Examples
     --------
@@ -55,19 +56,19 @@ class ChordFrame(Frame, tag="chord"):
     """
 
     first: Text = field("The node at the beginning of the chord")
-    second: Text = field("The node that the chord goes through")
+    second: Text = field("The node at the end of the chord")
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note that there is no chord."""
+        """Report a chord between equal nodes."""
         if self.first == self.second:
             problems.add(where, f"first and second are both '{self.first}', must be two nodes")
 
 
 class AsGiven(Frame, tag="as-given"):
-    """The frame that shape functions imply: they are taken as they are.
+    """Frame implied by shape functions, which remain unchanged.
 
-    Clamped functions thus have the frame of the clamped node, those pinned at both ends the
-    chord. For `ShapeFunctions` only: modes of the mesh are those of mean axes.
+    Functions clamped at an end imply the frame of that node, functions pinned at both ends the
+    chord. For `ShapeFunctions` only, since modes of the mesh refer to mean axes.
 
     Examples
     --------
@@ -77,14 +78,14 @@ class AsGiven(Frame, tag="as-given"):
 
 
 class FrameField(Nested["Frame | None", "Frame | None"]):
-    """A reference condition, or None for the mean axes."""
+    """Field of a reference condition; None for the mean axes."""
 
     section = "reference conditions"
     room = "jousto.reduction.frames.frame"
     noun = "NodeFrame(...), ChordFrame(...) or MeanFrame()"
 
     def check(self, problems: Problems, where: str, value: Frame | None) -> Frame | None:
-        """Return it."""
+        """Return the reference condition, or report that the value is none."""
         if not isinstance(value, Frame):
             problems.add(where, f"{self.name} is {value!r}, must be {self.noun}")
         return value

@@ -1,4 +1,4 @@
-"""stiffened: a reduced part with the second-order displacements that it was reduced without."""
+"""stiffened: second-order displacements for a part that was reduced without them."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _MADE: WeakKeyDictionary[ReducedPart, ReducedPart] = WeakKeyDictionary()
 
 
 def stiffened(reduced: ReducedPart) -> ReducedPart:
-    """Return the same modes with their second-order displacements, computed once for a part.
+    """Return the same modes with their second-order displacements, computed once per part.
 
-    They are those of ``reduce(..., stiffening=True)``: of the modes in mean axes, seen from the
-    frame of the part.
+    They equal those of ``reduce(..., stiffening=True)``: of the modes in mean axes, transformed to
+    the frame of the part.
 
     Raises
     ------
     InputError
-        If the part does not know its finite element model, that model does not know its stress,
-        or the displacements need too much memory.
+        If the part has no finite element model, that model has no stress data, or the displacements
+        need too much memory.
     """
     if reduced.stiffening is not None:
         return reduced
@@ -41,14 +41,14 @@ def _made(reduced: ReducedPart) -> ReducedPart:
     part = reduced.source
     if part is None:
         message = (
-            "does not contain the mesh that it was reduced from (parts from files and those of "
-            "more than 30,000 degrees of freedom): reduce it with stiffening=True"
+            "does not contain its mesh (as parts from files and parts of more than 30,000 "
+            "degrees of freedom): reduce it with stiffening=True"
         )
         raise InputError(Problem(where, message))
     if part.second_order is None:
         message = (
-            "comes from matrices, which do not contain the stress that stiffens or softens it: "
-            "make the part of beams or solids, or cut it into several bodies fixed together"
+            "was built from matrices, which contain no stress for geometric stiffening: build "
+            "the part from beams or solids, or cut it into several bodies fixed together"
         )
         raise InputError(Problem(where, message))
     mean = by_mean_axes(reduced)
@@ -61,7 +61,7 @@ def _made(reduced: ReducedPart) -> ReducedPart:
     mean = replace(mean, stiffening=stiffening(part, X))
     if not framed:
         return mean
-    # reduced = mean V + t + theta x u0, so that the frame moves by -t V^-1 in the mean axes' modes
+    # reduced = mean V + t + theta x u0, so the frame moves by -t V^-1 in the mean-axes modes
     t, theta, V = relative_motion(reduced, mean, where)
     back = np.linalg.inv(V)
     field = turned_stiffening(mean, Turn(-t @ back, -theta @ back, V))

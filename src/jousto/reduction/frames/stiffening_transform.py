@@ -1,4 +1,4 @@
-"""Second-order displacements of a body seen from another frame: its stiffening stays."""
+"""Second-order displacements of a body relative to another frame."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from jousto.reduction.reduced import ReducedPart
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """How a frame moves in the modes of a body, and the modes made orthonormal again.
+    """Motion of a frame in the modes of a body, and the orthonormalised new modes.
 
     Parameters
     ----------
     t, theta : (3, n) array
         Translation at the origin and rotation in each mode, part frame.
     V : (n, n) array
-        The new modes in those from which the rigid motion is taken.
+        New modes as combinations of the modes without the motion of the frame.
     """
 
     t: Array
@@ -30,21 +30,22 @@ class Turn:
 
 
 def turned_stiffening(reduced: ReducedPart, turn: Turn) -> Stiffening:
-    """Return the second-order field of a body seen from a frame that moves in its modes.
+    """Return the second-order field of a body relative to a frame that moves in its modes.
 
-    A particle at ``u0 + Phi p + chi(p, p)/2`` is, from a frame that is displaced by ``t p`` and
-    turned by ``exp(theta p~)``, at ``u0 + (Phi - t - theta x u0) p + chi'(p, p)/2`` with
+    Relative to a frame displaced by ``t p`` and rotated by ``exp(theta p~)``, a particle at ``u0 +
+    Phi p + chi(p, p)/2`` is at ``u0 + (Phi - t - theta x u0) p + chi'(p, p)/2`` with
 
         ``chi'_jk = chi_jk - theta_j x (phi_k - t_k) - theta_k x (phi_j - t_j)
         + (theta_j x (theta_k x u0) + theta_k x (theta_j x u0))/2``,
 
-    and its rotation has ``psi'_jk = psi_jk - (theta_j x Psi_k + theta_k x Psi_j)/2``. What the
-    frame does to the second order is free: such that chi' has no momentum, as `Stiffening` wants.
+    and its rotation has ``psi'_jk = psi_jk - (theta_j x Psi_k + theta_k x Psi_j)/2``. The
+    second-order motion of the frame is arbitrary and chosen such that chi' has no momentum, as
+    required by `Stiffening`.
     """
     held = reduced.stiffening
     assert held is not None
     I, t, theta = reduced.invariants, turn.t, turn.theta
-    # int chi' dm and int u0 chi'^T dm before the rigid motion is taken out; _jk, symmetric
+    # int chi' dm and int u0 chi'^T dm before the rigid motion is removed; _jk, symmetric
     cross = np.einsum("abc,bj->jac", EPS, theta)
     twice = np.einsum("jab,kbc->jkac", cross, cross)
     linear = _both(-np.einsum("jab,bk->jka", cross, I.I3 - I.mass * t))
@@ -82,7 +83,7 @@ def _both(a: Array) -> Array:
 
 
 def _balanced(I: Invariants, linear: Array, angular: Array) -> tuple[Array, Array]:
-    """Return the rotation and translation (n, n, 3) that take these momenta out."""
+    """Return the rotation and translation (n, n, 3) that cancel given momenta."""
     h = np.concatenate([linear, angular], axis=2)
     c = I.rigid_motion(h.reshape(-1, 6).T).T.reshape(h.shape)
     return c[..., 3:], c[..., :3]

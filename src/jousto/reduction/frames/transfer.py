@@ -13,7 +13,7 @@ from jousto.reduction.modes.rigid import length_scale
 from jousto.reduction.reduced import ReducedPart
 
 SPANNED = 1e-6
-"""Share of a mode that the modes of the other frame may miss."""
+"""Largest part of a mode outside of the modes of the other frame / size of the mode."""
 
 
 @explained
@@ -23,14 +23,14 @@ def same_motion(
     """Return the coordinates and velocities of a body in another of its frames.
 
     With ``phi_j = sum_k phi'_k T_kj + t_j + theta_j x u0``: ``R' = R + A t p``,
-    ``A' = A exp(theta p~)``, ``p' = T p`` and their time derivatives. All nodes then move alike to
-    the first order in the deformation; what remains is of the order of the products
-    ``theta p x Phi' p'``, the square of deflection over length.
+    ``A' = A exp(theta p~)``, ``p' = T p`` and their time derivatives. All nodes then have the same
+    motion to first order in the deformation; the error is of the order of the products ``theta p x
+    Phi' p'``, (deflection / length)^2.
 
     Parameters
     ----------
     old, new : ReducedPart
-        The same modes seen from two frames, such as a part and `in_frame` of it.
+        The same modes relative to two frames, such as a part and the result of `in_frame`.
     q : (7 + n,) array_like
         ``[R, e, p]`` of the old body: m, Euler parameters, kg^0.5 m.
     v : (6 + n,) array_like
@@ -44,7 +44,7 @@ def same_motion(
     Raises
     ------
     InputError
-        Wrong shapes, or modes that are not those of the other part.
+        If shapes are wrong, or the modes are not those of the other part.
 
     Examples
     --------
@@ -78,7 +78,7 @@ def same_motion(
 
 
 def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Array, Array, Array]:
-    """Return t, theta (3, n) and T (n', n) of the old modes in the new ones."""
+    """Return t, theta (3, n) and T (n', n) of the old modes in terms of the new ones."""
     same = old.nodes.shape == new.nodes.shape and np.allclose(old.nodes, new.nodes)
     if not same:
         raise InputError(Problem(where, f"has other nodes than reduced part '{old.name}'"))
@@ -98,8 +98,8 @@ def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Arr
     c = np.linalg.lstsq(basis / size, modes, rcond=1e-14)[0] / size[:, None]
     if np.linalg.norm(basis @ c - modes) > SPANNED * np.linalg.norm(modes):
         message = (
-            f"does not hold the modes of reduced part '{old.name}': both must be the same "
-            "reduction, seen from two frames"
+            f"does not contain the modes of reduced part '{old.name}': both must be the same "
+            f"reduction relative to two frames"
         )
         raise InputError(Problem(where, message))
     theta = c[new.n + 3 :] / length
@@ -108,7 +108,7 @@ def relative_motion(old: ReducedPart, new: ReducedPart, where: str) -> tuple[Arr
 
 
 def _turning(turn: Array) -> Array:
-    """Return what makes the rate of a rotation vector the angular velocity in the turned frame."""
+    """Return the matrix from a rotation vector's rate to the angular velocity, rotated frame."""
     a, W = float(np.linalg.norm(turn)), skew(turn)
     b = 0.5 * np.sinc(a / (2.0 * np.pi)) ** 2
     c = 1.0 / 6.0 - a**2 / 120.0 if a < 1e-2 else (a - np.sin(a)) / a**3

@@ -1,8 +1,8 @@
-"""Eigenproblems in flexibility form, ``M y = mu K y``: exact for massless degrees of freedom.
+"""Eigenproblems in flexibility form, ``M y = mu K y``, exact for massless degrees of freedom.
 
 Vibration modes solve ``K y = omega^2 M y``. A lumped mass matrix without rotary inertia is
-singular, so the roles are swapped: K is positive definite once the body is held, and
-``mu = 1 / omega^2`` is zero for every motion that moves no mass. Those are left out.
+singular, so K and M are exchanged: K is positive definite for a supported body, and ``mu = 1 /
+omega^2`` is zero for motions without mass, which are left out.
 """
 
 from __future__ import annotations
@@ -26,19 +26,18 @@ class MissingModesError(InputError):
 
 
 DENSE_LIMIT = 500
-"""Problems up to this size are solved densely, with all modes."""
+"""Size up to which problems are solved with dense matrices, for all modes."""
 
 ALL_LIMIT = 6000
-"""Problems above this size are not solved densely, whatever is asked for."""
+"""Size above which problems are never solved with dense matrices."""
 
 MASSLESS = 1e-12
-"""Modes with mu below this fraction of the largest one (a million times its frequency) move no
-mass."""
+"""Smallest mu of modes with mass / largest mu (a million times its frequency)."""
 
 STAND_IN = 1e-8
-"""The fraction that motions without mass are given where they are kept: ten thousand times the
-lowest frequency. They then follow their loads as if at rest; what that costs a mode of frequency
-f is of the order of ``(f / 1e4 f_1)^2``."""
+"""mu of kept motions without mass / largest mu: ten thousand times the lowest frequency. These
+motions then respond statically; the relative error of a mode of frequency f is of the order
+``(f / 1e4 f_1)^2``."""
 
 CLUSTER = 1e-8
 """Relative difference of mu below which frequencies count as equal."""
@@ -46,7 +45,7 @@ CLUSTER = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Flexibility:
-    """A held body in coordinates y: stiffness B, positive definite, and displacements ``X0 y``.
+    """Supported body in coordinates y: stiffness B, positive definite, and displacements ``X0 y``.
 
     Parameters
     ----------
@@ -59,10 +58,10 @@ class Flexibility:
     B : (size, size) array or sparse array
         Stiffness.
     solve : Solver or None
-        Solves with B; None if the problem is small enough for dense matrices.
+        Solver with B; None for problems small enough for dense matrices.
     explicit : callable, optional
-        The same body in coordinates for dense matrices, where `solve` keeps y in a subspace in
-        which alone B is definite.
+        The same body in coordinates for dense matrices, needed if B is definite only in the
+        subspace of `solve`.
     """
 
     size: int
@@ -83,7 +82,7 @@ def spectrum(
     report: Callable[[float], None] | None = None,
     massless: bool = False,
 ) -> tuple[Array, Array]:
-    """Solve ``X0^T M X0 y = mu B y`` for at least the softest modes asked for.
+    """Solve ``X0^T M X0 y = mu B y`` for at least the requested softest modes.
 
     Parameters
     ----------
@@ -92,28 +91,28 @@ def spectrum(
     M : (ndof, ndof) sparse array
         Mass matrix of the lifted displacements.
     modes : int or None
-        How many are wanted.
+        Number of requested modes.
     frequency_limit : float or None
-        All below this frequency are wanted, Hz.
+        Highest requested frequency, Hz.
     where : str
         Name for errors.
     report : callable, optional
-        Called with the part of the modes that is found, from 0 to 1.
+        Function called with the fraction of the modes found, 0 to 1.
     massless : bool
-        Whether motions that move no mass come too, after the others, with mu = 0; only of small
-        problems, ``solve=None``.
+        Whether motions without mass are returned too, after the others, with mu = 0; for small
+        problems only, ``solve=None``.
 
     Returns
     -------
     mu : (m,) array
-        ``1 / omega^2``, s2, descending; only modes that move mass unless `massless`.
+        ``1 / omega^2``, s2, descending; only modes with mass unless `massless`.
     X : (ndof, m) array
         Modes normalised to unit stiffness, ``X^T K X = E``.
 
     Raises
     ------
     InputError
-        The mass matrix is not positive semidefinite, or modes do not converge.
+        If the mass matrix is not positive semidefinite, or modes do not converge.
     """
     if problem.size == 0:
         return np.zeros(0), problem.lift(np.zeros((0, 0)))
@@ -124,7 +123,7 @@ def spectrum(
     else:
         mu, Y = lanczos(_operator(problem, M), problem.B, problem.solve, count + 4, report, where)
         wanted = 0.0 if frequency_limit is None else 1.0 / (2.0 * np.pi * frequency_limit) ** 2
-        # without a number, double until the limit is passed
+        # without a number, double the count until the limit is passed
         while modes is None and mu[-1] > max(wanted, MASSLESS * mu[0]):
             count *= 2
             if count + 8 > problem.size // 3:
@@ -158,7 +157,7 @@ def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Flexibili
         raise InputError(
             Problem(
                 where,
-                f"more than a third of all {problem.size} modes are asked for; ask for fewer modes "
+                f"more than a third of all {problem.size} modes are requested; ask for fewer modes "
                 "or a lower frequency_limit",
             )
         )
@@ -167,19 +166,19 @@ def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Flexibili
     X0 = problem.lift(np.eye(problem.size))
     A = X0.T @ (M @ X0)
     B = problem.B if isinstance(problem.B, np.ndarray) else problem.B.toarray()
-    # unit diagonal of B: Cholesky then sees no units
+    # unit diagonal of B, so that Cholesky does not depend on units
     scale = 1.0 / np.sqrt(np.diag(B))
     mu, Y = scipy.linalg.eigh(scale[:, None] * A * scale, scale[:, None] * B * scale)
     return problem, mu[::-1], (scale[:, None] * Y)[:, ::-1]
 
 
 def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:
-    """Return mu and modes with exact digits also where mu is small.
+    """Return mu and modes with full relative accuracy, also for small mu.
 
     An eigensolver leaves an error of ``eps * mu[0]`` in every mu. Recomputing ``A = X^T M X`` has
     errors of ``eps * sqrt(mu_i mu_j)`` only, and simultaneous Jacobi rotations by
-    ``theta_ij = atan(2 A_ij / (mu_j - mu_i)) / 2``, which keep ``X^T K X = E``, remove what is left
-    off its diagonal. Equal frequencies are left to `canonical`.
+    ``theta_ij = atan(2 A_ij / (mu_j - mu_i)) / 2``, which keep ``X^T K X = E``, remove the
+    off-diagonal terms. Equal frequencies are treated in `canonical`.
     """
     for _ in range(8):
         A = X.T @ (M @ X)
@@ -191,7 +190,7 @@ def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:
             break
         theta = np.where(apart, 0.5 * np.arctan(2.0 * A / np.where(apart, gap, 1.0)), 0.0)
         half = 0.25 * (theta - theta.T)
-        # Cayley transform: exactly orthogonal
+        # Cayley transform, exactly orthogonal
         E = np.eye(len(mu))
         X = X @ np.linalg.solve(E - half, E + half)
     mu = np.einsum("ij,ij->j", X, M @ X)
@@ -200,7 +199,7 @@ def polish(X: Array, M: sp.csr_array) -> tuple[Array, Array]:
 
 
 def clusters(mu: Array) -> list[slice]:
-    """Return runs of equal frequencies.
+    """Return index ranges of equal frequencies.
 
     Examples
     --------
@@ -212,7 +211,8 @@ def clusters(mu: Array) -> list[slice]:
     return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True) if b > a]
 
 
-ROUND_OFF = 1e-14  # of the largest translation or rotation of a mode
+# largest component of a mode that counts as round-off / largest translation or rotation
+ROUND_OFF = 1e-14
 DIRECTION_WEIGHTS = np.array([1.0, 2.0, 4.37, 10.1, 13.3, 17.9])
 
 
@@ -221,10 +221,10 @@ def canonical(
 ) -> tuple[Array, Array]:
     """Make modes of equal frequency and all signs unique.
 
-    Within a cluster the modes are turned until they diagonalise the kinetic energy weighted by
+    Within a cluster the modes are rotated such that they diagonalise the kinetic energy weighted by
     direction, ``sum_a w_a (D_a X)^T M (D_a X)``: the two bending modes of a square beam become
-    planar, and what they move by round-off only becomes zero. The largest translation (rotation,
-    if nothing translates) of each mode is positive.
+    planar, and components of round-off size become zero. The largest translation (or rotation,
+    without translations) of each mode is positive.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def canonical(
     kind = np.arange(X.shape[0]) % dofs_per_node
     for c in clusters(mu):
         if c.stop - c.start > 1:
-            # exactly mass-orthogonal first
+            # first orthogonalise with respect to M
             A = X[:, c].T @ (M @ X[:, c])
             values, vectors = np.linalg.eigh(0.5 * (A + A.T))
             block = X[:, c] @ (vectors / np.sqrt(values / values.mean())) @ vectors.T
@@ -254,7 +254,7 @@ def canonical(
             X[:, c] = block @ np.linalg.eigh(W)[1]
     for j in range(X.shape[1]):
         X[:, j] *= _sign(X[:, j], kind, length)
-    # round-off out of a plane would grow where nothing resists it: make it exactly zero
+    # set components of round-off size to zero: they would grow in directions without stiffness
     for rows in (kind < 3, kind >= 3):
         block = X[rows]
         X[rows] = np.where(
@@ -265,9 +265,9 @@ def canonical(
 
 
 def settled(X: Array, dofs_per_node: int, length: float) -> Array:
-    """Make motions that move no mass unique, as `canonical` makes modes: by their displacements.
+    """Make motions without mass unique, like `canonical`, by their displacements.
 
-    They are turned until they diagonalise ``sum_a w_a (D_a X)^T (D_a X)``, rotations times the
+    They are rotated such that they diagonalise ``sum_a w_a (D_a X)^T (D_a X)``, rotations times the
     size of the body; ``X^T K X = E`` stays.
     """
     kind = np.arange(X.shape[0]) % dofs_per_node
@@ -281,7 +281,7 @@ def _sign(x: Array, kind: NDArray[np.int_], length: float) -> float:
     translation = np.where(kind < 3, size, 0.0)
     rotation = np.where(kind >= 3, size * length, 0.0)
     chosen = translation if translation.max() > 1e-6 * rotation.max() else rotation
-    # the first of equally large values decides
+    # of equally large components the first one determines the sign
     first = int(np.argmax(chosen >= (1.0 - 1e-6) * chosen.max()))
     return -1.0 if x[first] < 0.0 else 1.0
 
@@ -294,14 +294,15 @@ def select(
     Raises
     ------
     InputError
-        There are not as many modes as asked for.
+        If there are fewer modes than requested.
     """
     if modes is not None and modes > len(mu):
         raise MissingModesError(
             Problem(
                 where,
-                f"{modes} {kind} modes asked for, but there are only {len(mu)}: motions that move "
-                "no mass (rotations of nodes without rotary inertia) have no frequency; ask for "
+                f"{modes} {kind} modes are requested, but there are only {len(mu)}: motions "
+                f"without mass (rotations of nodes without rotary inertia) have no frequency; ask "
+                f"for "
                 "fewer modes, use more elements, or give rotary_inertia=True",
             )
         )
@@ -313,6 +314,6 @@ def select(
         warn(
             where,
             f"{kind} modes {count} and {count + 1} have the same frequency and only the first is "
-            "kept: a symmetric body becomes unsymmetric; ask for one mode more or less",
+            f"kept, so that a symmetric body becomes unsymmetric; ask for one mode more or less",
         )
     return mu[:count], X[:, :count]

@@ -1,13 +1,13 @@
-"""How the inside of a part yields to loads while its interfaces are held.
+"""Response of the interior of a part to loads with fixed interfaces.
 
-Nodes and rigid ties are held by leaving their coordinates out. Averages cannot be left out: they
-are held by forces ``C^T lam`` instead. One sparse factorisation of the part, pinned at a few more
-coordinates if nothing else holds it, and one small dense system give the response
+Nodes and rigid ties are fixed by removing their coordinates. Averages are fixed by forces ``C^T
+lam`` instead. The response follows from one sparse factorisation of the part, pinned at a few more
+coordinates if necessary, and one small dense system:
 
     ``F f = Z f - W S^-1 W^T f``,  ``W = [Z C^T, N]``,  ``S = [C Z C^T, C N; N^T C^T, 0]``,
 
-where Z solves with the pins and N are the rigid motions that the interfaces leave free: the forces
-on the pins vanish, ``N^T (f + C^T lam) = 0``, and so do the averages, ``C F f = 0``. F is
+where Z is the solution with the pins and N are the rigid motions left free by the interfaces: the
+forces on the pins vanish, ``N^T (f + C^T lam) = 0``, and so do the averages, ``C F f = 0``. F is
 symmetric and does not depend on the pins.
 """
 
@@ -26,11 +26,11 @@ from jousto.reduction.modes.ties import Boundary, Coordinates, embedded
 from jousto.reduction.sparse.factor import Solver
 
 HELD = 1e-7
-"""Least independent motion (relative to body size) by which supports hold a body."""
+"""Smallest independent motion (relative to body size) of the supports that fix a body."""
 
 
 class Inside:
-    """The inside of a part: what moves while its interfaces are held.
+    """Interior of a part: its coordinates with fixed interfaces.
 
     Parameters
     ----------
@@ -44,11 +44,11 @@ class Inside:
     Attributes
     ----------
     rows : (ni,) array
-        Coordinates z that are not held.
+        Free coordinates z.
     K_II : (ni, ni) sparse array
-        Their stiffness.
+        Stiffness of the free coordinates.
     C : (na, ni) sparse array
-        Averages of them.
+        Averages of the free coordinates.
     """
 
     def __init__(
@@ -63,14 +63,14 @@ class Inside:
         self._factorise = factorise
         K_z, inside, held = K, z.dof[self.rows], z.columns(b.held)
         if np.any(inside < 0):
-            # a rigid tie that is no interface: its reference node is inside
+            # a rigid tie that is no interface: its reference node belongs to the interior
             K_z, inside = z.restrict(K), self.rows
             held = sp.csr_array(sp.eye_array(z.size, format="csr")[:, b.held])
         K_I, K_T = K_z[inside], sp.csr_array(K_z @ held)
         self.K_II = sp.csc_array(K_I[:, inside])
         self.K_IB, self.K_BB = K_T[inside], sp.csr_array(held.T @ K_T)
         self.C = sp.csr_array(b.C[:, self.rows])
-        # rigid motions that the held coordinates leave free, stopped by as many pins
+        # rigid motions left free by the fixed coordinates, removed by as many pins
         rest = rigid_left(z.rigid[b.held])
         self._N = z.motions[self.rows] @ rest
         self._free = np.arange(len(self.rows))
@@ -83,7 +83,7 @@ class Inside:
         self._small: Callable[[Array], Array] = lambda f: f
 
     def prepare(self) -> None:
-        """Factorise, if that is not done yet."""
+        """Factorise the stiffness, if not done before."""
         if self._Z is not None:
             return
         f, r = self._free, self._N.shape[1]
@@ -105,7 +105,7 @@ class Inside:
         self._small = _solver(S)
 
     def solve(self, f: Array, /) -> Array:
-        """Return the response F f to loads (ni,) or (ni, m) on the inside."""
+        """Return the response F f to loads (ni,) or (ni, m) on the interior."""
         self.prepare()
         assert self._Z is not None
         na = self.C.shape[0]
@@ -116,7 +116,7 @@ class Inside:
         return y - self._W @ self._small(np.concatenate([self.C @ y, self._N.T @ f]))
 
     def constraint_modes(self) -> tuple[Array, Array]:
-        """Return the inside (ni, nb + na) for unit motions of the interfaces, and its stiffness.
+        """Return the interior (ni, nb + na) for unit motions of the interfaces, and the stiffness.
 
         ``Phi_C = [-F K_IB, U]`` with U for the averages, ``K_C = Phi^T K Phi``.
         """
@@ -131,22 +131,22 @@ class Inside:
         return np.concatenate([Phi, U], axis=1), np.block([[K_C, K_BA], [K_BA.T, K_A]])
 
     def spread(self, y: Array) -> Array:
-        """Return the displacements (ndof, m) of the part with the interfaces held."""
+        """Return the displacements (ndof, m) of the part with fixed interfaces."""
         return self.z.spread(embedded(y, self.rows, self.z.size))
 
     def gather(self, f: Array) -> Array:
-        """Return loads (ndof, m) on the part as loads on the inside."""
+        """Return loads (ndof, m) on the part as loads on the interior."""
         return self.z.gather(f)[self.rows]
 
     def problem(self) -> eigen.Flexibility:
-        """Return the eigenproblem of the inside."""
+        """Return the eigenproblem of the interior."""
         explicit = self._explicit if self.C.shape[0] else None
         return eigen.Flexibility(
             len(self.rows), self.spread, self.gather, self.K_II, self.solve, explicit
         )
 
     def _explicit(self) -> eigen.Flexibility:
-        # small parts: six displacements of each average follow from the others
+        # small parts: eliminate six displacements per average
         C = self.C.toarray()
         na, n = C.shape
         _, pivots = scipy.linalg.qr(C, mode="r", pivoting=True)
@@ -164,7 +164,7 @@ class Inside:
 
 
 def _solver(S: Array) -> Callable[[Array], Array]:
-    # forces are of another size than displacements: balance rows and columns
+    # balance rows and columns, since forces and displacements differ in size
     scale = np.ones(len(S))
     for _ in range(4):
         scale /= np.sqrt(np.abs(scale[:, None] * S * scale).max(axis=1))
@@ -178,7 +178,7 @@ def _solver(S: Array) -> Callable[[Array], Array]:
 
 
 def rigid_left(R: Array) -> Array:
-    """Return the combinations (6, r) of rigid motions that leave coordinates with rows R at rest.
+    """Return the combinations (6, r) of rigid motions that leave coordinates with rows R at zero.
 
     Examples
     --------
@@ -187,16 +187,16 @@ def rigid_left(R: Array) -> Array:
     """
     if not len(R):
         return np.eye(6)
-    # of the triangle: rows of many coordinates would give a matrix of all pairs
+    # from the triangular factor, since an SVD of many rows would need a large square matrix
     _, s, V = np.linalg.svd(np.linalg.qr(R, mode="r"), full_matrices=True)
     rank = int(np.sum(s > HELD * s[0]))
     return np.asarray(V[rank:].T)
 
 
 def determinate(R: Array, candidates: Index | None = None) -> Index | None:
-    """Return six of the coordinates with rigid motions R that hold the body, or None.
+    """Return six coordinates with rigid motions R that fix the body, or None.
 
-    Chosen by pivoted QR, so that the supports are as independent as possible.
+    They are chosen by pivoted QR, so that the supports are as independent as possible.
     """
     rows = R if candidates is None else R[candidates]
     if len(rows) < 6:
@@ -209,13 +209,13 @@ def determinate(R: Array, candidates: Index | None = None) -> Index | None:
 
 
 def cannot_hold(part_name: str, names: tuple[str, ...], nodes: int, d: int) -> InputError:
-    """Return the error of interfaces that do not hold the body."""
+    """Return the error for interfaces that do not fix the body."""
     return InputError(
         Problem(
             f"part '{part_name}'",
             f"the interface {', '.join(names)} ({nodes} node{'s'[: nodes != 1]} of "
-            f"{d} degrees of freedom) does not hold the body: with nodes that only translate give "
-            "at least three interface nodes that are not on one line, tie them to a node that "
-            "turns, Interface(name, nodes), or use FreeFree()",
+            f"{d} degrees of freedom) does not stop all rigid motions: of nodes without rotations "
+            f"use at least three that are not on one line, tie them to a node with rotations, "
+            f"Interface(name, nodes), or use FreeFree()",
         )
     )

@@ -1,9 +1,9 @@
-"""Block Lanczos iteration for the softest modes of a held body.
+"""Block Lanczos iteration for the softest modes of a supported body.
 
-It works in flexibility form, ``A y = mu B y`` with ``mu = 1 / omega^2``: the operator
+The flexibility form ``A y = mu B y`` with ``mu = 1 / omega^2`` is used: the operator
 ``B^-1 A`` is symmetric in the inner product of B, and its largest eigenvalues, the lowest
 frequencies, converge first. Several right-hand sides at a time cost little more than one, and a
-block finds as many equal frequencies as it has columns.
+block converges to as many equal frequencies as it has columns.
 """
 
 from __future__ import annotations
@@ -22,34 +22,34 @@ from jousto.reduction.sparse.factor import Solver
 Apply = Callable[[Array], Array]
 
 BLOCK = 4
-"""Columns of a block; as many equal frequencies are found without looking again."""
+"""Columns of a block, and multiplicity of frequencies found without a repetition."""
 
 CLUSTER = 1e-8
 """Relative difference of mu below which frequencies count as equal."""
 
 RESIDUAL = 1e-10
-"""Largest residual of a mode relative to its mu: mu then is exact to its square."""
+"""Largest residual of a mode / its mu; the relative error of mu is the square of that."""
 
 FLOOR = 1e-13
-"""Residual relative to the largest mu that rounding may leave: there is nothing below it."""
+"""Residual / largest mu at rounding level."""
 
 PATIENCE = 10
-"""Restarts in which the residuals must have become smaller."""
+"""Number of restarts within which the residuals must decrease."""
 
 PROGRESS = 0.99
-"""Part of the way to convergence (sum of the residuals' logarithms) that counts as smaller."""
+"""Relative decrease of the sum of the logarithms of the residuals that counts as progress."""
 
 TOLERABLE = 1e-6
-"""Residual relative to mu that is accepted where rounding lets it become no smaller."""
+"""Residual / mu that is accepted if rounding prevents a smaller one."""
 
 INTERVAL = 20
-"""The basis is examined again when it has grown by one part in so many."""
+"""Inverse relative growth of the basis after which convergence is checked again."""
 
 ROUND_OFF = 1e-12
-"""Part of a direction that is left of it after orthogonalisation when nothing new is in it."""
+"""Relative length of a direction after orthogonalisation below which it is dependent."""
 
 SMALL = 1e-9
-"""What an orthogonalisation may take away for another one not to be needed."""
+"""Relative length after orthogonalisation above which no second one is needed."""
 
 
 @dataclass(eq=False)
@@ -80,10 +80,10 @@ def lanczos(
 ) -> tuple[Array, Array]:
     """Return the largest `count` solutions of ``A y = mu B y``.
 
-    Block Lanczos with full orthogonalisation, restarted with the best vectors found when the basis
-    is full (thick restart), and a last projection that repairs rounding. If as many frequencies
-    are equal as a block has columns there may be more of them: it is repeated with wider blocks.
-    It goes on as long as residuals become smaller.
+    Block Lanczos with full orthogonalisation, thick restart (with the best vectors when the basis
+    is full), and a final projection that removes rounding errors. If the multiplicity of a
+    frequency reaches the number of columns of a block, the iteration is repeated with wider blocks.
+    It continues as long as residuals decrease.
 
     Parameters
     ----------
@@ -91,19 +91,18 @@ def lanczos(
         ``y (n, m) -> A y``, symmetric positive semidefinite.
     B : (n, n) sparse array
         Symmetric positive definite.
-    solve : Solver
-        Solves with B.
+    solve : Solver Solver with B.
     count : int
-        How many.
+        Number of solutions.
     report : callable, optional
-        Called now and then with the part of them that has converged, from 0 to 1.
+        Function called with the converged fraction, 0 to 1.
     where : str
         Name for errors.
 
     Returns
     -------
     mu : (count,) array
-        Descending; fewer where all others are zero.
+        Eigenvalues, descending; fewer if all others are zero.
     Y : (n, count) array
         ``Y^T B Y = E``.
 
@@ -121,7 +120,7 @@ def lanczos(
 
 
 def _equal(mu: Array) -> int:
-    """Return how many neighbours are equal at most."""
+    """Return the largest number of equal neighbours."""
     ends = np.flatnonzero(np.abs(np.diff(mu)) > CLUSTER * np.abs(mu[:-1])) + 1
     return int(np.diff(np.r_[0, ends, len(mu)]).max(initial=0))
 
@@ -142,7 +141,7 @@ def _iterate(
         np.empty((n, room + width), order="F"),
         np.zeros((room + width, room + width)),
     )
-    # a fixed start makes the result repeatable
+    # a fixed start vector makes the result repeatable
     random = np.random.default_rng(20070607)
     W = solve(apply(random.standard_normal((n, width))))
     W, BW, _ = _orthonormal(basis, W, B, np.zeros(width))
@@ -159,13 +158,13 @@ def _iterate(
         basis.T[old, : basis.size] = T.T
         # B W = F
         before = np.sqrt(np.maximum(np.einsum("ij,ij->j", W, F), 0.0))
-        # W reaches back to the block before only (three-term recurrence)
+        # W reaches back only to the previous block (three-term recurrence)
         W -= Q[:, near:] @ T[near:]
         W, BW, R = _orthonormal(basis, W, B, before)
         full = not W.shape[1] or basis.size + W.shape[1] > n
         filled = basis.size + W.shape[1] > room
         near = old.start
-        # not after every block: it costs the cube of the size
+        # not after every block, since the cost is cubic in the size
         if full or filled or basis.size >= due:
             mu, S = np.linalg.eigh(basis.T[: basis.size, : basis.size])
             mu, S = mu[::-1], S[:, ::-1]
@@ -192,14 +191,14 @@ def _iterate(
 
 
 def _require(found: int, count: int, where: str) -> None:
-    """Raise if not all frequencies have been found."""
+    """Raise InputError if not all frequencies have converged."""
     if found < count:
         raise InputError(
             Problem(
                 where,
-                f"only {found} of {count} frequencies converge, the others become no more accurate;"
-                " ask for fewer modes or a lower frequency_limit, and look for stiffnesses or"
-                " masses of very different size, which leave a solver few digits",
+                f"only {found} of {count} frequencies converge, the residuals of the others no "
+                f"longer decrease; ask for fewer modes or a lower frequency_limit, and check for "
+                f"stiffnesses or masses of very different size, which cause rounding errors",
             )
         )
 
@@ -207,19 +206,19 @@ def _require(found: int, count: int, where: str) -> None:
 def _orthonormal(
     basis: _Basis, W: Array, B: Array | sp.csc_array | sp.csr_array, before: Array
 ) -> tuple[Array, Array, Array]:
-    """Return W made orthonormal to the basis and in itself, B times it, and R with ``W = . R``.
+    """Return W orthonormal to the basis and in itself, B W, and R with ``W_given = W R``.
 
-    What is shorter than round-off of its length before is left out: the basis holds it already.
+    Columns whose remainder is at round-off level are left out, since they depend on the basis.
     """
     Q, BQ = basis.columns()
-    # again where little is left: that is round-off of what was taken away
+    # repeat if little is left, since the remainder then contains round-off
     for _ in range(3 if basis.size else 0):
         C = BQ.T @ W
         W -= Q @ C
-        # in the norm of B the columns of Q C are as long as C
+        # in the norm of B the columns of Q C have the lengths of those of C
         if np.all(np.linalg.norm(C, axis=0) < SMALL * before):
             break
-    # a true product: errors of a recurrence would grow from block to block
+    # explicit product, since errors of a recurrence would grow from block to block
     BW = np.asarray(B @ W)
     kept: list[int] = []
     R = np.zeros((W.shape[1], W.shape[1]))
@@ -250,7 +249,7 @@ def _restart(basis: _Basis, mu: Array, S: Array, keep: int) -> None:
 def _projected(
     apply: Apply, B: Array | sp.csc_array | sp.csr_array, Y: Array
 ) -> tuple[Array, Array]:
-    """Return the solution within the span of Y, with true products."""
+    """Return the solution within the span of Y, with explicit products."""
     A_Y, B_Y = Y.T @ apply(Y), Y.T @ np.asarray(B @ Y)
     mu, S = scipy.linalg.eigh(0.5 * (A_Y + A_Y.T), 0.5 * (B_Y + B_Y.T))
     return mu[::-1], Y @ S[:, ::-1]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def dof_label(dof: int, dofs_per_node: int) -> str:
-    """Return a name for messages, nodes counted from 1.
+    """Return the name of a degree of freedom for messages, nodes counted from 1.
 
     Examples
     --------
@@ -46,15 +46,16 @@ def dof_label(dof: int, dofs_per_node: int) -> str:
 def craig_bampton_basis(
     part: Part, M: sp.csr_array, K: sp.csr_array, method: CraigBampton, run: Run
 ) -> eigen.Flexibility:
-    """Return constraint modes, fixed-interface modes and residual vectors, held at six motions.
+    """Return constraint modes, fixed-interface modes and residual vectors, fixed at six motions.
 
-    In the coordinates z that rigid ties leave free, ``u = T z``. With fixed-interface modes and
-    residual vectors of unit stiffness the reduced stiffness is that of the constraint modes and E.
+    The coordinates are z of ``u = T z``, left free by rigid ties. Fixed-interface modes and
+    residual vectors have unit stiffness, so that the reduced stiffness consists of that of the
+    constraint modes and E.
 
     Raises
     ------
     InputError
-        The interface does not hold the body, or there are fewer modes than asked for.
+        If the interfaces do not stop all rigid motions, or there are fewer modes than requested.
     """
     where = f"part '{part.name}'"
     d = part.dofs_per_node
@@ -87,7 +88,7 @@ def craig_bampton_basis(
     else:
         mu, full = kept["mu"], kept["modes"]
 
-    # residual vectors: responses with the interfaces held, less what the modes hold
+    # residual vectors: responses with fixed interfaces minus their projection onto the modes
     if loads.shape[1]:
         kept = run.found("residual vectors")
         if kept is None:
@@ -100,14 +101,14 @@ def craig_bampton_basis(
             extra = kept["vectors"]
         full = np.concatenate([full, extra], axis=1)
 
-    # T without the six columns of the held motions
+    # T without the six columns of the fixed motions
     free = np.setdiff1d(np.arange(b.size), six)
     n = len(free)
     T = np.zeros((K.shape[0], n + full.shape[1]))
     T[:, n:] = full
     del full
     for start in range(0, n, 64):
-        # some columns at a time: node sets can have very many
+        # block by block of columns, since node sets can have very many
         some = free[start : start + 64]
         C = embedded(Phi_C[:, some], inside.rows, z.size)
         own = np.flatnonzero(some < len(b.held))
@@ -121,7 +122,7 @@ def craig_bampton_basis(
 def fixed_modes(
     part: Part, M: sp.csr_array, inside: Inside, method: CraigBampton, report: Report
 ) -> tuple[Array, Array]:
-    """Return ``1 / omega^2`` and the modes with the interfaces held, of unit stiffness."""
+    """Return ``1 / omega^2`` and the modes with fixed interfaces, of unit stiffness."""
     where = f"part '{part.name}'"
     mu, full = eigen.spectrum(
         inside.problem(),
@@ -136,18 +137,21 @@ def fixed_modes(
 
 
 def whole_part_basis(part: Part, K: sp.csr_array, run: Run | None = None) -> eigen.Flexibility:
-    """Return all displacements that the rigid ties of the part allow, held at six motions.
+    """Return all displacements compatible with the rigid ties of the part, fixed at six motions.
 
     Raises
     ------
     InputError
-        All nodes lie on a line and do not rotate, or the held stiffness matrix is singular.
+        If all nodes lie on a line and have no rotations, or the stiffness matrix of the fixed part
+        is singular.
     """
     where = f"part '{part.name}'"
     z = coordinates(part)
     held = determinate(z.rigid)
     if held is None:
-        message = "the nodes lie on one line and do not rotate: there is no elastic body"
+        message = (
+            "the nodes lie on one line and have no rotations, so that the part is no elastic body"
+        )
         raise InputError(Problem(where, message))
     free = np.setdiff1d(np.arange(z.size), held)
     K_Z = sp.csc_array(z.restrict(K)[free][:, free])

@@ -1,4 +1,4 @@
-"""Inertia relief: the static response of a part that nothing holds but its own acceleration."""
+"""Inertia relief: static response of a free part balanced by its own acceleration."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from jousto.reduction.modes.ties import boundary, coordinates
 @described
 @dataclass(frozen=True, eq=False)
 class InertiaRelief:
-    """Loads of a free part with the inertia forces that balance them, and the response.
+    """Loads of a free part with balancing inertia forces, and the elastic response.
 
     Parameters
     ----------
     accelerations : (6, m) array
-        Of the part as a rigid body: the origin of the part frame in m/s2 and the angular
-        acceleration in rad/s2, part axes.
+        Rigid-body acceleration: of the origin of the part frame in m/s2, and angular acceleration
+        in rad/s2, part axes.
     loads : (ndof, m) array
-        The loads less the inertia forces, in balance: N and N m.
+        Balanced loads minus inertia forces, N and N m.
     displacements : (ndof, m) array
         Elastic displacements relative to the mean axes (``R^T M u = 0``), m and rad.
     """
@@ -51,7 +51,7 @@ def inertia_relief(part: Part, loads: ArrayLike) -> InertiaRelief:
     """Return the static response of a free part to loads that accelerate it.
 
     ``a = (R^T M R)^-1 R^T F``, ``F_ir = F - M R a`` with the rigid motions R about the origin,
-    ``K u = F_ir``; ``u`` has no momentum, ``R^T M u = 0``. Rigid ties of the part hold.
+    ``K u = F_ir``; ``u`` has no momentum, ``R^T M u = 0``. Rigid ties of the part are satisfied.
 
     Parameters
     ----------
@@ -63,16 +63,16 @@ def inertia_relief(part: Part, loads: ArrayLike) -> InertiaRelief:
     Returns
     -------
     InertiaRelief
-        With as many columns as there are loads.
+        Result with one column per load.
 
     Raises
     ------
     InputError
-        Loads of another shape, or a part that is held or cannot be accelerated.
+        If loads have another shape, or the part is supported or has no inertia.
 
     Examples
     --------
-    A force across the end of a free beam turns it backwards about its centre: its start
+    A transverse force at the end of a free beam rotates it about its centre: its start
     accelerates by -2 F/m, its end by 4 F/m.
 
     >>> from jousto import Material, Rectangle
@@ -92,7 +92,7 @@ def inertia_relief(part: Part, loads: ArrayLike) -> InertiaRelief:
     check_stiffness_is_free(K, part.nodes, part.dofs_per_node, where)
     rigid = mass_orthonormal_rigid_modes(M, part.nodes, part.dofs_per_node, where)
     R = part.rigid_modes()
-    # the same motions in the six that are asked for
+    # the same motions in terms of the six requested ones
     turn = np.linalg.lstsq(_scaled(R), _scaled(rigid.R), rcond=None)[0]
     turn = turn / np.linalg.norm(R, axis=0)[:, None] * np.linalg.norm(rigid.R, axis=0)
     a = rigid.R.T @ F
@@ -142,7 +142,7 @@ def unit_loads(part: Part, interfaces: tuple[str, ...]) -> Array:
 def with_residuals(
     X: Array, loads: Array, elastic: Flexibility, rigid: RigidBasis, K: sp.csr_array
 ) -> Array:
-    """Return free-free modes and what they leave out of the relieved response to loads.
+    """Return free-free modes and the residual of the inertia-relief response to loads.
 
     Parameters
     ----------
@@ -151,9 +151,7 @@ def with_residuals(
     loads : (ndof, m) array
         Any loads.
     elastic : Flexibility
-        The part without its rigid motions.
-    rigid : RigidBasis
-        These.
+        The part without its rigid motions. rigid : RigidBasis Rigid motions.
     K : (ndof, ndof) sparse array
         Stiffness.
     """

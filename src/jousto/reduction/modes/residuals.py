@@ -1,4 +1,4 @@
-"""Residual vectors: the static response to loads that the modes leave out."""
+"""Residual vectors: static responses to loads minus their projection onto the modes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 
 NEW = 1e-9
-"""Part of a response, in the norm of strain energy, below which the basis holds it already."""
+"""Smallest independent part of a response, in the norm of strain energy / response."""
 
 
 class Pattern:
-    """Nodal loads (ndof, m) as part of a method: compared and shown by their content.
+    """Nodal loads (ndof, m) of a method, compared and displayed by their content.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Pattern:
 
 
 def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern | str, ...]:
-    """Return the residuals of a method, or note what is wrong with them."""
+    """Return the residuals of a method, or report what is wrong with them."""
     items = (given,) if isinstance(given, str | np.ndarray | Pattern) else given
     if not isinstance(items, list | tuple):
         problems.add(
@@ -83,13 +83,14 @@ def read_residuals(where: str, given: Any, problems: Problems) -> tuple[Pattern 
 def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
     """Return the loads (ndof, m) of residuals on a part.
 
-    A stress site counts with its adjoint: ``s = S u`` is exact for the response u to every load if
-    the basis holds the response to ``S^T``, since both are one inner product of strain energy.
+    The load of a stress site is its adjoint: ``s = S u`` is exact for the response u to every load
+    if the basis contains the response to ``S^T``, since ``S u`` is their inner product in strain
+    energy.
 
     Raises
     ------
     InputError
-        Loads of another part, or stress sites that the part does not have.
+        If loads belong to another part, or the part does not have a stress site.
     """
     where, problems = f"part '{part.name}'", Problems()
     ndof = part.K.shape[0]
@@ -120,26 +121,26 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
 
 
 def residual_vectors(responses: Array, loads: Array, basis: Array, K: sp.csr_array) -> Array:
-    """Return what is new in static responses, orthonormal in strain energy.
+    """Return the independent parts of static responses, orthonormal in strain energy.
 
     Parameters
     ----------
     responses : (n, m) array
         Static responses.
     loads : (n, m) array
-        What they are the responses to.
+        Loads of these responses.
     basis : (n, k) array
-        Vectors held already, ``basis^T K basis = E``.
+        Vectors of the basis, ``basis^T K basis = E``.
     K : (n, n) sparse array
         Stiffness.
 
     Returns
     -------
     (n, r) array
-        ``X^T K X = E`` and ``basis^T K X = 0``, at most one column for each response.
+        X with ``X^T K X = E`` and ``basis^T K X = 0``, at most one column per response.
     """
-    # a load that the interfaces carry has no response but rounding: compare it with what the load
-    # does where it acts as well
+    # a load carried by the interfaces has a response of rounding size: compare it with the load's
+    # own effect where it acts
     diagonal = K.diagonal()
     near = np.einsum("ij,i,ij->j", loads, 1.0 / np.where(diagonal > 0.0, diagonal, np.inf), loads)
     norm = np.sqrt(np.maximum(np.einsum("ij,ij->j", loads, responses), near))
@@ -148,7 +149,7 @@ def residual_vectors(responses: Array, loads: Array, basis: Array, K: sp.csr_arr
     found = np.zeros((len(responses), 0))
     K_found = found
     while rest.shape[1]:
-        # twice is enough for rounding
+        # twice, to remove rounding errors
         for _ in range(2):
             K_rest = np.asarray(K @ rest)
             rest = rest - basis @ (basis.T @ K_rest) - found @ (K_found.T @ rest)

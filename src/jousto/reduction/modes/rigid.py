@@ -1,4 +1,4 @@
-"""Rigid motions of a free body: the modes, their removal, and the check that K leaves them free."""
+"""Rigid motions of a free body: the modes, their removal, and the check that K has them free."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, warn
 
 STIFFNESS_FREEDOM = 1e-6
-"""Largest force of a rigid motion, relative to the forces that cancel in it."""
+"""Largest nodal force of a rigid motion / forces that cancel in it."""
 
 LINE_ERROR, LINE_WARNING = 1e-14, 1e-12
-"""Least ratio of the smallest to the largest principal moment of inertia."""
+"""Smallest ratio of the smallest to the largest principal moment of inertia."""
 
 
 def rigid_modes(
@@ -23,14 +23,15 @@ def rigid_modes(
 ) -> Array:
     """Return the six small rigid motions as columns: three translations, three rotations.
 
-    Column a moves every node by ``e_a``, column 3 + a by ``e_a x (x - c)`` and turns it by ``e_a``.
+    Column a moves every node by ``e_a``, column 3 + a by ``e_a x (x - c)`` and rotates it by
+    ``e_a``.
 
     Parameters
     ----------
     nodes : (nn, 3) array
         Positions in the part frame, m.
     dofs_per_node : int
-        6, or 3 where nodes only translate.
+        6, or 3 for nodes without rotations.
     centre : (3,) array, optional
         Point c that the rotations leave at rest, m; the origin if not given.
     axes : (3, 3) array, optional
@@ -59,21 +60,21 @@ def length_scale(nodes: Array) -> float:
 
 
 def check_stiffness_is_free(K: sp.csr_array, nodes: Array, dofs_per_node: int, where: str) -> None:
-    """Raise InputError unless rigid motions cost no force: ``K R = 0``.
+    """Raise InputError unless rigid motions cause no force: ``K R = 0``.
 
-    Each row of K R is compared with the forces that cancel in it, so that a support at one node
-    is found whatever the size of the model and the units.
+    Each row of K R is compared with the forces that cancel in it, so that a support at one node is
+    found for any size of the model and any units.
 
     Raises
     ------
     InputError
-        With the node and direction of the largest force left.
+        With node and direction of the largest remaining force.
     """
     R = rigid_modes(nodes, dofs_per_node, centre=nodes.mean(axis=0))
     R[:, 3:] /= length_scale(nodes)
     force = np.abs(K @ R)
     cancelling = abs(K) @ np.abs(R)
-    # a row that one motion hardly touches carries rounding only: compare it with the other motions
+    # rows hardly affected by one motion contain rounding only: compare with the other motions
     floor = 1e-3 * cancelling.max(axis=1, keepdims=True)
     ratio = force / np.maximum(np.maximum(cancelling, floor), np.finfo(float).tiny)
     row, column = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
@@ -87,8 +88,8 @@ def check_stiffness_is_free(K: sp.csr_array, nodes: Array, dofs_per_node: int, w
                 f"the stiffness matrix is not free: a rigid {kind} "
                 f"({'xyz'[int(column) % 3]}) leaves {ratio[row, column]:.1e} of the nodal force "
                 f"at node{node + 1} {name}, must be below {STIFFNESS_FREEDOM:.0e}. Remove supports "
-                "and springs to ground before reducing, and check that node coordinates and matrix "
-                "belong together (order, units, digits)",
+                "and springs to ground before reducing, and check that node coordinates and "
+                "matrix are consistent (order, units, digits)",
             )
         )
 
@@ -110,7 +111,7 @@ class RigidBasis:
 
     def remove(self, X: Array) -> Array:
         """Return ``(E - R R^T M) X``: the columns without their rigid part."""
-        # twice is enough where the rigid part is much larger than the rest
+        # twice, for columns with a large rigid part
         for _ in range(2):
             X = X - self.R @ (self.MR.T @ X)
         return X
@@ -127,7 +128,7 @@ def mass_orthonormal_rigid_modes(
     Raises
     ------
     InputError
-        The mass vanishes, is not the same in all directions, or lies at a point or on a line.
+        If the mass vanishes, is not the same in all directions, or lies at a point or on a line.
     """
     mass, centre, J = mass_properties(M, nodes, dofs_per_node, where)
     axes = np.linalg.eigh(J)[1]
@@ -135,7 +136,7 @@ def mass_orthonormal_rigid_modes(
     moments = np.einsum("ij,ij->j", R, M @ R)[3:]
     _check_moments(moments, mass * length_scale(nodes) ** 2, axes, where)
 
-    # what is left of the coupling, scaled to a unit diagonal
+    # remaining coupling terms, scaled to a unit diagonal
     gram = R.T @ (M @ R)
     scale = 1.0 / np.sqrt(np.diag(gram))
     values, vectors = scipy.linalg.eigh(scale[:, None] * gram * scale)
@@ -151,7 +152,7 @@ def mass_properties(
     Raises
     ------
     InputError
-        The mass is not positive or not the same in x, y and z.
+        If the mass is not positive or not the same in x, y and z.
     """
     middle = nodes.mean(axis=0)
     R = rigid_modes(nodes, dofs_per_node, middle)
@@ -195,8 +196,8 @@ def _check_moments(moments: Array, reference: float, axes: Array, where: str) ->
             Problem(
                 where,
                 f"all mass lies on a line along {direction}: the body has no inertia about it "
-                f"({moments[least]:.1e} kg m2 against {largest:.3g} kg m2) and its spin would be "
-                f"undetermined; {remedy}",
+                f"({moments[least]:.1e} kg m2 against {largest:.3g} kg m2) and its rotation would "
+                f"be undetermined; {remedy}",
             )
         )
     if ratio < LINE_WARNING:

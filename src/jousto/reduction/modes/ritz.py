@@ -1,4 +1,4 @@
-"""Ritz bases: shape functions at the nodes, freed of rigid motion, independent, of unit energy."""
+"""Ritz bases: independent shape functions at the nodes, without rigid motion, of unit energy."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
 
 RIGID = 1e-10
-"""Strain energy, as the root of its share of what cancels in it, below which a motion is rigid."""
+"""Root of (strain energy / energies that cancel in it) below which a motion is rigid."""
 
 DEPENDENT = 1e-7
-"""Part of a function, in the norm of strain energy, that is new: below it the others hold it."""
+"""Smallest independent part of a function, in the norm of strain energy / function."""
 
 SAME = 1e-10
-"""Part of a function at the nodes that is new."""
+"""Smallest independent part of a function at the nodes / function."""
 
 ZERO = "zero at all nodes"
 SUM = (
-    "at the nodes a sum of those before; leave it out, ask for a lower order or number, or mesh "
-    "finer"
+    "at the nodes a linear combination of the previous ones; leave it out, ask for a lower "
+    "order or number, or refine the mesh"
 )
-MOVED = "a rigid motion, which the frame carries; leave it out"
-MOVED_SUM = "a sum of those before and a rigid motion; leave it out"
+MOVED = "a rigid motion, which the body frame already has; leave it out"
+MOVED_SUM = "a linear combination of the previous ones and a rigid motion; leave it out"
 
 SPIN = 1e-10
-"""Share of a stiffness that holds nodes of a straight beam against spin, which costs nothing."""
+"""Relative stiffness added against rotations of beam nodes that have no energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Ritz:
     Q : (ndof, n) array
         ``Q^T K Q = E``, without rigid motion.
     G : (6, n) array
-        The rigid motion in the functions as they are given: they span ``Q + R G``.
+        Rigid motion in the given functions, which span ``Q + R G``.
     """
 
     Q: Array
@@ -55,12 +55,12 @@ class Ritz:
 
 
 def ritz(part: Part, K: sp.csr_array, rigid: RigidBasis, functions: tuple[Any, ...]) -> Ritz:
-    """Return shape functions on the mesh of a part, by what the part's own matrices say of them.
+    """Return shape functions on the mesh of a part, scaled by the matrices of the part.
 
     Raises
     ------
     InputError
-        Functions that are not finite, vanish, are rigid motions or sums of others; all at once.
+        With all functions that are not finite, vanish, are rigid motions or linear combinations.
     """
     names, T, family = _at_nodes(part, K, functions)
     weight = np.sqrt(K.diagonal())
@@ -74,7 +74,7 @@ def ritz(part: Part, K: sp.csr_array, rigid: RigidBasis, functions: tuple[Any, .
     raw, KQ = found.Q, found.Q
     faults: dict[tuple[int, str], list[str]] = {}
     for j, name in enumerate(names):
-        # new at the nodes
+        # independent at the nodes
         rest = _less(weight * T[:, j], raw, raw)
         fault = ZERO if not size[j] > 0.0 else SUM if np.linalg.norm(rest) < SAME else ""
         if not fault:
@@ -107,7 +107,7 @@ def ritz(part: Part, K: sp.csr_array, rigid: RigidBasis, functions: tuple[Any, .
 
 
 def _less(x: Array, basis: Array, dual: Array) -> Array:
-    """Return what of x the basis does not hold; twice for the digits."""
+    """Return the part of x outside of the basis; computed twice for accuracy."""
     for _ in range(2):
         x = x - basis @ (dual.T @ x)
     return x
@@ -120,7 +120,7 @@ def _root(e: Array, K: sp.csr_array) -> float:
 def _at_nodes(
     part: Part, K: sp.csr_array, functions: tuple[Any, ...]
 ) -> tuple[list[str], Array, list[int]]:
-    """Return names, displacements (ndof, m), and to which of the functions they belong."""
+    """Return names, displacements (ndof, m), and the function of each column."""
     names: list[str] = []
     family: list[int] = []
     found: list[Array] = []
@@ -143,14 +143,14 @@ def _at_nodes(
     T = np.concatenate(found, axis=1)
     z = coordinates(part)
     if z.T is not None:
-        # what rigid ties allow, nearest to the functions
+        # nearest displacements compatible with the rigid ties
         normal = sp.csc_array(z.T.T @ z.T)
         T = z.spread(scipy.sparse.linalg.splu(normal).solve(z.gather(T)))
     return names, T, family
 
 
 def _least_energy(K: sp.csr_array, values: Array) -> Array:
-    """Return displacements (nn, 6, m) with the rotations that store the least strain energy."""
+    """Return displacements (nn, 6, m) with the rotations of minimal strain energy."""
     nn, _, m = values.shape
     moves = np.arange(6 * nn) % 6 < 3
     turning = sp.csr_array(K[~moves][:, ~moves])

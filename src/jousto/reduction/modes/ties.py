@@ -1,4 +1,4 @@
-"""What rigid ties leave free of a part, and which of it are its interfaces."""
+"""Coordinates left free by the rigid ties of a part, and its interface coordinates."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """Coordinates z of the motions that the rigid ties of a part allow, ``u = T z``.
+    """Coordinates z of the motions left free by the rigid ties of a part, ``u = T z``.
 
     They are the degrees of freedom of the nodes that are not tied, in their order, and six of each
     rigid tie's reference node ``[u, theta]``. Without rigid ties z is u.
@@ -31,17 +31,17 @@ class Coordinates:
         Rigid motions of z, rotations about the mean of the nodes and divided by the body's size,
         rows of rotations multiplied by it.
     nodes, kinds : (nz,) array
-        Node of each z, or -1 - number of the rigid tie; and which of its six motions.
+        Node of each z, or -1 - number of the rigid tie; and direction 0..5.
     names : tuple of str
         Names of the rigid ties.
     of_dof : (ndof,) array
-        Number of z of each degree of freedom; -1 where it is tied.
+        Index of z of each degree of freedom; -1 if tied.
     references : mapping of str to (6,) array
-        Numbers of z of each rigid tie.
+        Indices of z of each rigid tie.
     length : float
         Size of the body, m.
     points : (nz, 3) array
-        Places of the nodes, m.
+        Positions of the nodes, m.
     """
 
     T: sp.csr_array | None
@@ -61,7 +61,7 @@ class Coordinates:
 
     @property
     def motions(self) -> Array:
-        """Rigid motions of z (nz, 6) as they are, rotations in rad: ``K_z R = 0``."""
+        """Unscaled rigid motions of z (nz, 6), rotations in rad: ``K_z R = 0``."""
         return self.rigid / np.where(self.kinds < 3, 1.0, self.length)[:, None]
 
     @property
@@ -73,7 +73,7 @@ class Coordinates:
         return out
 
     def columns(self, some: Index) -> sp.csr_array:
-        """Return some columns of T (ndof, m)."""
+        """Return selected columns of T (ndof, m)."""
         if self.T is not None:
             return sp.csr_array(self.T[:, some])
         ones = np.ones(len(some))
@@ -102,7 +102,7 @@ class Coordinates:
 
 
 def coordinates(part: Part) -> Coordinates:
-    """Return the coordinates that the rigid ties of a part leave free."""
+    """Return the coordinates left free by the rigid ties of a part."""
     d = part.dofs_per_node
     ndof = part.K.shape[0]
     length = length_scale(part.nodes)
@@ -162,7 +162,7 @@ def scaled_rigid(points: Array, dofs_per_node: int, middle: Array, length: float
 
 
 def embedded(y: Array, rows: Index, size: int) -> Array:
-    """Return y (m, k) at some rows of zeros (size, k)."""
+    """Return y (m, k) as rows of an otherwise zero array (size, k)."""
     x = np.zeros((size, y.shape[1]))
     x[rows] = y
     return x
@@ -170,7 +170,7 @@ def embedded(y: Array, rows: Index, size: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """The interfaces of a reduction: coordinates that move as told, and averages that do.
+    """Interfaces of a reduction: coordinates with given motion, and averages with given motion.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class Boundary:
     C : (na, nz) sparse array
         Averages, six rows for each averaging tie.
     rigid : (nb + na, 6) array
-        Rigid motions of both, scaled as in `Coordinates`.
+        Rigid motions of coordinates and averages, scaled as in `Coordinates`.
     """
 
     held: Index
@@ -198,7 +198,7 @@ def boundary(part: Part, z: Coordinates, names: tuple[str, ...]) -> Boundary:
     Raises
     ------
     InputError
-        An unknown name, or a node in two interfaces.
+        If a name is unknown, or a node is in two interfaces.
     """
     problems = Problems()
     where = f"part '{part.name}'"
@@ -220,7 +220,7 @@ def boundary(part: Part, z: Coordinates, names: tuple[str, ...]) -> Boundary:
                 problems.add(
                     where,
                     f"node{node + 1} of node set '{name}' is tied to interface "
-                    f"'{tied[int(node)]}'; name that",
+                    f"'{tied[int(node)]}'; use that interface",
                 )
                 break
             if int(node) in owner and owner[int(node)] != name:
@@ -254,19 +254,19 @@ def boundary(part: Part, z: Coordinates, names: tuple[str, ...]) -> Boundary:
 
 
 def interface_names(part: Part, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the interfaces asked for, or all of the part if none is named.
+    """Return the requested interfaces, or all of the part if none is requested.
 
     Raises
     ------
     InputError
-        None is named and the part has none.
+        If none is requested and the part has none.
     """
     names = given or tuple(tie.name for tie in part.ties)
     if not names:
         raise InputError(
             Problem(
                 f"part '{part.name}'",
-                "has no interfaces and the reduction names none: name node sets, "
+                "has no interfaces and the method contains none: give node sets, "
                 'CraigBampton(("start", "end"), modes=4), give the part interfaces, or use '
                 "FreeFree()",
             )

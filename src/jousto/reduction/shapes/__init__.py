@@ -1,1 +1,1 @@
-"""Shape functions: displacements of a part as functions of position, by Ritz' method."""
+"""Shape functions: displacements of a part as functions of position (Ritz method)."""

@@ -1,4 +1,4 @@
-"""Families of shape functions: what all have in common, and the user's own."""
+"""Families of shape functions: their base, and functions of the user."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ Form = Callable[[Array], Any]
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Displacements of the nodes in some functions.
+    """Displacements of the nodes in several functions.
 
     Parameters
     ----------
     names : tuple of str
-        What messages call each.
+        Names of the functions in messages.
     values : (nn, d, m) array
-        Translations, and rotations where d = 6. Any unit: only their shape counts.
+        Translations, and rotations where d = 6. Any unit, since only shapes matter.
     turned : bool
-        Whether rotations are given; if not, those of least strain energy are taken.
+        Whether rotations are given; if not, those of minimal strain energy are used.
     """
 
     names: tuple[str, ...]
@@ -40,13 +40,13 @@ class Columns:
 
 
 class Family(Declared, section="shape functions", by_value=True):
-    """Functions of a kind, declared by what makes them.
+    """Base of families of functions.
 
-    Subclasses say their displacements in `columns`.
+    Subclasses return their displacements in `columns`.
     """
 
     whole: ClassVar[bool] = False
-    """Whether rigid motions are among them by nature, so that some fall away without these."""
+    """Whether the family contains rigid motions, which are removed."""
 
     if TYPE_CHECKING:
 
@@ -54,12 +54,12 @@ class Family(Declared, section="shape functions", by_value=True):
 
 
 class Given:
-    """A user's function of position, or displacements by nodes, as part of a method.
+    """Function of position given by the user, or displacements by nodes, as part of a method.
 
     Parameters
     ----------
     given : callable or (nn, 3), (nn, 6), (ndof,) or (ndof, m) array
-        A callable gets all positions (nn, 3), m, and returns (nn, 3) or (nn, 6).
+        A callable has all positions (nn, 3), m, as argument and returns (nn, 3) or (nn, 6).
     """
 
     whole: ClassVar[bool] = False
@@ -86,7 +86,7 @@ class Given:
         return f"<{self.name}>"
 
     def columns(self, part: Part) -> Columns:
-        """Return what the function is at the nodes of a part."""
+        """Return the values of the function at the nodes of a part."""
         if callable(self.given):
             return self._called(part)
         nn, d = len(part.nodes), part.dofs_per_node
@@ -124,18 +124,18 @@ class Given:
 
 
 class Functions(Field[Any, "tuple[Any, ...]"]):
-    """Families of shape functions, functions of position and columns, or a single one."""
+    """Field of families of shape functions, functions of position and columns, or a single one."""
 
     form = "shape functions"
     noun = "sequence of BeamFunctions, Polynomials, Splines, callables and (ndof, m) arrays"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the functions as a tuple, or report wrong ones."""
         return read_functions(where, value, problems)
 
 
 def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...]:
-    """Return the functions of a method, or note what is wrong with them."""
+    """Return the functions of a method, or report what is wrong with them."""
     items = given if isinstance(given, list | tuple) else (given,)
     found: list[Any] = []
     for item in items:
@@ -152,7 +152,8 @@ def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...
         else:
             problems.add(
                 where,
-                f"function {item!r} is none: give BeamFunctions(...), Polynomials(...), "
+                f"function {item!r} is no shape function: give BeamFunctions(...), "
+                f"Polynomials(...), "
                 "Splines(...), a function of the positions (nn, 3), or columns (ndof, m)",
                 "function",
             )

@@ -28,21 +28,21 @@ ENDS = (
     "pinned-clamped",
     "clamped-clamped",
 )
-# derivatives that vanish at an end
+# orders of the derivatives that vanish at an end
 CONDITIONS = {"clamped": (0, 1), "pinned": (0, 2), "free": (2, 3)}
 MOST = 60
-"""Eigenfunctions of a beam above which its slenderness means nothing."""
+"""Largest number of eigenfunctions of a beam; beyond it beam theory does not apply."""
 
 MOST_DEGREE = 9
-"""Degree of splines above which they are no better."""
+"""Largest degree of splines."""
 
 Curve = Callable[[Array, int], Array]
 
 
 def characteristic(ends: str) -> Callable[[float], float]:
-    """Return the function of beta L whose zeros above 0 belong to the ends of a beam.
+    """Return the characteristic function of beta L for the ends of a beam; its zeros are the roots.
 
-    Divided by cosh where it grows, so that the zeros of high order keep their digits.
+    It is divided by cosh if it grows, so that zeros of high order keep their digits.
     """
     return {
         "clamped-free": lambda x: float(np.cos(x) + 1.0 / np.cosh(x)),
@@ -55,7 +55,7 @@ def characteristic(ends: str) -> Callable[[float], float]:
 
 @cache
 def root(ends: str, k: int) -> float:
-    """Return beta L of the k-th eigenfunction of a beam, k from 1; rigid motions do not count.
+    """Return beta L of the k-th elastic eigenfunction of a beam, k from 1.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def root(ends: str, k: int) -> float:
 
 @cache
 def _coefficients(ends: str, k: int) -> Array:
-    """Return those of ``exp(b (x - 1)), exp(-b x), cos b x, sin b x``, of unit mean square."""
+    """Return coefficients of ``exp(b (x - 1)), exp(-b x), cos b x, sin b x``, unit mean square."""
     b = root(ends, k)
     rows = []
     for end, at in zip(ends.split("-"), (0.0, 1.0), strict=True):
@@ -80,7 +80,7 @@ def _coefficients(ends: str, k: int) -> Array:
     x, w = np.polynomial.legendre.leggauss(4 * k + 16)
     values = c @ _terms(b, 0.5 * (1.0 + x), 0)
     c = c / np.sqrt(0.5 * w @ values**2)
-    # up at the first bulge
+    # positive sign at the first maximum
     return np.asarray(c * np.sign((c @ _terms(b, np.linspace(0.0, 0.9 / k, 9), 0)).sum()))
 
 
@@ -95,20 +95,16 @@ def _terms(b: float, x: Array, order: int) -> Array:
 
 
 def eigenfunction(ends: str, k: int, x: Array, order: int = 0) -> Array:
-    """Return a derivative of an eigenfunction of a beam of Euler and Bernoulli.
+    """Return a derivative of an eigenfunction of an Euler-Bernoulli beam.
 
     ``w'''' = (beta L)^4 w`` over ``x`` from 0 to 1, ``int w^2 dx = 1``.
 
     Parameters
     ----------
     ends : str
-        Such as ``"clamped-free"``.
+        Ends, such as ``"clamped-free"``.
     k : int
-        From 1.
-    x : array
-        Position over length.
-    order : int
-        Of the derivative.
+        Number, from 1. x : array Position / length. order : int Order of the derivative.
     """
     return np.asarray(_coefficients(ends, k) @ _terms(root(ends, k), np.atleast_1d(x), order))
 
@@ -117,17 +113,17 @@ class LineFamily(Family):
     """Functions of the position along an axis of the part, in bending, stretch and twist."""
 
     axis: Choice = field(
-        "Along which they change", words=("x", "y", "z"), default="x", kw_only=True
+        "Axis along which the functions vary", words=("x", "y", "z"), default="x", kw_only=True
     )
     across: Choice = field(
-        "Direction of bending; both across the axis if it is not said",
+        "Direction of bending; None for both directions across the axis",
         words=("both", "x", "y", "z"),
         default="both",
         kw_only=True,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note that it bends along itself, or that there is no function."""
+        """Report bending along the axis itself, and a family without functions."""
         if self.across == self.axis:
             problems.add(where, f"across is '{self.across}', which is the axis", "across")
         if not any(self.counts):
@@ -153,12 +149,15 @@ class LineFamily(Family):
         return Columns(tuple(names), np.stack(found, axis=2))
 
     def _moved(self, part: Part, curve: Curve, kind: str, d: int) -> Array:
-        """Return displacements (nn, dofs): sections stay plane and turn by w' where they bend."""
+        """Return displacements (nn, dofs): plane sections, rotated by w' in bending."""
         a = "xyz".index(self.axis)
         x = part.nodes[:, a]
         length = float(np.ptp(x))
         if not length > 0.0:
-            message = f"has no extent along {self.axis}, the axis of shape functions"
+            message = (
+                f"has no extent along {self.axis}, the axis of the shape functions; choose "
+                f"another axis"
+            )
             raise InputError(Problem(f"part '{part.name}'", message))
         s = (x - x.min()) / length
         w = curve(s, 0)[:, None] * np.eye(3)[d]
@@ -172,21 +171,21 @@ class LineFamily(Family):
 
 
 class BeamFunctions(LineFamily, tag="beam"):
-    """Eigenfunctions of a beam of Euler and Bernoulli, in closed form.
+    """Eigenfunctions of an Euler-Bernoulli beam, in closed form.
 
     ``w(x) = A cosh bx + B sinh bx + C cos bx + D sin bx`` with the zeros b of, for a clamped and a
-    free end, ``cos bL cosh bL + 1 = 0``. Sections stay plane: a point beside the axis through the
-    centre of mass moves along it by ``-y w'``. Stretch and twist have the sines and cosines of a
-    rod with the same ends; a pinned end is held in both.
+    free end, ``cos bL cosh bL + 1 = 0``. Sections stay plane: a point off the axis through the
+    centre of mass moves along the axis by ``-y w'``. Stretch and twist have the sines and cosines
+    of a rod with the same ends; a pinned end is fixed in both.
 
-    The frame carries rigid motions, whatever the functions do at the ends. But a body of
-    functions that are clamped at both ends cannot turn one end against the other, and the moment
-    at a pinned or free end is none: ends of the functions should be those of the joints, or free.
+    Rigid motions are those of the body frame, for any ends. With functions clamped at both ends,
+    one end cannot rotate relative to the other; at a pinned or free end the bending moment is zero.
+    Choose the ends of the functions like the joints, or free.
 
     Raises
     ------
     InputError
-        An unknown kind of ends, no function, or more than 60.
+        If the ends are unknown, or there is no function, or more than 60.
 
     Examples
     --------
@@ -194,13 +193,13 @@ class BeamFunctions(LineFamily, tag="beam"):
     'free-free'
     """
 
-    ends: Choice = field("At the lower and the upper end of the axis", words=ENDS)
-    bending: Whole = field("Functions in each direction of bending", least=0)
-    stretch: Whole = field("Functions along the axis", least=0, default=0)
-    twist: Whole = field("Turns about the axis", least=0, default=0)
+    ends: Choice = field("Ends at the lower and the upper end of the axis", words=ENDS)
+    bending: Whole = field("Number of functions per direction of bending", least=0)
+    stretch: Whole = field("Number of functions of stretch along the axis", least=0, default=0)
+    twist: Whole = field("Number of functions of twist about the axis", least=0, default=0)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note numbers that no beam has."""
+        """Report numbers of functions out of range."""
         super().consistent(problems, where)
         if max(self.counts) > MOST:
             problems.add(where, f"has {max(self.counts)} functions of a kind, at most {MOST}")
@@ -211,7 +210,7 @@ class BeamFunctions(LineFamily, tag="beam"):
         return self.bending, self.stretch, self.twist
 
     def curves(self, kind: str) -> list[Curve]:
-        """Return functions of position over length, and of the order of the derivative."""
+        """Return functions of (position / length, order of the derivative)."""
         if kind == "bending":
             return [partial(eigenfunction, self.ends, k + 1) for k in range(self.bending)]
         count = self.stretch if kind == "stretch" else self.twist
@@ -220,22 +219,22 @@ class BeamFunctions(LineFamily, tag="beam"):
 
 
 def _rod(held: tuple[bool, ...], k: int, x: Array, order: int = 0) -> Array:
-    """Return an eigenfunction of a rod: sines from a held end, cosines from a free one."""
+    """Return an eigenfunction of a rod: sines from a fixed end, cosines from a free one."""
     b = np.pi * (k if held[0] == held[1] else k - 0.5)
     turn = b * x + 0.5 * np.pi * (order - 1 if held[0] else order)
     return np.asarray(b**order * np.cos(turn))
 
 
 class Splines(LineFamily, tag="splines"):
-    """B-splines over the length of the part (de Boor), their knots evenly spaced.
+    """B-splines over the length of the part (de Boor), with uniform knots.
 
-    All polynomials up to the degree are sums of them, rigid motions among these. Sections stay
+    They span all polynomials up to the degree, rigid motions included. Sections stay
     plane, as with `BeamFunctions`.
 
     Raises
     ------
     InputError
-        Fewer functions than the degree and one, or none.
+        If there are fewer functions than degree + 1, or none.
 
     Examples
     --------
@@ -244,13 +243,13 @@ class Splines(LineFamily, tag="splines"):
     """
 
     whole: ClassVar[bool] = True
-    bending: Whole = field("Functions in each direction of bending", least=0)
-    stretch: Whole = field("Functions along the axis", least=0, default=0)
-    twist: Whole = field("Turns about the axis", least=0, default=0)
-    degree: Whole = field("Of the polynomials between two knots", least=2, default=3)
+    bending: Whole = field("Number of functions per direction of bending", least=0)
+    stretch: Whole = field("Number of functions of stretch along the axis", least=0, default=0)
+    twist: Whole = field("Number of functions of twist about the axis", least=0, default=0)
+    degree: Whole = field("Degree of the polynomials between two knots", least=2, default=3)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what is too few or too many."""
+        """Report numbers of functions and degrees out of range."""
         super().consistent(problems, where)
         for count in self.counts:
             if 0 < count <= self.degree:
@@ -272,7 +271,7 @@ class Splines(LineFamily, tag="splines"):
         return self.bending, self.stretch, self.twist
 
     def curves(self, kind: str) -> list[Curve]:
-        """Return functions of position over length, and of the order of the derivative."""
+        """Return functions of (position / length, order of the derivative)."""
         count = dict(zip(("bending", "stretch", "twist"), self.counts, strict=True))[kind]
         if not count:
             return []

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jousto.parts.part import Part
 
 FLAT = 1e-9
-"""Extent over the largest one below which a part has none along an axis."""
+"""Smallest extent of a part along an axis / its largest extent."""
 
 MOTIONS = ("x", "y", "z", "turn x", "turn y", "turn z")
 
@@ -25,14 +25,14 @@ MOTIONS = ("x", "y", "z", "turn x", "turn y", "turn z")
 class Polynomials(Family, tag="polynomials"):
     """All polynomials in the coordinates up to an order, in every direction of motion.
 
-    They are products of Legendre polynomials over the extent of the part, so that high orders
-    stay independent in floating point. Nodes of beams have turns of their own, up to the same
-    order. Rigid motions are among them and go to the frame.
+    They are products of Legendre polynomials over the extent of the part, so that high orders stay
+    independent in floating point. Rotations of beam nodes have polynomials up to the same order.
+    Rigid motions among them are removed, since they are those of the frame.
 
     Raises
     ------
     InputError
-        An order below 2 or above 20, or an axis without a limit across it.
+        If the order is below 2 or above 20, or `along` is given without `across`.
 
     Examples
     --------
@@ -43,18 +43,19 @@ class Polynomials(Family, tag="polynomials"):
     whole: ClassVar[bool] = True
     order: Whole = field("Highest sum of the exponents", least=2, most=20)
     along: Choice = field(
-        "Axis of a slender part: the exponents of the other coordinates have a limit of their own",
+        "Axis of a slender part; the exponents of the other coordinates are limited by `across`",
         words=("all", "x", "y", "z"),
         default="all",
     )
     across: OptionalWhole = field(
-        "This limit: the highest sum of these exponents; 2 lets sections warp and narrow",
+        "Highest sum of the exponents across the axis; 2 allows warping and lateral contraction"
+        " of sections",
         least=0,
         default=None,
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a limit without an axis, or an axis without one."""
+        """Report `across` without `along`, or the reverse."""
         if (self.across is None) != (self.along == "all"):
             problems.add(
                 where, 'along and across go together: give both, as in along="x", across=2', "along"

@@ -1,1 +1,1 @@
-"""Sparse matrices: factors, their backends and the memory they need."""
+"""Sparse matrices: factorisation, its libraries, and the memory needed."""

@@ -1,8 +1,9 @@
-"""Libraries that factorise sparse symmetric positive definite matrices, behind one interface.
+"""Libraries that factorise sparse symmetric positive definite matrices, with one interface.
 
-Each takes both triangles of a matrix with unit diagonal, sorted and without duplicates, the place
-of each unknown (n, 3), if it orders by places, and the bytes of memory that it may use, as far as
-it knows beforehand how many it needs. Libraries are imported only when they are used.
+The arguments of each library are both triangles of a matrix with unit diagonal, sorted and without
+duplicates; the position of each unknown (n, 3), for orderings by position; and the available memory
+in bytes, checked by libraries that can predict their need. Libraries are imported only when they
+are used.
 """
 
 from __future__ import annotations
@@ -18,16 +19,16 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 
 PIVOT = 1e-14
-"""Least pivot of a matrix with unit diagonal."""
+"""Smallest allowed pivot of a matrix with unit diagonal."""
 
 
 class NotPositiveDefinite(Exception):
-    """The factorisation met a pivot that is not positive.
+    """Error of a factorisation with a pivot that is not positive.
 
     Parameters
     ----------
     row : int
-        Where, in the order of the matrix; -1 if the library does not tell.
+        Row of the pivot in the order of the matrix; -1 if the library does not report it.
     """
 
     def __init__(self, row: int = -1) -> None:
@@ -72,7 +73,7 @@ class SuperLU:
 
 
 class Multifrontal:
-    """Cholesky factors of dense fronts, ordered by nested dissection of the places."""
+    """Cholesky factors of dense fronts, ordered by nested dissection of positions."""
 
     def __init__(
         self, matrix: sp.csr_array, points: Array | None = None, limit: float = np.inf
@@ -80,7 +81,7 @@ class Multifrontal:
         from jousto.reduction.sparse.multifrontal import Cholesky, IndefiniteBlock
 
         if points is None:
-            raise RuntimeError("the places of the unknowns are not known")
+            raise RuntimeError("the positions of the unknowns are not known")
         try:
             self._factor = Cholesky(matrix, points, least_pivot=PIVOT, limit=limit)
         except IndefiniteBlock as error:
@@ -95,8 +96,8 @@ class Multifrontal:
 class Pardiso:
     """PARDISO of Intel MKL: nested dissection, supernodal Cholesky factorisation.
 
-    pypardiso brings and finds the library; it is called for a symmetric positive definite matrix,
-    upper triangle, indices from 0.
+    The library is installed and located by pypardiso. The matrix is symmetric positive definite,
+    with its upper triangle and indices from 0.
     """
 
     def __init__(
@@ -104,7 +105,7 @@ class Pardiso:
     ) -> None:
         from pypardiso import PyPardisoSolver
 
-        # a function object of our own, so that pypardiso keeps its argument types
+        # own function object, so that pypardiso keeps its argument types
         self._call: Any = PyPardisoSolver().libmkl["pardiso"]
         self._call.restype = None
         self._call.argtypes = [ctypes.c_void_p] * 16
@@ -115,15 +116,15 @@ class Pardiso:
         self._ja = upper.indices.astype(np.int32)
         self._pt = np.zeros(64, dtype=np.int64)
         self._iparm = np.zeros(64, dtype=np.int32)
-        self._iparm[0] = 1  # the values below count
+        self._iparm[0] = 1  # use the values below
         self._iparm[1] = 2  # nested dissection
-        self._iparm[17] = -1  # count the entries of the factor
+        self._iparm[17] = -1  # report the number of entries of the factor
         self._iparm[34] = 1  # indices from 0
         self._release = weakref.finalize(
             self, _free, self._call, self._pt, self._iparm, self._ia, self._ja, self._n
         )
         self._run(11)
-        # KiB of the factor and of what solves need beside it
+        # KiB of the factor and of additional arrays in solves
         self.memory = 1024 * (int(self._iparm[15]) + int(self._iparm[16]))
         if self.memory > limit:
             raise MemoryError(
@@ -218,7 +219,7 @@ class NGSolve:
         with TaskManager():
             self._inverse = own.Inverse(inverse="sparsecholesky")
         self._f, self._x = own.CreateColVector(), own.CreateColVector()
-        # entries of eight bytes; the pattern of supernodes is small
+        # entries of eight bytes; the pattern of supernodes is negligible
         self.memory = 8 * int(self._inverse.nze)
 
     def solve(self, f: Array) -> Array:
@@ -241,7 +242,7 @@ class Cholmod:
 
         columns = sp.csc_matrix((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
         try:
-            # version 0.5 renamed what makes a factor
+            # version 0.5 renamed the function for factors
             if hasattr(cholmod, "cho_factor"):
                 factor = cholmod.cho_factor(columns, supernodal_mode="supernodal")
                 self._solve = factor.solve

@@ -1,9 +1,9 @@
-"""Order of elimination of a finite element matrix: nested dissection by the places of its nodes.
+"""Elimination order of a finite element matrix: nested dissection by node positions.
 
-The nodes are cut in two halves along their longest side; those of one half that touch the other
-separate them and are eliminated after both. Each half is cut in the same way, down to pieces that
-are dense anyway. A solid of n nodes then has a factor of ``O(n^(4/3))`` numbers, which is the least
-order there is (George, SIAM J. Numer. Anal. 10 (1973) 345-363).
+The nodes are cut into two halves along their longest extent; the nodes of one half that touch the
+other form the separator and are eliminated after both halves. Each half is cut in the same way,
+down to small pieces that are dense. The factor of a solid of n nodes then has ``O(n^(4/3))``
+numbers, which is the optimal order (George, SIAM J. Numer. Anal. 10 (1973) 345-363).
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array, Index
 
 LEAF = 40
-"""Nodes of a piece that is not cut further: a front of about a hundred unknowns, dense anyway."""
+"""Largest number of nodes of a piece that is not cut further: a front of about 100 unknowns."""
 
 HUB = 10.0
-"""Neighbours over ``sqrt(nodes)`` above which a node goes last, as in approximate minimum degree
-(Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905, section 4.1)."""
+"""Number of neighbours / ``sqrt(nodes)`` above which a node is eliminated last, as in approximate
+minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886-905, section
+4.1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +34,9 @@ class Dissection:
     order : (n,) array
         Unknowns in the order of their elimination.
     starts : (nb + 1,) array
-        Where each block begins in `order`.
+        Index in `order` at which each block begins.
     parents : (nb,) array
-        Block that separates this one from others, always a later one; -1 for the last of all.
+        Separator block above each block, always a later one; -1 for the last block.
     """
 
     order: Index
@@ -49,9 +50,9 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
     Parameters
     ----------
     matrix : (n, n) sparse array
-        Both triangles; only its pattern counts.
+        Both triangles; only the pattern is used.
     points : (n, 3) array
-        Place of each unknown, m. Unknowns at one place stay together.
+        Position of each unknown, m. Unknowns at one position stay together.
     """
     places, owner = np.unique(points, axis=0, return_inverse=True)
     owner = owner.ravel()
@@ -70,7 +71,7 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
         return len(blocks) - 1
 
     def cut(nodes: Index) -> int:
-        """Add the blocks of a piece and return the number of its last one."""
+        """Add the blocks of a piece and return the index of its last block."""
         if len(nodes) <= LEAF:
             return add(nodes)
         a, b, between = _halves(graph, places, nodes, side)
@@ -80,7 +81,7 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
             parents[half] = last
         return last
 
-    # nodes that touch a great part of the body, such as those of ties, separate nothing
+    # nodes connected to a large part of the body, such as those of ties, are no separators
     plain = np.flatnonzero(~hubs)
     below = cut(plain) if len(plain) else -1
     if hubs.any():
@@ -100,11 +101,10 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
 def _halves(
     graph: sp.csr_array, places: Array, nodes: Index, side: NDArray[np.int8]
 ) -> tuple[Index, Index, Index]:
-    """Return two pieces that do not touch, and the nodes between them.
+    """Return two disconnected pieces and the separator nodes between them.
 
-    The cut across the longest coordinate and the one across the longest axis of inertia are tried:
-    the first follows grids, the second parts that lie askew. `side` is zeros for all nodes, and is
-    so again afterwards.
+    Two cuts are tried: across the longest coordinate (good for grids) and across the longest axis
+    of inertia (good for inclined parts). `side` must be zero for all nodes, and is reset to zero.
     """
     x = places[nodes] - places[nodes].mean(axis=0)
     longest = np.eye(3)[np.argmax(np.ptp(x, axis=0))]
@@ -129,5 +129,5 @@ def _halves(
             best = found
     assert best is not None
     a, b, between = best
-    # pieces that do not hang together: any node may stand between them
+    # disconnected pieces: any node may be the separator
     return best if len(between) else (a[1:], b, a[:1])

@@ -1,8 +1,8 @@
-"""Factorise a stiffness matrix once, by the best sparse Cholesky factorisation that is installed.
+"""Factorisation of a stiffness matrix by the best installed sparse Cholesky library.
 
-A factorisation is most of a reduction: its libraries differ by a factor of ten in time and memory.
-Every one of them is asked for the same: the factor of a symmetric positive definite matrix whose
-diagonal is scaled to ones, and solutions for blocks of right-hand sides.
+A factorisation takes most of the time of a reduction, and libraries differ by a factor of ten in
+time and memory. All have the same task: the factor of a symmetric positive definite matrix scaled
+to unit diagonal, and solutions for blocks of right-hand sides.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from jousto.base.object_repr import described
 from jousto.reduction.sparse import backends
 
 SMALL = 6000
-"""Unknowns up to which SuperLU is used whatever is installed: fast enough, the same everywhere."""
+"""Number of unknowns up to which SuperLU is always used: fast enough, and equal everywhere."""
 
 LOOSE = 2e-14
-"""Least eigenvalue of the scaled matrix; below it the body moves without force."""
+"""Smallest eigenvalue of the scaled matrix; below it the body has a free motion."""
 
 BLOCK = 16
-"""Right-hand sides solved at a time: libraries copy them."""
+"""Number of right-hand sides per solve, since libraries copy them."""
 
 
 class Solver(Protocol):
-    """Solves ``K x = f`` for a held body."""
+    """Solver of ``K x = f`` for a supported body."""
 
     def __call__(self, f: Array, /) -> Array:
         """Return x for right-hand sides f (n,) or (n, m)."""
@@ -42,20 +42,20 @@ class Solver(Protocol):
 @described
 @dataclass(frozen=True)
 class SolverInfo:
-    """One factorisation library.
+    """Information about one factorisation library.
 
     Parameters
     ----------
     name : str
-        What `reduce(..., solver=name)` takes.
+        Name for `reduce(..., solver=name)`.
     library : str
         The library.
     licence : str
         Its licence.
     installed : bool
-        Whether it can be used here.
+        Whether the library is installed.
     remark : str
-        Where it comes from and what it is good for.
+        Source and use of the library.
     """
 
     name: str
@@ -68,7 +68,7 @@ class SolverInfo:
         return "installed" if self.installed else "not installed"
 
 
-# name -> (module that must be there, how to make it, library, licence, remark), best first
+# name -> (required module, function that creates it, library, licence, remark), best first
 _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = {
     "pardiso": (
         "pypardiso",
@@ -94,19 +94,25 @@ _KNOWN: dict[str, tuple[str, Callable[..., backends.Backend], str, str, str]] = 
     "multifrontal": (
         "scipy",
         backends.Multifrontal,
-        "nested dissection by the places of the nodes, dense fronts by LAPACK",
+        "nested dissection by node positions, dense fronts by LAPACK",
         "that of jousto",
         "always there",
     ),
-    "superlu": ("scipy", backends.SuperLU, "SuperLU of scipy", "BSD", "always there; small parts"),
+    "superlu": (
+        "scipy",
+        backends.SuperLU,
+        "SuperLU of scipy",
+        "BSD",
+        "always available; for small parts",
+    ),
 }
 
 
 def solvers() -> tuple[SolverInfo, ...]:
     """Return the known factorisation libraries, best first.
 
-    The first that is installed is used for large parts; parts of up to 6000 unknowns are always
-    factorised by SuperLU, which is as fast there.
+    The first installed one is used for large parts; parts of up to 6000 unknowns are always
+    factorised by SuperLU, which is equally fast for them.
 
     Examples
     --------
@@ -124,12 +130,12 @@ def _installed(module: str) -> bool:
 
 
 def choose(n: int, where: str, solver: str | None = None) -> str:
-    """Return the name of the library for n unknowns: the one asked for, or the best.
+    """Return the name of the library for n unknowns: the requested one, or the best.
 
     Raises
     ------
     InputError
-        An unknown or missing library is asked for.
+        If the requested library is unknown or missing.
     """
     if solver is None and n <= SMALL:
         return "superlu"
@@ -147,14 +153,14 @@ def choose(n: int, where: str, solver: str | None = None) -> str:
 
 
 class Factor:
-    """A factorised stiffness matrix; calling it solves.
+    """Factorised stiffness matrix; a call solves for right-hand sides.
 
     Attributes
     ----------
     name : str
         The library.
     memory : int
-        Bytes of the factor, as far as the library reports it; 0 if it does not.
+        Bytes of the factor; 0 if the library does not report them.
     """
 
     def __init__(self, name: str, backend: backends.Backend, scale: Array) -> None:
@@ -194,17 +200,17 @@ def factorise(
     dof_name : callable
         Name of a degree of freedom, for errors.
     points : (n, 3) array, optional
-        Place of each degree of freedom, m; without them SuperLU orders by the pattern of K.
+        Position of each degree of freedom, m; without positions SuperLU orders by the pattern of K.
     solver : str, optional
-        Library, see `solvers`; the best that is installed if not given.
+        Library, see `solvers`; None for the best installed one.
     limit : float
-        Bytes of memory that there are.
+        Available memory, bytes.
 
     Raises
     ------
     InputError
-        K is not positive definite; `dof_name` names the degree of freedom that is loose. Or the
-        library is not there.
+        If K is not positive definite (the message contains the free degree of freedom), or the
+        library is missing.
     """
     n = K.shape[0]
     name = choose(n, where, solver)
@@ -215,7 +221,7 @@ def factorise(
     diagonal = K.diagonal()
     if diagonal.min() <= 0.0:
         raise _not_held(where, dof_name(int(np.argmin(diagonal))))
-    # unit diagonal: translations and rotations become comparable
+    # unit diagonal, so that translations and rotations are comparable
     scale = 1.0 / np.sqrt(diagonal)
     scaled = _scaled(K, scale)
     make = partial(_KNOWN[name][1], points=points)
@@ -237,7 +243,7 @@ def factorise(
 
 def _scaled(K: sp.csc_array | sp.csr_array, scale: Array) -> sp.csr_array:
     """Return ``S K S`` for a diagonal S, sharing the pattern of K."""
-    # symmetric: columns may be read as rows
+    # symmetric, so columns are rows
     data = K.data * scale[K.indices]
     data *= np.repeat(scale, np.diff(K.indptr))
     scaled = sp.csr_array((data, K.indices, K.indptr), shape=K.shape)
@@ -250,19 +256,19 @@ def _scaled(K: sp.csc_array | sp.csr_array, scale: Array) -> sp.csr_array:
 def _is_loose(backend: backends.Backend, n: int) -> bool:
     """Return whether the matrix is singular up to rounding.
 
-    Two inverse iterations: the last quotient bounds the least eigenvalue from above.
+    Two inverse iterations are done; the last quotient is an upper bound of the smallest eigenvalue.
     """
     x = np.random.default_rng(20070607).standard_normal((n, 1))
     for _ in range(2):
         x = backend.solve(x / np.linalg.norm(x))
-        # some libraries divide by a pivot that is zero
+        # some libraries divide by a zero pivot
         if not np.all(np.isfinite(x)):
             return True
     return bool(np.linalg.norm(x) > 1.0 / LOOSE)
 
 
 def _loosest(scaled: sp.csr_array, make: Callable[..., backends.Backend]) -> int:
-    # a small shift makes the matrix regular; its solution then is the motion without stiffness
+    # a small shift makes the matrix regular; the solution is the motion without stiffness
     n = scaled.shape[0]
     shifted = sp.csr_array(scaled + sp.diags_array(np.full(n, 1e-10)))
     try:
@@ -276,8 +282,8 @@ def _not_held(where: str, dof: str) -> InputError:
     return InputError(
         Problem(
             where,
-            "the stiffness matrix lets the body move without force even where it is held; "
-            f"{dof} moves most: are all elements connected, and does every node have stiffness in "
-            "all its degrees of freedom?",
+            f"the stiffness matrix has a free motion although the body is fixed; {dof} moves "
+            f"most: check that all elements are connected, and that every node has stiffness in "
+            f"all its degrees of freedom",
         )
     )

@@ -1,4 +1,4 @@
-"""How much memory a reduction needs, and how much there is."""
+"""Memory needed by a reduction, and memory of the machine."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ if TYPE_CHECKING:
 MiB, GiB = 1 << 20, 1 << 30
 
 BASE = 150 * MiB
-"""Python and its libraries."""
+"""Memory of Python and its libraries, bytes."""
 
 COPIES = 2.5
-"""Times that K and M are there: the part's, the interior's, and the triangle for the library."""
+"""Number of copies of K and M: of the part, of the interior, and the triangle for the library."""
 
 BULKY = {"superlu": 300.0, "multifrontal": 250.0}
-"""Bytes of a factor over ``n^(4/3)``, nested dissection of solids; 120 where not named."""
+"""Bytes of a factor / ``n^(4/3)``, nested dissection of solids; 120 for other libraries."""
 
 MANY = 200
-"""Modes above which a node set is likely to be the reason."""
+"""Number of modes above which an interface is probably a node set."""
 
 FIELDS = 7.0
-"""Copies of the modes in the invariants: the modes, turned about three axes, and M times these."""
+"""Copies of the modes in the invariants: modes, three rotated copies, and M times these."""
 
 PAIRS = 45.0
-"""Numbers for each pair of modes in the invariants: nine bilinear forms, and on the way to them."""
+"""Numbers per pair of modes in the invariants: nine bilinear forms and temporary arrays."""
 
 THIN = 20.0
-"""Bytes of a factor over ``n log2 n``, nested dissection of plates and shells: the least."""
+"""Bytes of a factor / ``n log2 n``, nested dissection of plates and shells: a lower bound."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +53,17 @@ class MemoryEstimate:
     unknowns : int
         Degrees of freedom.
     modes : int
-        Modes at most: of the interfaces, asked for, and residual vectors.
+        Upper bound of the number of modes: of the interfaces, requested ones, and residual vectors.
     solver : str
-        Library that would factorise, see `solvers`.
+        Library of the factorisation, see `solvers`.
     factor : float
-        The factorisation of a bulky part; a thin one needs less.
+        Memory of the factorisation of a bulky part; a thin one needs less.
     total : float
-        All of it at its largest, with the part.
+        Largest total memory, including the part.
     least : float
-        What even a thin part would need.
+        Total memory for a thin part, a lower bound.
     machine : float
-        What the machine has, or what this process may use; infinite if it is not known.
+        Memory of the machine, or limit of this process; infinite if unknown.
     """
 
     unknowns: int
@@ -91,19 +91,19 @@ def memory_estimate(
     stiffening: bool = False,
     solver: str | None = None,
 ) -> MemoryEstimate:
-    """Return about how much memory the reduction of a part takes, before it starts.
+    """Return an estimate of the memory of a reduction, before it starts.
 
-    The factor of a solid of n unknowns grows with ``n^(4/3)``; the m modes are there several times
-    as dense ``n m`` and ``m^2`` arrays, most of it if a node set is an interface.
+    The factor of a solid of n unknowns grows with ``n^(4/3)``; the m modes need several dense ``n
+    m`` and ``m^2`` arrays, which dominate if a node set is an interface.
 
     Parameters
     ----------
     part : Part
     method : CraigBampton, FreeFree or ShapeFunctions
     stiffening : bool
-        As for `reduce`.
+        See `reduce`.
     solver : str, optional
-        As for `reduce`.
+        See `reduce`.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def memory_estimate(
     modes = 20 if method.modes is None else method.modes
     columns = _columns(part, method)
     m = min(modes + columns, n)
-    # while modes are sought, and while they are made into a body
+    # the larger of the search for modes and the computation of the body
     basis = 2 * max(2 * modes + 40, 104)
     sites = 0 if part.stress is None else len(part.stress.sites)
     body = m * max(FIELDS * n + PAIRS * m, 2.0 * n + 2.0 * 6 * sites)
@@ -136,7 +136,7 @@ def _columns(part: Part, method: Method) -> int:
     names: Collection[str] = method.interfaces
     if isinstance(method, CraigBampton):
         names = names or ties
-    # six motions of a tie, all of each node of a set; unknown names are refused later
+    # six motions per tie, all motions per node of a set; unknown names are reported later
     count = sum(
         6 if name in ties else part.dofs_per_node * len(part.node_sets.get(name, ()))
         for name in names
@@ -147,26 +147,24 @@ def _columns(part: Part, method: Method) -> int:
 
 
 def check_memory(estimate: MemoryEstimate, where: str) -> None:
-    """Refuse what cannot fit.
+    """Raise InputError, or warn, for a reduction that does not fit into the memory.
 
     Raises
     ------
     InputError
-        Even a thin part of this size needs more memory than there is.
+        If even a thin part of this size needs more memory than available.
 
     Warns
     -----
     JoustoWarning
-        A bulky part of this size needs more memory than there is.
+        If a bulky part of this size needs more memory than available.
     """
     remedy = (
         "use a coarser mesh (quadratic elements allow it), fewer modes, or a machine with more "
         "memory"
     )
     if estimate.modes > MANY:
-        remedy += (
-            "; an Interface(name, nodes) has 6 modes where a node set has 3 or 6 for each node"
-        )
+        remedy += "; an Interface(name, nodes) has 6 modes, a node set has 3 or 6 per node"
     text = (
         f"the reduction of {estimate.unknowns:,} unknowns to {estimate.modes:,} modes needs {{}} "
         f"of memory, this machine has {estimate.machine / GiB:.1f} GiB; {remedy}"
@@ -179,7 +177,7 @@ def check_memory(estimate: MemoryEstimate, where: str) -> None:
 
 @functools.cache
 def machine_memory() -> float:
-    """Return the bytes of memory of this machine, or of the container this process runs in."""
+    """Return the memory of this machine, or of the container of this process, bytes."""
     limits = [np.inf]
     if sys.platform == "win32":
         limits.append(_windows())

@@ -1,12 +1,12 @@
-"""Multifrontal Cholesky factorisation: the sparse factor as a tree of dense ones.
+"""Multifrontal Cholesky factorisation: the sparse factor as a tree of dense factors.
 
 Blocks of unknowns are eliminated in an order of nested dissection. The front of a block is the
-dense matrix of its unknowns 1 and of those 2 that it touches and that come later,
+dense matrix of its own unknowns 1 and of the later unknowns 2 coupled with them,
 
     ``F11 = L11 L11^T``,  ``L21 = F21 L11^-T``,  ``U = F22 - L21 L21^T``;
 
-U is added to the front of the block that separates it from others. LAPACK and BLAS do all of the
-work (Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109).
+U is added to the front of the separator block above. All dense operations are those of LAPACK and
+BLAS (Duff and Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109).
 """
 
 from __future__ import annotations
@@ -24,16 +24,15 @@ from jousto.reduction.sparse.dissection import Dissection, dissect
 
 @dataclass(frozen=True, eq=False)
 class Front:
-    """Block of unknowns start to stop, in the order of elimination, and what it touches.
+    """Block of unknowns start to stop, in elimination order, and the unknowns coupled with it.
 
     Parameters
     ----------
     start, stop : int
-        Its unknowns.
-    border : (m,) array
+        Range of the unknowns of the block. border : (m,) array
         Later unknowns, ascending.
     parent : int
-        Front to which its remainder is added; -1 for none.
+        Front to which the remainder U is added; -1 for none.
     """
 
     start: int
@@ -43,12 +42,12 @@ class Front:
 
 
 class IndefiniteBlock(Exception):
-    """A pivot is not positive.
+    """Error of a pivot that is not positive.
 
     Parameters
     ----------
     row : int
-        Where, in the order of the matrix.
+        Row of the pivot in the order of the matrix.
     """
 
     def __init__(self, row: int) -> None:
@@ -64,18 +63,18 @@ class Cholesky:
     matrix : (n, n) sparse array
         Both triangles.
     points : (n, 3) array
-        Place of each unknown.
+        Position of each unknown.
     least_pivot : float
-        Least square of a diagonal entry of L.
+        Smallest allowed square of a diagonal entry of L.
     limit : float
         Bytes of memory that there are.
 
     Raises
     ------
     IndefiniteBlock
-        The matrix is not positive definite.
+        If the matrix is not positive definite.
     MemoryError
-        The factor needs more than the limit; known before it is begun.
+        If the factor needs more than the limit; checked before the factorisation.
     """
 
     def __init__(
@@ -147,7 +146,7 @@ def _lower(matrix: sp.csr_array, place: Index) -> sp.csc_array:
 
 
 def fronts(lower: sp.csc_array, cut: Dissection) -> list[Front]:
-    """Return the fronts: what a block touches, itself or by what was eliminated before it."""
+    """Return the fronts: unknowns coupled with a block, directly or by earlier eliminations."""
     out: list[Front] = []
     touched: dict[int, list[Index]] = {}
     for number, parent in enumerate(cut.parents):
@@ -161,7 +160,7 @@ def fronts(lower: sp.csc_array, cut: Dissection) -> list[Front]:
 
 
 def _bytes(tree: list[Front]) -> tuple[int, int]:
-    """Return the bytes of the factor, and of it and all that is there beside it at its largest."""
+    """Return the bytes of the factor, and the largest total memory of the factorisation."""
     factor = stack = most = 0
     waiting: dict[int, int] = {}
     for number, front in enumerate(tree):
@@ -197,5 +196,5 @@ def _extend(front: Front, F11: Array, F21: Array, F22: Array, border: Index, U: 
         (F21, j, i, U[inner:, :inner]),
         (F22, j, j, U[inner:, inner:]),
     ):
-        # transposed: columns of these arrays are contiguous
+        # transposed, since columns of these arrays are contiguous
         target.T[np.ix_(columns, rows)] += values.T
