@@ -1,4 +1,4 @@
-/** What every panel and tool gets: the state, the runs, the view and the places for panels. */
+/** Context of every panel and tool: state, runs, view and slots. */
 
 import type { Scene } from "./protocol";
 import type { Source } from "./source/source";
@@ -8,7 +8,7 @@ import type { View } from "./render/view";
 import type { Slots } from "./slots";
 import type { Store } from "./state";
 
-/** A run: what does not change and the rows of its instants. */
+/** Run: its scene and the rows of its instants. */
 export interface Run {
   index: number;
   title: string;
@@ -23,6 +23,6 @@ export interface App {
   view: View;
   player: Player;
   slots: Slots;
-  /** Called with the scene of a running machine when a parameter has changed it. */
+  /** Called with the new scene of a running machine after a parameter change. */
   renewed: Set<(scene: Scene) => void>;
 }

@@ -47,7 +47,7 @@ async function open(parent: HTMLElement): Promise<App> {
   store.set({
     time: track.start,
     runs: runs.map(() => true),
-    // modes are shown with two seconds a period
+    // modes play with a period of two seconds
     speed: track instanceof ModeTrack ? period / 2 : 1,
     measure: scene.measures.includes("von-mises") && scene.what === "run" ? "von-mises" : null,
   });
@@ -69,7 +69,7 @@ async function open(parent: HTMLElement): Promise<App> {
     if (version !== undefined && live.scene !== undefined && live.scene !== version) {
       source.scene(0).then(
         (changed) => {
-          // a machine of other things needs another page
+          // a machine with other objects needs a new page
           if (listed(changed) !== listed(runs[0].scene)) window.location.reload();
           thicken(changed);
           runs[0].scene = changed;
@@ -93,11 +93,11 @@ async function open(parent: HTMLElement): Promise<App> {
   return app;
 }
 
-/** What a scene consists of, by name. */
+/** Content of a scene by name. */
 const listed = (scene: Scene): string =>
   JSON.stringify([scene.row, ...[scene.bodies, scene.symbols, scene.sensors].map((list) => list.map(({ name }) => name))]);
 
-/** For tests: what the page shows, in numbers. */
+/** For tests: displayed values as numbers. */
 export interface Hooks {
   ready: Promise<void>;
   app: App | null;

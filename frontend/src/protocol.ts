@@ -1,9 +1,9 @@
-/** The container in which scenes and answers travel, and what is in them. */
+/** Container of scenes and answers, and its content. */
 
 export type Numbers = Float64Array | Float32Array | Uint32Array | Int32Array | Uint16Array | Uint8Array;
 export type Kind = "f8" | "f4" | "f2" | "u4" | "i4" | "u2" | "u1";
 
-/** An array of a container: numbers in C order. Half floats ("f2") stay as their 16 bits. */
+/** Array of a container in C order. Half floats ("f2") remain 16-bit integers. */
 export interface Block<T extends Numbers = Numbers> {
   type: Kind;
   shape: number[];
@@ -13,7 +13,7 @@ export interface Block<T extends Numbers = Numbers> {
 export type Vec3 = [number, number, number];
 export type Quat = [number, number, number, number];
 
-/** A point on a body: `R + A (u + s phi p)`; `place` is -1 in the world. */
+/** Point on a body: `R + A (u + s phi p)`; `place` is -1 in the world. */
 export interface Side {
   place: number;
   n: number;
@@ -22,8 +22,8 @@ export interface Side {
   frame: Quat;
 }
 
-/** An exact beam: rings of its sections between the poses of the ends of its elements. */
-/** Where the vertices of a beam or frame are: in sections along its elements. */
+/** Exact beam: rings of its sections between the end poses of its elements. */
+/** Vertices of a beam or frame by sections along its elements. */
 export interface Sections {
   element: Block<Uint32Array>;
   share: Block<Float64Array>;
@@ -34,7 +34,7 @@ export interface Sections {
 export interface Rings extends Sections {
   places: Block<Uint32Array>;
   ends: Block<Float64Array>;
-  /** `yz` as they are, m, where thin sections are drawn thicker. */
+  /** Original `yz`, m, where thin sections are drawn thicker. */
   section?: Float32Array;
   forces: number;
   corner: Block<Uint16Array>;
@@ -59,7 +59,7 @@ export interface Body {
   known: Block<Uint8Array> | null;
   nodes: Block<Uint32Array> | null;
   damage: Block<Float32Array> | null;
-  /** s; infinite without end. */
+  /** s; infinite if unlimited. */
   life: Block<Float32Array> | null;
   mass: number | null;
   about: string;
@@ -73,7 +73,7 @@ export interface Symbol {
   group: "joint" | "force" | "sensor" | "ground";
   sides: Side[];
   axis: Vec3 | null;
-  /** Whether the axis is given in the world, not on the first body. */
+  /** Whether the axis is fixed in the world instead of on the first body. */
   fixed?: boolean;
   size: number | null;
   sensor: string | null;
@@ -89,7 +89,7 @@ export interface Sensor {
   side: Side | null;
   arrow: "force" | "moment" | "velocity" | "acceleration" | null;
   columns: number[] | null;
-  /** What a reading of each component must exceed to be more than rounding. */
+  /** Magnitude of each component below which a reading is rounding error. */
   floors: number[];
 }
 
@@ -144,7 +144,7 @@ export interface Scene {
   limits: Record<string, [number, number] | null>;
   parameters?: Parameter[];
   runs?: string[];
-  /** What a user should know of the run, such as that it has no end. */
+  /** Note on the run for the user, for example that it is unfinished. */
   note?: string;
 }
 
@@ -174,7 +174,7 @@ export interface Probe {
   life: number | null;
 }
 
-/** Histories of some values: `values` is (number of labels, number of instants). */
+/** Histories: `values` is (number of labels, number of instants). */
 export interface History {
   time: Block<Float64Array>;
   values: Block<Float64Array>;
@@ -203,7 +203,7 @@ export interface Live {
   playing: boolean;
   recording: string | null;
   message: string;
-  /** Counts up when the scene has changed, as a parameter does. */
+  /** Version of the scene, increased by each parameter change. */
   scene?: number;
 }
 
@@ -211,7 +211,7 @@ export interface Failure {
   id: number;
   kind: "error";
   message: string;
-  /** The files contain something else now. */
+  /** Whether the files have new content. */
   renewed?: boolean;
 }
 
@@ -240,7 +240,7 @@ function isReference(value: object): value is { at: number; shape: number[]; typ
   return "at" in value && "shape" in value && "type" in value;
 }
 
-/** Decode a container: its header, each reference replaced by the `Block` that it points to. */
+/** Decode a container: its header with references replaced by their `Block`. */
 export function decode(buffer: ArrayBuffer): Record<string, unknown> {
   const view = new DataView(buffer);
   if (buffer.byteLength < 8 || new TextDecoder().decode(new Uint8Array(buffer, 0, 4)) !== MAGIC) {

@@ -1,4 +1,4 @@
-/** The places of the page: the picture in the middle, panels around it, labels over it. */
+/** Slots of the page: picture in the middle, panels around it, labels over it. */
 
 export interface Slots {
   root: HTMLElement;
@@ -10,9 +10,9 @@ export interface Slots {
   right: HTMLElement;
   /** Time line. */
   bottom: HTMLElement;
-  /** The picture; it contains the canvas. */
+  /** Picture with the canvas. */
   stage: HTMLElement;
-  /** Over the picture; does not catch the mouse unless a child asks for it. */
+  /** Overlay; passes mouse events except to children that request them. */
   overlay: HTMLElement;
 }
 

@@ -1,4 +1,4 @@
-/** What the user sees and has chosen: one flat record that can be watched. */
+/** Settings and selections of the user in one flat, observable record. */
 
 import type { Vec3 } from "./protocol";
 
@@ -9,37 +9,37 @@ export interface Place {
   vertex: number;
 }
 
-/** How a body is shown; bodies without an entry are shown as they are. */
+/** Appearance of a body; bodies without an entry have the default one. */
 export interface Look {
   hidden?: boolean;
   transparent?: boolean;
-  /** CSS colour in place of that of its kind. */
+  /** CSS colour that replaces that of its kind. */
   colour?: string;
 }
 
 export interface Clip {
   on: boolean;
-  /** Normal of the plane, world frame; what lies on its positive side is cut away. */
+  /** Normal of the plane, world frame; the positive side is cut away. */
   normal: Vec3;
-  /** Distance from the middle of the scene along the normal, in halves of its size: -1 to 1. */
+  /** Distance from the scene centre along the normal, in half sizes of the scene: -1 to 1. */
   offset: number;
 }
 
 export interface State {
-  /** Instant that is shown, s; of modes, s within one period. */
+  /** Displayed instant, s; of modes, s within one period. */
   time: number;
   playing: boolean;
-  /** Seconds of the machine a second of the watch. */
+  /** Machine time per real time. */
   speed: number;
   loop: boolean;
   /** Factor on the deformation of flexible bodies. */
   amplification: number;
-  /** Number of the mode that is shown, if the scene consists of modes. */
+  /** Index of the displayed mode, if the scene consists of modes. */
   mode: number;
-  /** What the colours mean, one of the scene's measures; null: each body has its own colour. */
+  /** Measure shown by the colours; null: each body has its own colour. */
   measure: string | null;
   rangeMode: "instant" | "run" | "fixed";
-  /** Lowest and highest value of the colours now, in SI units; null until it is known. */
+  /** Present range of the colours in SI units; null until known. */
   range: [number, number] | null;
   map: string;
   /** Number of bands of constant colour; 0: smooth. */
@@ -52,11 +52,11 @@ export interface State {
   flat: boolean;
   selection: Place | null;
   hover: Place | null;
-  /** By `run:body`, as `key` writes it. */
+  /** Looks by `run:body`, see `key`. */
   looks: Record<string, Look>;
-  /** Body that alone is shown, as `run:body`. */
+  /** Only visible body, as `run:body`. */
   isolated: string | null;
-  /** Groups of symbols that are shown. */
+  /** Visible groups of symbols. */
   symbols: { joint: boolean; force: boolean; sensor: boolean; ground: boolean };
   markers: boolean;
   arrows: boolean;
@@ -65,17 +65,17 @@ export interface State {
   grid: boolean;
   shadows: boolean;
   clip: Clip;
-  /** Points whose paths are drawn. */
+  /** Points with drawn paths. */
   traces: Place[];
   perspective: boolean;
-  /** Body that the camera follows, as `run:body`. */
+  /** Body followed by the camera, as `run:body`. */
   follow: string | null;
   theme: "auto" | "light" | "dark";
-  /** Which runs are shown; the first one is drawn in full, others as overlays. */
+  /** Visible runs; the first one is drawn in full, others as overlays. */
   runs: boolean[];
-  /** Run number k stands k times this beside the first, m. */
+  /** Offset of run number k: k times this beside the first, m. */
   offset: Vec3;
-  /** What the mouse does on the picture. */
+  /** Active mouse tool. */
   tool: "select" | "measure" | "pull";
   message: string;
 }
@@ -121,7 +121,7 @@ export type Watcher = (state: Readonly<State>, changed: ReadonlySet<keyof State>
 
 export const key = (run: number, body: number): string => `${run}:${body}`;
 
-/** The record and who watches it: watchers are called at once, in the order in which they came. */
+/** Record with observers, which are called at once in the order of their registration. */
 export class Store {
   private record: State;
   private watchers: { keys: ReadonlySet<keyof State> | null; call: Watcher }[] = [];
@@ -134,7 +134,7 @@ export class Store {
     return this.record;
   }
 
-  /** Change some entries; those that are equal to what they were change nothing. */
+  /** Change some entries; equal values have no effect. */
   set(change: Partial<State>): void {
     const changed = new Set<keyof State>();
     for (const name of Object.keys(change) as (keyof State)[]) {
@@ -147,7 +147,7 @@ export class Store {
     }
   }
 
-  /** Call a function now and after each change of one of these entries; returns what ends it. */
+  /** Call a function now and after each change of given entries; returns the function that unsubscribes. */
   watch(keys: (keyof State)[] | null, call: Watcher): () => void {
     const entry = { keys: keys && new Set(keys), call };
     this.watchers.push(entry);

@@ -104,7 +104,9 @@ def test_several_results_are_a_duty_cycle(result, tmp_path):
     assert again == many
     found = invoke("fatigue", result, "--duty", duty, *options)
     assert found.exit_code == 2
-    assert f"RESULT: cannot stand beside --duty: {duty.name} has results, repeats" in found.stderr
+    assert (
+        f"RESULT: cannot be combined with --duty: {duty.name} has results, repeats" in found.stderr
+    )
 
 
 def test_strict_ends_with_code_1(result):

@@ -83,7 +83,7 @@ def test_mistakes(model, tmp_path):
     jousto("run", model, "-q")
     result = tmp_path / "pendulum.h5"
     assert "give that of the run without friction as well" in jousto("friction", result, code=2)
-    assert "give it alone" in jousto("friction", model, result, code=2)
+    assert "leave the second file out" in jousto("friction", model, result, code=2)
     out = jousto("friction", result, result, "--body", "am", code=2)
     assert "no flexible body 'am'; did you mean 'arm'?" in out
     # nothing is simulated before the bodies are known

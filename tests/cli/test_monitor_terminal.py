@@ -67,7 +67,7 @@ def test_a_table_is_drawn_and_ctrl_c_ends_it_clean(tmp_path):
         t, _, e = motion(400)
         text = "\n".join(lines(t, e))
         os.write(into, text[: text.index("\n1.5,")].encode() + b"\ngarbage\n")
-        read_until(b"lines without sense: 1")
+        read_until(b"invalid lines: 1")
         os.write(into, text[text.index("\n1.5,") + 1 : text.index("\n3,") + 1].encode())
         read_until(b": 2.990 s")  # a long path breaks the line before it
         os.write(keyboard, b"\x03")

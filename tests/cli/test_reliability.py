@@ -182,7 +182,7 @@ def test_limits_without_an_answer(model: Path, tmp_path: Path, method: str) -> N
             "mass, force, room contradict one another",
         ),
         ("value: 0.2}]", "value: 0.2}, {of: [force, mass], value: 0}]", "is given twice"),
-        ("target: 3", "target: 50", "beyond 38 no probability is a double"),
+        ("target: 3", "target: 50", "must be at most 38: smaller probabilities underflow"),
     ],
 )
 def test_files_that_cannot_be(model: Path, old: str, new: str, said: str) -> None:

@@ -96,7 +96,7 @@ def test_all_mistakes_are_told_before_the_run(model: Path, tmp_path: Path) -> No
     code, out = jousto("study", model, "--vary", "mass=1,2", "--outcome", "max(wy)")
     assert code == 2 and "no sensor 'wy'; did you mean 'way'?" in out
     code, out = jousto("study", model, "--outcome", "mass")
-    assert code == 2 and "--vary: name what is varied: mass, force" in out
+    assert code == 2 and "--vary: name the parameters to vary: mass, force" in out
 
 
 @pytest.mark.parametrize(

@@ -304,7 +304,7 @@ def test_wrong_arguments(named, said):
 
 
 def test_a_start_outside_of_a_distribution():
-    with pytest.raises(jo.InputError, match="R is -1, which its distribution does not have"):
+    with pytest.raises(jo.InputError, match="R is -1, outside of its distribution"):
         form(lambda x: x["R"], [lognormal("R", 1, 1)], start={"R": -1.0})
     with pytest.raises(jo.InputError, match="step is 0"):
         LimitState(lambda x: x, step=0.0)

@@ -270,7 +270,9 @@ def test_targets_one_by_one():
 
 
 def test_a_design_that_cannot_be_says_what_is_missed():
-    with pytest.raises(jo.design.DesignPointError, match="no design was found .* missed at"):
+    with pytest.raises(
+        jo.design.DesignPointError, match="no design reaches the targets .* missed at"
+    ):
         rbdo(cost, [lambda x: x["x1"] - 20.0], pair(0.3), BOX, 3.0)
     with pytest.raises(jo.design.DesignPointError, match="G1"):
         rbdo(
@@ -345,7 +347,7 @@ def test_a_nested_optimisation_that_does_not_end_says_so():
         for name in "ab"
     ]
     with pytest.raises(
-        jo.design.DesignPointError, match="not end in 1 step, raise cycles=; missed"
+        jo.design.DesignPointError, match="not converge within 1 step, raise cycles=; missed"
     ):
         jo.design.rbdo(
             lambda d: d["a"] ** 2 + d["b"] ** 4,

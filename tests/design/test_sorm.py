@@ -99,7 +99,7 @@ def test_a_result_of_form_is_enough():
     found = form(*TEN["convex"])
     assert sorm(found).tvedt == sorm(*TEN["convex"]).tvedt
     assert "Breitung 0.00221" in repr(sorm(found))
-    with pytest.raises(jo.InputError, match="give it alone"):
+    with pytest.raises(jo.InputError, match="leave variables out"):
         sorm(found, TEN["convex"][1])
     with pytest.raises(jo.InputError, match="step is -1"):
         sorm(found, step=-1.0)

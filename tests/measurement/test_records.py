@@ -108,11 +108,11 @@ def test_everything_wrong_at_once(tmp_path):
         jo.gauges.read_record(path)
     found = [str(p).removeprefix(f"{path}: ") for p in error.value.problems]
     assert found == [
-        "channel 'g1' reaches 0.04: too large for strain in m/m, it was likely given in %; say "
+        "channel 'g1' reaches 0.04: too large for strain in m/m, it was likely given in %; give "
         "units={'g1': '%'} (the file says 'm/m')",
-        "channel 'g2' has the unknown unit 'furlong'; say units={'g2': ...} with one such as "
+        "channel 'g2' has the unknown unit 'furlong'; give units={'g2': ...} with one such as "
         "um/m, mV/V, MPa, kN or 1",
-        "channel 'g3' reaches 300: too large for strain in m/m, it was likely given in um/m; say "
+        "channel 'g3' reaches 300: too large for strain in m/m, it was likely given in um/m; give "
         "units={'g3': 'um/m'} (the file says 'm/m')",
         "time runs backwards 1 times, first from 0.1 s to 0.05 s at sample 3; repair=True sorts "
         "the samples",

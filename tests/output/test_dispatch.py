@@ -59,9 +59,9 @@ def test_help_names_all_options() -> None:
 
 
 def test_things_that_cannot_be_drawn_or_written() -> None:
-    with pytest.raises(jo.InputError, match="plot: of a Material is not known; known: Solution, "):
+    with pytest.raises(jo.InputError, match="plot: does not accept a Material; known: Solution, "):
         jo.plot(jo.material("S355"))  # type: ignore[call-overload]
-    with pytest.raises(jo.InputError, match="write: of a str is not known; known: Solution, "):
+    with pytest.raises(jo.InputError, match="write: does not accept a str; known: Solution, "):
         jo.write("a", "b.csv")  # type: ignore[call-overload]
 
 

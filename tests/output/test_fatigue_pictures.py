@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.output.figures.coloured_body import hidden, paint
+from jousto.output.figures.coloured_body import is_hidden, paint_body
 from jousto.output.scenes.surface import Skin
 from jousto.output.scenes.view import View
 from jousto.output.style import Picture
@@ -84,11 +84,11 @@ def test_places_behind_the_body_are_faded(tmp_path):
     x = eye.project(shape.nodes)
     front, back = shape.nodes[np.argmax(x[:, 2])], shape.nodes[np.argmin(x[:, 2])]
     middle = 0.5 * (shape.nodes.min(axis=0) + shape.nodes.max(axis=0))
-    assert not hidden(shape, eye, front)
-    assert hidden(shape, eye, back) and hidden(shape, eye, middle)
+    assert not is_hidden(shape, eye, front)
+    assert is_hidden(shape, eye, back) and is_hidden(shape, eye, middle)
     # from the other side it is the other way round
     other = View((0.0, 1.0, 0.0))
-    assert hidden(shape, other, front) and not hidden(shape, other, back)
+    assert is_hidden(shape, other, front) and not is_hidden(shape, other, back)
     # the pictures say so
     field = jo.stress_field(run, "bar", times=np.linspace(0, 0.2, 11))
     found = jo.damage_field(field, jo.SN(S_D=5e5, N_D=1e6, k=5), criterion="s11", residue="half")
@@ -111,7 +111,7 @@ def test_damage_and_hot_spots_are_painted_alike():
         figure = Picture()
         ax = figure.add_axes((0, 0, 1, 1))
         seen = []
-        paint(
+        paint_body(
             ax,
             shape,
             View.on("xz"),

@@ -278,5 +278,5 @@ def test_damage_lies_over_the_nodes_of_its_body(saved):
 
 
 def test_what_cannot_be_seen_is_a_sentence():
-    with pytest.raises(InputError, match="a float cannot be seen; give a Solution, Model"):
+    with pytest.raises(InputError, match="a float cannot be shown; give a Solution, Model"):
         make_scene(3.0)

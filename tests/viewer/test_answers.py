@@ -67,7 +67,7 @@ def test_a_request_for_10_gb_is_refused_with_how_many_there_may_be() -> None:
 
 def test_long_runs_are_thinned_and_a_window_has_all_instants() -> None:
     times = np.linspace(0.0, 100.0, 100_001)
-    frames = Frames.of(0, len(times))
+    frames = Frames.thinned(0, len(times))
     assert frames.number <= 20_000 and frames.every == 6
     window = Frames.within(times, 10.0, 11.0)
     chosen = times[window.first :: window.every][: window.number]

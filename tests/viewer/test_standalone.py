@@ -27,7 +27,7 @@ def test_the_instants_of_the_worst_places_are_in_a_thinned_page() -> None:
     kept = contents(scene, 10)
     assert len(kept["time"]) < run.nt and np.all(np.diff(kept["time"]) > 0.0)
     np.testing.assert_array_equal(kept["scene"]["frames"], kept["time"])
-    evenly = run.time[Frames.of(0, run.nt, most=10).rows_of_all()]
+    evenly = run.time[Frames.thinned(0, run.nt, most=10).rows_of_all()]
     assert set(evenly) <= set(kept["time"])
     for place in kept["worst"]["von-mises"]:
         row = int(np.flatnonzero(kept["time"] == place["time"])[0])

@@ -153,12 +153,12 @@ def test_wrong_options_are_named(how: dict[str, Any], said: str) -> None:
 
 
 def test_what_cannot_be_seen_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be seen"):
+    with pytest.raises(InputError, match="cannot be shown"):
         jo.view(5, open=False)
     with pytest.raises(MissingFileError, match="no such file"):
         jo.view(tmp_path / "none.h5", open=False)
     (tmp_path / "text.txt").write_text("hello")
-    with pytest.raises(InputError, match=r"no kind that is shown; known: .*\.h5 .*\.yaml .*\.msh"):
+    with pytest.raises(InputError, match=r"cannot be shown; known: .*\.h5 .*\.yaml .*\.msh"):
         jo.view(tmp_path / "text.txt", open=False)
     (tmp_path / "other.h5").write_bytes(b"no HDF5")
     with pytest.raises(InputError, match="no HDF5 file"):
@@ -169,7 +169,7 @@ def test_what_cannot_be_seen_is_named(tmp_path: Path) -> None:
     (tmp_path / "cut.h5").write_bytes(whole[: len(whole) // 3])
     with pytest.raises(InputError, match="cut.h5: is cut off or damaged"):
         jo.view(tmp_path / "cut.h5", open=False)
-    with pytest.raises(InputError, match="'swing' is a run, 'bar.*' is modes: only things of one"):
+    with pytest.raises(InputError, match="'swing' is a run, 'bar.*' is modes: only objects of one"):
         jo.view(swing(), bar(), open=False)
     with pytest.raises(InputError, match="up to 4"):
         jo.view(*[swing()] * 5, open=False)
@@ -235,7 +235,7 @@ def test_a_run_without_an_end_is_said_to_have_none(tmp_path: Path) -> None:
         assert time.monotonic() < end
     # as it is now a program leaves it that is killed
     scene = answers_of([recorder.path]).answer({"id": 1, "ask": "scene"})
-    assert "no end, it still goes on or was killed; the 4 instants up to 0.03 s" in scene["note"]
+    assert "unfinished: still running or killed; the 4 instants up to 0.03 s" in scene["note"]
     recorder.close()
     assert "note" not in answers_of([recorder.path]).answer({"id": 1, "ask": "scene"})
 

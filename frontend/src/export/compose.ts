@@ -1,4 +1,4 @@
-/** The legend, title and time drawn on a picture that leaves the page. */
+/** Legend, title and time on an exported picture. */
 
 import type { App } from "../app";
 import { clock } from "../format/units";
@@ -7,7 +7,7 @@ import type { LegendLook } from "../panels/legend";
 export interface Dress {
   legend: LegendLook | null;
   title: string;
-  /** Whether the picture is dark behind: text is light then. */
+  /** Whether the background is dark: text is light then. */
   dark: boolean;
   /** Ends of the axes in the corner, CSS pixels from the lower left corner. */
   ends: readonly (readonly [number, number])[];
@@ -22,7 +22,7 @@ export function caption(app: App): string {
   return scene.frames.data.length > 1 ? `${title}, t = ${clock(time, 0.001)} s` : title;
 }
 
-/** Draw legend and caption on a canvas of height h, `k` pixels a CSS pixel. */
+/** Draw legend and caption on a canvas of height h, `k` picture pixels per CSS pixel. */
 export function dress(ctx: CanvasRenderingContext2D, h: number, k: number, what: Dress): void {
   const ink = what.dark ? "#e6e9ee" : "#1d232b";
   const muted = what.dark ? "#b4bcc7" : "#4e5761";

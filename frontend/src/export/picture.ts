@@ -1,11 +1,11 @@
-/** A picture of what is shown, as PNG. */
+/** PNG picture of the view. */
 
 import type { App } from "../app";
 import { legendLook } from "../panels/legend";
 import { caption, dress } from "./compose";
 
 export interface PictureOptions {
-  /** Pixels of the picture for one of the page. */
+  /** Picture pixels per page pixel. */
   scale: number;
   legend: boolean;
   transparent: boolean;

@@ -1,4 +1,4 @@
-/** A video as WebM, picture after picture, so that a slow computer makes the same video as a fast one. */
+/** WebM video, encoded frame by frame, so that its content does not depend on the computer's speed. */
 
 import type { App } from "../app";
 import { legendLook } from "../panels/legend";
@@ -8,9 +8,9 @@ import type { Picture } from "./webm";
 import { webm } from "./webm";
 
 export interface VideoOptions {
-  /** Pictures a second of the video. */
+  /** Frames per second of the video. */
   rate: number;
-  /** Seconds of the machine a second of the video. */
+  /** Machine time per video time. */
   speed: number;
   start: number;
   end: number;
@@ -19,13 +19,13 @@ export interface VideoOptions {
   cancelled: () => boolean;
 }
 
-/** Instants of the pictures. */
+/** Instants of the frames. */
 export function instants(start: number, end: number, speed: number, rate: number): number[] {
   const count = Math.max(1, Math.floor(((end - start) / speed) * rate + 1e-9) + 1);
   return Array.from({ length: count }, (_, i) => Math.min(end, start + (i * speed) / rate));
 }
 
-/** Whether this browser encodes picture after picture (WebCodecs). */
+/** Whether this browser has a frame encoder (WebCodecs). */
 export const encodes = (): boolean => typeof VideoEncoder === "function" && typeof VideoFrame === "function";
 
 const CODECS = [
@@ -96,7 +96,7 @@ async function encoded(
     encoder.encode(frame, { keyFrame: i % Math.round(4 * options.rate) === 0 });
     frame.close();
     options.progress((i + 1) / all.length);
-    // the page stays alive, and pictures do not pile up before the encoder
+    // let the page respond, and the encoder queue empty
     do await new Promise((resolve) => setTimeout(resolve, encoder.encodeQueueSize > 4 ? 10 : 0));
     while (encoder.encodeQueueSize > 4);
     if (failure) throw failure;
@@ -106,7 +106,7 @@ async function encoded(
   return new Blob(webm(chosen.name, width, height, step, pictures) as BlobPart[], { type: "video/webm" });
 }
 
-/** Without WebCodecs: recorded as it plays; a slow computer leaves pictures out. */
+/** Without WebCodecs: recording in real time; a slow computer drops frames. */
 async function recorded(
   canvas: HTMLCanvasElement,
   draw: (time: number) => Promise<void>,

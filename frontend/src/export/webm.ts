@@ -1,4 +1,4 @@
-/** A WebM file (Matroska, RFC 9559) around encoded pictures, with an index so that players can jump. */
+/** WebM file (Matroska, RFC 9559) from encoded frames, with an index for seeking. */
 
 export interface Picture {
   data: Uint8Array;
@@ -23,7 +23,7 @@ function float(value: number): Uint8Array {
   return bytes;
 }
 
-/** A length of 8 bytes: any size, at a constant width. */
+/** Length in 8 bytes: any size at a constant width. */
 function size(value: number): Uint8Array {
   const bytes = new Uint8Array(8);
   const view = new DataView(bytes.buffer);
@@ -41,7 +41,7 @@ function write([id, content]: Tree): Uint8Array[] {
 
 const bytes = (trees: Tree[]): number => trees.flatMap(write).reduce((sum, part) => sum + part.length, 0);
 
-/** Make a WebM file of pictures in their order; `codec` is `V_VP9` or `V_VP8`, `step` ms a picture. */
+/** Make a WebM file of frames; `codec` is `V_VP9` or `V_VP8`, `step` the frame time, ms. */
 export function webm(
   codec: "V_VP8" | "V_VP9",
   width: number,
@@ -90,7 +90,7 @@ export function webm(
       ],
     ],
   ];
-  // a cluster begins with each key picture; times within one have 16 bits
+  // a cluster begins at each key frame; times within it have 16 bits
   const clusters: Tree[] = [];
   const starts: number[] = [];
   let blocks: Tree[] = [];
@@ -107,7 +107,7 @@ export function webm(
     block.set(picture.data, 4);
     blocks.push([[0xa3], block]);
   }
-  // places in the index have 8 bytes, so its own size is known before they are
+  // positions in the index have 8 bytes, so that its size is known in advance
   let at = bytes(front);
   const cues: Tree[] = clusters.map((cluster, k) => {
     const place = size(at);

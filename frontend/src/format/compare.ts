@@ -1,4 +1,4 @@
-/** Comparison of runs: the difference of two curves, and whether two scenes show one machine. */
+/** Comparison of runs: difference of two curves, and whether two scenes show the same machine. */
 
 import { before } from "../motion/track";
 import type { Scene } from "../protocol";
@@ -8,7 +8,7 @@ interface Course {
   values: ArrayLike<number>;
 }
 
-/** `b - a` at the instants of both, from where both have begun to where one ends; linear between. */
+/** `b - a` at the instants of both, in their common time range; linear between. */
 export function difference(a: Course, b: Course): { time: Float64Array; values: Float64Array } {
   if (!a.time.length || !b.time.length) return { time: new Float64Array(), values: new Float64Array() };
   const first = Math.max(a.time[0], b.time[0]);
@@ -22,11 +22,11 @@ function at({ time, values }: Course, t: number): number {
   const i = before(time, t);
   const j = Math.min(i + 1, time.length - 1);
   const span = time[j] - time[i];
-  // at an instant of its own the value itself, so that an unknown neighbour does not matter
+  // exact value at an own instant, so that an unknown neighbour has no influence
   return t <= time[i] || !(span > 0) ? values[i] : values[i] + ((t - time[i]) / span) * (values[j] - values[i]);
 }
 
-/** How another scene is of a different machine, one sentence; empty if it is not. */
+/** Sentence on the difference between two machines; empty if they are equal. */
 export function unlike(first: Scene, other: Scene, names: readonly [string, string]): string {
   const groups: [string, string, (scene: Scene) => string[]][] = [
     ["body", "bodies", (scene) => scene.bodies.map(({ name }) => name)],

@@ -11,7 +11,7 @@ function cell(text: string): string {
   return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
-/** Return one table of curves over all their instants; where a curve has none, its cell is empty. */
+/** Return one table of curves over all their instants; missing values are empty cells. */
 export function csv(columns: readonly Column[]): string {
   const head = ["time [s]", ...columns.map((c) => `${c.label}${c.unit ? ` [${c.unit}]` : ""}`)];
   const times = [...new Set(columns.flatMap((c) => Array.from(c.time)))].sort((a, b) => a - b);

@@ -1,9 +1,9 @@
-/** The names, units and explanations of what a colour or a curve can mean. */
+/** Names, units and explanations of the measures of colours and curves. */
 
 interface Measure {
   label: string;
   unit: string;
-  /** One sentence about what it is. */
+  /** One-sentence explanation. */
   about: string;
 }
 
@@ -46,6 +46,6 @@ export function measure(name: string): Measure {
   return KNOWN[name] ?? { label: name, unit: "1", about: "" };
 }
 
-/** Whether a measure is shown from zero: it cannot be negative. */
+/** Whether the scale of a measure starts at zero: it is never negative. */
 export const oneSided = (name: string): boolean =>
   ["von-mises", "displacement", "damage", "life"].includes(name);

@@ -2,7 +2,7 @@
 
 import { mark } from "./units";
 
-/** Return round numbers from low to high, about `count` of them, as a scale is marked. */
+/** Return about `count` round numbers from low to high: the ticks of a scale. */
 export function ticks(low: number, high: number, count: number): number[] {
   if (!(high > low)) return [low];
   const raw = (high - low) / Math.max(1, count);
@@ -13,7 +13,7 @@ export function ticks(low: number, high: number, count: number): number[] {
   return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step + 0);
 }
 
-/** Return a range that two typed numbers mean, or a sentence that says why they mean none. */
+/** Return the range of two typed numbers, or a sentence on what is wrong with them. */
 export function typed(low: string, high: string): [number, number] | string {
   const numbers = [low, high].map((text) => (text.trim() ? Number(text.replace(",", ".")) : NaN));
   if (numbers.some((value) => !Number.isFinite(value))) return "Lowest and highest value must be numbers.";
@@ -34,7 +34,7 @@ export function zoomed(
   return [start, start + length];
 }
 
-/** An end of a range: with three digits, and with as many more as tell it from the other end. */
+/** End of a range with three digits, or more if needed to differ from the other end. */
 export function limit(value: number, span: number): string {
   if (Math.abs(value) < 1e-9 * Math.abs(span)) return "0";
   const more = span > 0 ? Math.floor(Math.log10(Math.abs(value))) - Math.floor(Math.log10(span)) : 0;

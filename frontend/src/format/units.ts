@@ -1,4 +1,4 @@
-/** Units for reading: SI values with the prefix that suits their size. */
+/** Display units: SI values with a suitable prefix. */
 
 export interface Unit {
   label: string;
@@ -34,10 +34,10 @@ for (const base of ["N", "N m", "W", "J", "Hz", "N/m", "V"]) {
   ];
 }
 
-/** From which size of the largest value on a prefix is used, as a multiple of its unit. */
+/** Smallest largest-value, in multiples of a unit, from which its prefix is used. */
 const FROM: Record<string, number> = { Pa: 1, kPa: 0.1, MPa: 0.1, GPa: 100, km: 10, kHz: 10, m: 1, mm: 0.1 };
 
-/** Return the unit in which values up to `size` (SI) of a quantity read well. */
+/** Return a readable unit for values up to `size` (SI) of a quantity. */
 export function unitFor(unit: string, size: number): Unit {
   const list = PREFIXES[unit];
   if (!list) return { label: unit === "1" ? "" : unit, factor: 1 };
@@ -55,14 +55,14 @@ const usual =
   (candidate: Unit): boolean =>
     candidate.label === ({ Pa: "MPa", m: "mm" }[unit] ?? unit);
 
-/** Return the unit in which a list of SI values reads well; NaN does not count. */
+/** Return a readable unit for a list of SI values; NaN is ignored. */
 export function unitOf(unit: string, values: Iterable<number>): Unit {
   let size = 0;
   for (const value of values) if (Number.isFinite(value)) size = Math.max(size, Math.abs(value));
   return unitFor(unit, size);
 }
 
-/** Return a number with so many significant digits, without powers of ten where they are not needed. */
+/** Return a number with given significant digits, without powers of ten where possible. */
 export function number(value: number | null | undefined, digits = 4): string {
   if (value === null || value === undefined || Number.isNaN(value)) return "–";
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
@@ -78,7 +78,7 @@ export function number(value: number | null | undefined, digits = 4): string {
   return text.replace("-", "−");
 }
 
-/** Return a round number of a scale without zeros at its end. */
+/** Return a round number of a scale without trailing zeros. */
 export function mark(value: number, digits = 6): string {
   const text = number(value, digits);
   return text.includes(".") ? text.replace(/\.?0+(?=$|·)/, "") : text;
@@ -93,7 +93,7 @@ function superscript(text: string): string {
   return [...text].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
 }
 
-/** Return a reading, 0 where it is no more than rounding. */
+/** Return a reading, 0 if it is rounding error. */
 export function reading(value: number, floor: number): number {
   return Math.abs(value) <= floor ? 0 : value;
 }
@@ -105,13 +105,13 @@ export function quantity(value: number | null | undefined, unit: string, digits 
   return `${number(value * shown.factor, digits)}${shown.label ? ` ${shown.label}` : ""}`;
 }
 
-/** Return a number with so many decimals; what rounds to zero has no sign. */
+/** Return a number with given decimals; zero has no sign. */
 export function fixed(value: number, places: number): string {
   const text = value.toFixed(places);
   return (Number(text) === 0 ? text.replace("-", "") : text).replace("-", "−");
 }
 
-/** Return an instant of a run with as many decimals as its frames are apart. */
+/** Return an instant of a run with the decimals that the frame interval requires. */
 export function clock(time: number, spacing: number): string {
   const places = spacing > 0 ? Math.ceil(-Math.log10(spacing) - 1e-9) : 3;
   return fixed(time, Math.min(Math.max(places, 0), 6));

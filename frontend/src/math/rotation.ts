@@ -1,4 +1,4 @@
-/** Rotations as 9 numbers of a matrix, row after row, and Euler parameters, scalar first. */
+/** Rotations as 9 matrix entries, row by row, and Euler parameters, scalar first. */
 
 export type Matrix = Float64Array;
 
@@ -43,13 +43,13 @@ export function turn(A: Matrix, x: number, y: number, z: number, out: Float64Arr
   out[2] = A[6] * x + A[7] * y + A[8] * z;
 }
 
-/** The rotation vector of a matrix, its length the angle between 0 and pi. */
+/** Rotation vector of a matrix; its length is the angle between 0 and pi. */
 export function logarithm(A: Matrix, out: Float64Array | number[] = new Float64Array(3)): Float64Array | number[] {
   const x = 0.5 * (A[7] - A[5]), y = 0.5 * (A[2] - A[6]), z = 0.5 * (A[3] - A[1]);
   const sine = Math.hypot(x, y, z);
   const cosine = 0.5 * (A[0] + A[4] + A[8] - 1);
   if (cosine < -0.999) {
-    // near half a turn the axis stands in the symmetric part: (A + A^T) / 2 - cos I = (1 - cos) n n^T
+    // near pi the axis follows from the symmetric part: (A + A^T) / 2 - cos I = (1 - cos) n n^T
     const diagonal = [A[0] - cosine, A[4] - cosine, A[8] - cosine];
     const k = diagonal.indexOf(Math.max(...diagonal));
     const n = [0, 1, 2].map((i) => (i === k ? diagonal[k] : 0.5 * (A[3 * i + k] + A[3 * k + i])));
@@ -73,7 +73,7 @@ export function exponential(v: ArrayLike<number>, out: Matrix = new Float64Array
   return matrix([Math.cos(h), s * v[0], s * v[1], s * v[2]], 0, out);
 }
 
-/** Euler parameters between two: the shorter way, evenly (slerp). */
+/** Interpolated Euler parameters along the shorter arc (slerp). */
 export function between(a: ArrayLike<number>, b: ArrayLike<number>, f: number, at = 0): [number, number, number, number] {
   let dot = 0;
   for (let i = 0; i < 4; i++) dot += a[at + i] * b[at + i];

@@ -1,8 +1,8 @@
-/** Numbers by which a stress `[s11 s22 s33 s12 s23 s13]` is judged. */
+/** Scalar measures of a stress tensor `[s11 s22 s33 s12 s23 s13]`. */
 
 export const COMPONENTS = ["s11", "s22", "s33", "s12", "s23", "s13"] as const;
 
-/** Measures of stress, in the order in which the shader counts them after the components. */
+/** Measures of stress in the shader's order, after the components. */
 export const STRESSES = [...COMPONENTS, "von-mises", "signed-von-mises", "principal-max", "principal-min"] as const;
 
 export function vonMises(s: ArrayLike<number>, at = 0): number {
@@ -25,10 +25,10 @@ export function principal(s: ArrayLike<number>, at = 0): [number, number, number
   return [mean + first, mean - first - last, mean + last];
 }
 
-/** Share of the difference of the extreme principal stresses up to which their sum is rounding, as in pure shear. */
+/** Share of the difference of the extreme principal stresses below which their sum is rounding (pure shear). */
 const SUM_ROUNDING = 1e-7;
 
-/** A measure of stress by its name; NaN if there is no such one. */
+/** Measure of stress by its name; NaN for an unknown name. */
 export function measure(name: string, s: ArrayLike<number>, at = 0): number {
   const component = (COMPONENTS as readonly string[]).indexOf(name);
   if (component >= 0) return s[at + component];

@@ -1,18 +1,18 @@
-/** Joints of a machine that stands still: what hangs on one is turned or shifted about its axis. */
+/** Joints of a static machine: rotation or translation of the bodies beyond a joint. */
 
 import { exponential, turn } from "../math/rotation";
 import type { Scene, Side, Symbol } from "../protocol";
 import { sideAxes, sidePosition } from "./pose";
 
-/** A freedom of a joint of which one side hangs on nothing else. */
+/** Freedom of a joint with one side that has no other connection. */
 export interface Freedom {
   name: string;
-  /** Whether it turns, rad; else it shifts, m. */
+  /** Whether it is a rotation, rad; else a translation, m. */
   turns: boolean;
   symbol: Symbol;
-  /** 1 if the second side is moved, -1 if the first one is. */
+  /** 1 if the second side moves, -1 if the first side moves. */
   sign: 1 | -1;
-  /** Columns of the row at which what it moves has its poses. */
+  /** Columns of the row with the poses of the moved bodies. */
   places: readonly number[];
 }
 
@@ -81,7 +81,7 @@ export function freedoms(scene: Scene): Freedom[] {
   });
 }
 
-/** Set freedoms to values, rad or m from the pose of a row, which is changed in place. */
+/** Set freedoms to values, rad or m, relative to the pose of a row, which is changed in place. */
 export function setFreedoms(all: readonly Freedom[], values: readonly number[], row: Float64Array): Float64Array {
   all.forEach((freedom, k) => values[k] && move(freedom, values[k], row));
   return row;
@@ -113,7 +113,7 @@ function move({ symbol, turns, sign, places }: Freedom, value: number, row: Floa
   }
 }
 
-/** What joins places: joints, couplings, and beams between their nodes. */
+/** Connections between places: joints, couplings, and beams between their nodes. */
 function edgesOf(scene: Scene): Edge[] {
   const chain = (places: ArrayLike<number>, symbol: Symbol | null): Edge[] =>
     Array.from({ length: places.length - 1 }, (_, k): Edge => ({ ends: [places[k], places[k + 1]], symbol })).filter(

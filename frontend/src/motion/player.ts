@@ -1,4 +1,4 @@
-/** The clock: moves the state's time on while it plays. */
+/** Clock: advances the state's time during playback. */
 
 import type { Store } from "../state";
 import type { Track } from "./track";
@@ -36,13 +36,13 @@ export class Player {
     else this.play();
   }
 
-  /** Show an instant, the nearest there is; resolves when its rows are loaded. */
+  /** Show the nearest available instant; resolves once its rows are loaded. */
   async seek(time: number): Promise<void> {
     this.store.set({ time: Math.max(this.start, Math.min(this.end, time)) });
     await this.ready();
   }
 
-  /** Go some frames on, or back; pauses. */
+  /** Step some frames forward or back; pauses. */
   step(count: number): void {
     const { times } = this.tracks()[0];
     const { time } = this.store.state;
@@ -52,18 +52,18 @@ export class Player {
       return;
     }
     const i = before(times, time);
-    // between frames, a step back leads to the frame before
+    // between frames, a step back goes to the earlier frame
     const between = time > times[i] && count < 0 ? 1 : 0;
     void this.seek(times[Math.max(0, Math.min(times.length - 1, i + count + between))]);
   }
 
-  /** Resolves when the rows of the instant that is shown are loaded. */
+  /** Resolves once the rows of the displayed instant are loaded. */
   async ready(): Promise<void> {
     const { time } = this.store.state;
     await Promise.all(this.tracks().map((track) => track.ready(time)));
   }
 
-  /** Move on to a time of the watch, s; a long pause between pictures counts as a tenth of a second. */
+  /** Advance to a real time, s; a long pause between pictures counts as 0.1 s. */
   tick(now: number): void {
     if (!this.store.state.playing) {
       this.last = null;

@@ -1,4 +1,4 @@
-/** Where points of bodies are, and the stress there, from a row, in double precision. */
+/** Positions of body points, and stress, from a row in double precision. */
 
 import { exponential, logarithm, matrix, product, transposedProduct, turn } from "../math/rotation";
 import type { Matrix } from "../math/rotation";
@@ -34,7 +34,7 @@ export function displacement(body: Body, vertex: number, row: Row, out: Point = 
   return out;
 }
 
-/** Position of a vertex in the world, m; deformation counts `s` times. */
+/** World position of a vertex, m; `s` scales the deformation. */
 export function position(body: Body, vertex: number, row: Row, s = 1, out: Point = [0, 0, 0]): Point {
   if (body.rings) {
     const ring = body.rings.vertex_ring.data[vertex];
@@ -45,7 +45,7 @@ export function position(body: Body, vertex: number, row: Row, s = 1, out: Point
   return placed(body.place, row, x[3 * vertex] + s * local[0], x[3 * vertex + 1] + s * local[1], x[3 * vertex + 2] + s * local[2], out);
 }
 
-/** `R + A x` of the body at a column of the row; -1 is the world. */
+/** `R + A x` of the body at a row column; -1 is the world. */
 export function placed(place: number, row: Row, x: number, y: number, z: number, out: Point): Point {
   if (place < 0) {
     out[0] = x;
@@ -58,7 +58,7 @@ export function placed(place: number, row: Row, x: number, y: number, z: number,
   return out;
 }
 
-/** Position of a point of a symbol in the world, m. */
+/** World position of a symbol's point, m. */
 export function sidePosition(side: Side, row: Row, s = 1, out: Point = [0, 0, 0]): Point {
   let [x, y, z] = side.u;
   if (side.phi && side.place >= 0) {
@@ -78,7 +78,7 @@ export function sideAxes(side: Side, row: Row, out: Matrix = new Float64Array(9)
   return side.place < 0 ? matrix([1, 0, 0, 0], 0, out) : matrix(row, side.place + 3, out);
 }
 
-/** Stress at a vertex, Pa; null where it is not known. */
+/** Stress at a vertex, Pa; null where unknown. */
 export function stress(body: Body, vertex: number, row: Row): Float64Array | null {
   if (body.known && !body.known.data[vertex]) return null;
   if (body.rings) return ringStress(body.rings, vertex, row);
@@ -129,7 +129,7 @@ const spin = new Float64Array(3);
 const node = new Float64Array(9);
 const fixed = new Float64Array(9);
 
-/** Pose of an end of an element: that of its node, then that of the end on the node. */
+/** Pose of an element's end: node pose times the end's pose on the node. */
 function end(rings: Rings, element: number, side: 0 | 1, row: Row, out: RingPose): void {
   const place = rings.places.data[element + side];
   const at = 7 * (2 * element + side), x = rings.ends.data;
@@ -146,7 +146,7 @@ export function ringPoint(rings: Rings, vertex: number, pose: RingPose, out: Poi
   return out;
 }
 
-/** Stress at a corner of a ring from the resultants, which are linear along the element. */
+/** Stress at a ring corner from the resultants, which are linear along the element. */
 export function ringStress(rings: Rings, vertex: number, row: Row, out = new Float64Array(6)): Float64Array | null {
   if (rings.forces < 0) return null;
   const ring = rings.vertex_ring.data[vertex];

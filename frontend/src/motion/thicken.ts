@@ -1,8 +1,8 @@
-/** Thin beams are drawn thicker, so that they are seen. */
+/** Minimum thickness of drawn beams, for visibility. */
 
 import type { Scene } from "../protocol";
 
-/** Widen the sections of exact beams to a share of the scene's size where they are thinner. */
+/** Widen thinner sections of exact beams to a share of the scene's size. */
 export function thicken(scene: Scene): void {
   const [low, high] = scene.box;
   const extent = Math.max(...[0, 1, 2].map((i) => high[i] - low[i]));

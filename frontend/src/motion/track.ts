@@ -1,4 +1,4 @@
-/** Rows of a run by time: stored frames that are loaded in pieces, modes, or a running machine. */
+/** Rows of a run over time: stored frames loaded in pieces, modes, or a running machine. */
 
 import type { Mode, Scene } from "../protocol";
 import type { Freedom } from "./joints";
@@ -6,15 +6,15 @@ import { setFreedoms } from "./joints";
 import type { Source } from "../source/source";
 
 export interface Track {
-  /** Instants of the frames, s; empty where nothing moves. */
+  /** Instants of the frames, s; empty for static scenes. */
   readonly times: ArrayLike<number>;
   readonly start: number;
   readonly end: number;
-  /** Row at an instant, between the frames; the nearest loaded one until its frames are loaded. */
+  /** Row at an instant between frames; the nearest loaded row until they are loaded. */
   row(time: number): Float64Array;
-  /** Resolves when the row at an instant is loaded. */
+  /** Resolves once the row at an instant is loaded. */
   ready(time: number): Promise<void>;
-  /** Call a function when rows or times have come; returns what ends it. */
+  /** Subscribe to new rows or times; returns the function that unsubscribes. */
   onChange(call: () => void): () => void;
 }
 
@@ -32,7 +32,7 @@ export function turns(scene: Scene): number[] {
   return [...found];
 }
 
-/** The row a share `f` of the way from one to another; Euler parameters the shorter way. */
+/** Interpolated row at share `f` between two rows; Euler parameters along the shorter arc. */
 export function blend(a: ArrayLike<number>, b: ArrayLike<number>, f: number, turned: number[], out: Float64Array): Float64Array {
   for (let i = 0; i < out.length; i++) out[i] = a[i] + f * (b[i] - a[i]);
   for (const at of turned) {
@@ -42,7 +42,7 @@ export function blend(a: ArrayLike<number>, b: ArrayLike<number>, f: number, tur
   return out;
 }
 
-/** Number of the last of ascending instants that is not after a time; at least 0. */
+/** Index of the last ascending instant that is not after a time; at least 0. */
 export function before(times: ArrayLike<number>, time: number): number {
   let low = 0, high = times.length - 1;
   while (low < high) {
@@ -66,7 +66,7 @@ class Listeners {
   }
 }
 
-/** What stands still; joints of a machine can be set. */
+/** Static scene; joints of a machine can be set. */
 export class StillTrack extends Listeners implements Track {
   readonly times: ArrayLike<number> = [];
   readonly start = 0;
@@ -78,7 +78,7 @@ export class StillTrack extends Listeners implements Track {
     this.shown = scene.still.data;
   }
 
-  /** Set freedoms to values, rad or m from the pose of the model. */
+  /** Set joint freedoms to values, rad or m, relative to the model's pose. */
   pose(all: readonly Freedom[], values: readonly number[]): void {
     this.shown = setFreedoms(all, values, Float64Array.from(this.scene.still.data));
     this.changed();
@@ -96,7 +96,7 @@ export class StillTrack extends Listeners implements Track {
   async ready(): Promise<void> {}
 }
 
-/** A mode over one of its periods: `still + a (real cos wt - imag sin wt)`. */
+/** One period of a mode: `still + a (real cos wt - imag sin wt)`. */
 export class ModeTrack extends Listeners implements Track {
   readonly times: ArrayLike<number> = [];
   readonly start = 0;
@@ -109,7 +109,7 @@ export class ModeTrack extends Listeners implements Track {
     this.out = new Float64Array(scene.row);
   }
 
-  /** One period, s; of a mode of no frequency 1 s. */
+  /** Period, s; 1 s for a mode of zero frequency. */
   get end(): number {
     return this.chosen.frequency > 0 ? 1 / this.chosen.frequency : 1;
   }
@@ -134,7 +134,7 @@ export class ModeTrack extends Listeners implements Track {
   async ready(): Promise<void> {}
 }
 
-/** The last row that a running machine sent. */
+/** Last row received from a running machine. */
 export class LiveTrack extends Listeners implements Track {
   readonly times: ArrayLike<number> = [];
   readonly start = 0;
@@ -162,7 +162,7 @@ export class LiveTrack extends Listeners implements Track {
 const PIECE = 1 << 20; // bytes asked for at once
 const KEPT = 1 << 28; // bytes of rows that stay loaded
 
-/** Stored frames, loaded in pieces when they are needed. */
+/** Stored frames, loaded in pieces on demand. */
 export class FramesTrack extends Listeners implements Track {
   times: Float64Array;
   private pieces = new Map<number, Float32Array | Float64Array>();
@@ -194,7 +194,7 @@ export class FramesTrack extends Listeners implements Track {
     return this.times[this.times.length - 1];
   }
 
-  /** Ask for the frames of another window of the run. */
+  /** Request the frames of another time window. */
   async window(start: number, end: number): Promise<void> {
     const answer = await this.source.window(this.run, start, end);
     this.generation++;
@@ -209,7 +209,7 @@ export class FramesTrack extends Listeners implements Track {
     const j = Math.min(i + 1, this.times.length - 1);
     const a = this.frame(i) ?? this.nearest(i);
     const b = this.frame(j) ?? a;
-    // the next piece before it is needed
+    // prefetch the next piece
     if ((i % this.size) * 2 > this.size) void this.load(Math.floor(i / this.size) + 1);
     if (!a || !b) return this.scene.still.data;
     const span = this.times[j] - this.times[i];
@@ -230,7 +230,7 @@ export class FramesTrack extends Listeners implements Track {
       void this.load(number);
       return null;
     }
-    // the latest used is the last in the map, the first one is dropped first
+    // least-recently-used order of the map: drop the first piece
     this.pieces.delete(number);
     this.pieces.set(number, piece);
     const at = (i - number * this.size) * this.nr;

@@ -57,7 +57,7 @@ export class Chart {
     this.now(this.app.store.state.time);
   }
 
-  /** Move the line of the time and the values beside the names. */
+  /** Move the time cursor and update the values beside the names. */
   now(time: number): void {
     this.plot?.redraw(false, false);
     this.curves.forEach((curve, k) => {
@@ -67,7 +67,7 @@ export class Chart {
       const span = curve.time[j] - curve.time[i];
       const share = span > 0 ? Math.min(1, Math.max(0, (time - curve.time[i]) / span)) : 0;
       const value = curve.values[i] + share * (curve.values[j] - curve.values[i]);
-      // what rounding leaves of a curve is zero
+      // rounding errors of a curve count as zero
       const size = this.sizes[k];
       const shown = Math.abs(value) < 1e-9 * size ? 0 : value * this.unit.factor;
       if (this.outputs[k]) this.outputs[k].textContent = number(shown, 4);
@@ -107,7 +107,7 @@ export class Chart {
     return uPlot.join(scaled);
   }
 
-  /** Colour of a curve: that of its run where runs are compared. */
+  /** Colour of a curve: that of its run if several runs are compared. */
   private colour(k: number): string {
     const own = dark() ? DARK : LIGHT;
     const { run } = this.curves[k];
@@ -187,7 +187,7 @@ export class Chart {
     };
   }
 
-  /** Draw the common line of the time. */
+  /** Draw the common time cursor. */
   private line(plot: uPlot): void {
     const { time } = this.app.store.state;
     const x = Math.round(plot.valToPos(time, "x", true)) + 0.5;
@@ -207,7 +207,7 @@ export class Chart {
   }
 }
 
-/** Components of one run, and differences, have one colour: dashes tell them apart. */
+/** Components of one run, and differences, share a colour: dashes distinguish them. */
 function dashes({ run, component, subtracted }: Curve): { dash?: number[] } {
   if (run === undefined) return {};
   const dash = DASHES[(component ?? 0) % DASHES.length];

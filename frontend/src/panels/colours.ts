@@ -1,4 +1,4 @@
-/** What colours mean and which values they span: measure, range, map, bands, isolines. */
+/** Settings of the colours: measure, range, map, bands, isolines. */
 
 import { measure, oneSided } from "../format/measures";
 import { typed } from "../format/range";

@@ -1,4 +1,4 @@
-/** Several runs over one another: which are shown, and how far apart. */
+/** Overlay of several runs: visibility and offset. */
 
 import { unlike } from "../format/compare";
 import { quantity } from "../format/units";

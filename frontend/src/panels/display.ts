@@ -1,4 +1,4 @@
-/** How the machine is shown: amplification, symbols, arrows, edges, light, camera, clipping plane. */
+/** Display settings: amplification, symbols, arrows, edges, light, camera, clipping plane. */
 
 import { number } from "../format/units";
 import type { Clip, State } from "../state";

@@ -1,4 +1,4 @@
-/** Elements in one line, and the few controls from which all panels are made. */
+/** One-line creation of elements, and the basic controls of all panels. */
 
 import { icon } from "./icons";
 
@@ -8,7 +8,7 @@ interface Wanted {
   class?: string;
   text?: string;
   title?: string;
-  /** Attributes as they stand in HTML. */
+  /** HTML attributes. */
   attrs?: Record<string, string>;
   on?: { [K in keyof HTMLElementEventMap]?: (event: HTMLElementEventMap[K]) => void };
 }
@@ -31,7 +31,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A button with an icon, a word or both; without a word the label is read out and shown on hover. */
+/** Button with an icon, a word or both; without a word the label is read aloud and shown on hover. */
 export function button(
   label: string,
   call: (event: MouseEvent) => void,
@@ -76,7 +76,7 @@ export function select(
   return { element, input, set: (value) => void (input.value = value) };
 }
 
-/** Some choices side by side, one of which is chosen. */
+/** Choices side by side, one of them selected. */
 export function choice<T extends string>(
   label: string,
   options: readonly (readonly [value: T, text: string])[],
@@ -97,7 +97,7 @@ export interface Slider {
   set: (value: number) => void;
 }
 
-/** A slider with its value beside it; `log`: its middle is the geometric mean of both ends. */
+/** Slider with its value; `log`: its middle is the geometric mean of the ends. */
 export function slider(
   label: string,
   range: { low: number; high: number; step?: number; log?: boolean },
@@ -133,7 +133,7 @@ export function slider(
   };
 }
 
-/** A part of a side panel under a heading that folds it. */
+/** Section of a side panel under a heading that folds it. */
 export function section(
   title: string,
   open: boolean,
@@ -147,7 +147,7 @@ export function section(
 
 export const hint = (text: string): HTMLElement => h("p", { class: "hint", text });
 
-/** Call a function once things have been quiet for so many milliseconds. */
+/** Debounce: call a function after a number of milliseconds without further calls. */
 export function debounced<A extends unknown[]>(ms: number, call: (...args: A) => void): (...args: A) => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   return (...args) => {
@@ -156,7 +156,7 @@ export function debounced<A extends unknown[]>(ms: number, call: (...args: A) =>
   };
 }
 
-/** Call a function at most once in so many milliseconds, however often it is asked for. */
+/** Throttle: call a function at most once per number of milliseconds. */
 export function paced(ms: number, call: () => void): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   return () => {
@@ -167,14 +167,14 @@ export function paced(ms: number, call: () => void): () => void {
   };
 }
 
-/** Hand a file to the user. */
+/** Download a file. */
 export function download(name: string, data: Blob): void {
   const link = h("a", { attrs: { href: URL.createObjectURL(data), download: name } });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
-/** A name of a file from a title. */
+/** File name from a title. */
 export function fileName(title: string, ending: string): string {
   const stem = title.toLowerCase().replace(/\.[a-z0-9]{1,5}$/, "").replace(/[^\p{L}\p{N}]+/gu, "-");
   return `${stem.replace(/^-|-$/g, "") || "jousto"}.${ending}`;

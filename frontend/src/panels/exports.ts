@@ -8,7 +8,7 @@ import { button, choice, download, fileName, h, hint, select, toggle } from "./d
 import type { Kit } from "./kit";
 import { tried } from "./kit";
 
-/** A button that opens a small panel under it. */
+/** Button that opens a small panel below it. */
 function menu(label: string, symbol: string, content: HTMLElement): HTMLElement {
   const panel = h("div", { class: "menu", attrs: { role: "dialog", "aria-label": label } }, content);
   panel.hidden = true;
@@ -23,7 +23,7 @@ function menu(label: string, symbol: string, content: HTMLElement): HTMLElement 
   document.addEventListener("pointerdown", (event) => {
     if (!panel.hidden && !box.contains(event.target as Node)) set(false);
   });
-  // wherever the focus is: what the mouse has pressed does not keep it
+  // independent of the focus, which mouse clicks do not set
   window.addEventListener(
     "keydown",
     (event) => {

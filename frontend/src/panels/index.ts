@@ -1,4 +1,4 @@
-/** All panels and tools; each is one file with a function that gets the kit. */
+/** All panels and tools: one file each, with a function of the kit. */
 
 import type { App } from "../app";
 import { mountColours } from "./colours";
@@ -42,7 +42,7 @@ export function mountPanels(app: App): Say {
   mountMeasure(kit);
   mountProbe(kit);
   mountLive(kit);
-  // what the mouse has pressed does not keep the keys: space plays, arrows step
+  // release the focus after mouse clicks: space plays, arrows step
   document.addEventListener("click", ({ detail, target }) => {
     const pressed = target instanceof Element ? target.closest<HTMLElement>("button, summary, label") : null;
     if (detail < 1 || !pressed) return;

@@ -1,4 +1,4 @@
-/** Sliders of the joints of a machine that stands still. */
+/** Sliders of the joints of a static machine. */
 
 import { number, quantity } from "../format/units";
 import { freedoms } from "../motion/joints";

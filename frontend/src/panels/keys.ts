@@ -6,7 +6,7 @@ import { toggleTrace } from "./selection";
 import { nextTheme } from "./theme";
 
 interface Key {
-  /** As `KeyboardEvent.key` says, several for the same. */
+  /** Values of `KeyboardEvent.key` for one command. */
   keys: string[];
   shown: string;
   label: string;
@@ -83,7 +83,7 @@ function table(kit: Kit): Key[] {
   ];
 }
 
-/** Listen to the keys; returns what shows the overlay. */
+/** Listen to keys; returns the function that shows the overlay. */
 export function mountKeys(kit: Kit): () => void {
   const all = table(kit);
   const dialog = h("dialog", { class: "help", attrs: { "aria-label": "Keys and mouse" } });
@@ -103,7 +103,7 @@ export function mountKeys(kit: Kit): () => void {
       target instanceof HTMLSelectElement ||
       (target instanceof HTMLInputElement && !["checkbox", "range", "color"].includes(target.type));
     if (typing && event.key !== "Escape") return;
-    // space presses a button, arrows move a slider
+    // space on a button and arrows on a slider keep their meaning
     if (event.key === " " && target instanceof HTMLElement && target.closest("button, summary, input:not([type=range])")) return;
     if (event.key.startsWith("Arrow") && target instanceof HTMLInputElement) return;
     if (event.key === "?") {

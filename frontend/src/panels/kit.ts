@@ -1,4 +1,4 @@
-/** What panels share beside the app: messages, plots and what is chosen. */
+/** Data shared by panels beside the app: messages, plots and selection. */
 
 import type { App } from "../app";
 import { number, quantity } from "../format/units";
@@ -17,7 +17,7 @@ export interface Kit {
 
 export const bodyOf = (app: App, place: Place) => app.runs[place.run].scene.bodies[place.body];
 
-/** Name of a place for people: `lug, node 1203`, or `boom, element 3 at 50.0 %, y 5 mm, z 0 mm`. */
+/** Readable name of a place: `lug, node 1203`, or `boom, element 3 at 50.0 %, y 5 mm, z 0 mm`. */
 export function placeName(app: App, place: Place): string {
   const body = bodyOf(app, place);
   const node = body.nodes ? body.nodes.data[place.vertex] : null;
@@ -31,7 +31,7 @@ export function placeName(app: App, place: Place): string {
   return `${run}${body.name}, ${node ? `node ${node}` : `point ${place.vertex + 1}`}`;
 }
 
-/** Numbers at a place; where joints were set, its position is that of the picture. */
+/** Values at a place; after joints were set, its position is the displayed one. */
 export async function probed(app: App, place: Place, time: number): Promise<Probe> {
   const found = await app.source.probe(place.run, place.body, place.vertex, time);
   const { track } = app.runs[place.run];
@@ -39,13 +39,13 @@ export async function probed(app: App, place: Place, time: number): Promise<Prob
   return { ...found, position: [...position(bodyOf(app, place), place.vertex, track.row())] as Vec3 };
 }
 
-/** What the frames of the first run are apart on average, s. */
+/** Mean frame interval of the first run, s. */
 export function spacing(app: App): number {
   const frames = app.runs[0].scene.frames.data;
   return frames.length > 1 ? (frames[frames.length - 1] - frames[0]) / (frames.length - 1) : 0;
 }
 
-/** Report what goes wrong with a request as a message. */
+/** Show a failed request as a message. */
 export async function tried<T>(kit: Kit, work: Promise<T>): Promise<T | null> {
   try {
     return await work;

@@ -19,7 +19,7 @@ export class Lateness {
     this.element = h("div", { class: "lateness", attrs: { role: "img" } }, ...columns, h("small", { class: "unit", text: "ms" }));
   }
 
-  /** Counts in the classes; the height is a logarithm, so that a single late step is seen. */
+  /** Counts per class; logarithmic heights make a single late step visible. */
   show(counts: readonly number[]): void {
     const most = Math.max(1, ...counts);
     const total = counts.reduce((sum, count) => sum + count, 0);

@@ -1,4 +1,4 @@
-/** The legend over the picture: what colours mean, with round numbers in a unit that reads well. */
+/** Legend over the picture: colours with round numbers in a readable unit. */
 
 import { measure } from "../format/measures";
 import { limit, ticks } from "../format/range";
@@ -12,14 +12,14 @@ const SHADES = 128;
 export interface LegendLook {
   title: string;
   unit: string;
-  /** Share of the height from below, 0 to 1, and what stands there. */
+  /** Height share from below, 0 to 1, and its label. */
   marks: { share: number; text: string }[];
-  /** CSS colours from below. */
+  /** CSS colours from bottom to top. */
   shades: string[];
   note: string;
 }
 
-/** What the legend shows now; null if colours mean nothing. */
+/** Content of the legend; null without a measure. */
 export function legendLook(app: App): LegendLook | null {
   const { measure: name, range, rangeMode, map, bands, amplification } = app.store.state;
   if (!name || !range) return null;
@@ -37,7 +37,7 @@ export function legendLook(app: App): LegendLook | null {
   for (const [i, value] of values.entries()) {
     const share = span > 0 ? (value - low) / span : 0;
     const end = i === 0 || i === values.length - 1;
-    // round numbers too near to the ends would cover these
+    // leave out round numbers that would overlap the ends
     if (!end && (share < 0.08 || share > 0.92)) continue;
     marks.push({ share, text: end ? limit(value * unit.factor, span * unit.factor) : mark(value * unit.factor) });
   }

@@ -1,4 +1,4 @@
-/** A running machine: play, inputs, parameters, pulling, recording, and how well time is kept. */
+/** Panel of a running machine: play, inputs, parameters, pulling, recording, lateness. */
 
 import { clock, number, quantity } from "../format/units";
 import type { Input, Live } from "../protocol";
@@ -23,7 +23,7 @@ export function mountLive(kit: Kit): void {
   if (!source.live) return;
   const order = (what: Record<string, unknown>): void => void tried(kit, source.order(what));
 
-  // at the foot: the machine's clock
+  // footer: clock of the machine
   let playing = false;
   const play = button("Run", () => order({ do: playing ? "pause" : "play" }), { icon: "play", class: "play", key: "space" });
   const step = button("One step", () => order({ do: "step" }), { icon: "next", key: "→" });
@@ -96,7 +96,7 @@ export function mountLive(kit: Kit): void {
     if (live.message && live.message !== said) kit.say(live.message, "error");
     said = live.message;
     plot(kit, live);
-    // text ten times a second: faster nobody reads
+    // update text ten times a second, the limit of readability
     if (performance.now() - told < 100) return;
     told = performance.now();
     readings.show(live);
@@ -116,14 +116,14 @@ export function mountLive(kit: Kit): void {
   view.redraw();
 }
 
-/** Give a button another word. */
+/** Change the text of a button. */
 function label(element: HTMLElement, text: string): void {
   element.title = text;
   element.setAttribute("aria-label", text);
   element.querySelector("span")!.textContent = text;
 }
 
-/** Curves of sensors grow while the machine runs. */
+/** Extend the sensor curves while the machine runs. */
 function plot(kit: Kit, live: Live): void {
   if (!kit.plots.shown) return;
   let at = 0;
@@ -165,7 +165,7 @@ function mountInputs(kit: Kit, order: (what: Record<string, unknown>) => void): 
       order({ do: "set", name: input.name, value: v });
     });
     made.set(input.value);
-    // a double click gives the value at the start
+    // double click: initial value
     made.input.addEventListener("dblclick", () => set(k, input.value));
     if (KEYS[k]) {
       made.element.firstElementChild!.firstElementChild!.append(
@@ -181,7 +181,7 @@ function mountInputs(kit: Kit, order: (what: Record<string, unknown>) => void): 
   return section("Inputs", true, ...sliders.map(({ element }) => element));
 }
 
-/** Keys that are held move inputs steadily: the whole range in two seconds. */
+/** Held keys move inputs steadily: the whole range in two seconds. */
 function steer(inputs: readonly Input[], values: readonly number[], set: (k: number, value: number) => void): void {
   const held = new Map<string, { k: number; way: number }>();
   let last = 0;

@@ -1,4 +1,4 @@
-/** Distance between two points that are clicked, now and over time. */
+/** Distance between two clicked points, now and over time. */
 
 import { quantity } from "../format/units";
 import type { Vec3 } from "../protocol";
@@ -64,7 +64,7 @@ export function mountMeasure(kit: Kit): void {
     plots.add([{ id: `distance ${from} ${to}`, label: `Distance, ${from} to ${to}`, unit: "m", time: a.time.data, values: away }]);
   };
   view.onClick(({ hit }) => {
-    // a symbol has no points of its own
+    // symbols have no vertices
     if (store.state.tool !== "measure" || !hit || hit.body < 0) return;
     const { run, body, vertex } = hit;
     places = places.length === 2 ? [{ run, body, vertex }] : [...places, { run, body, vertex }];
@@ -78,7 +78,7 @@ export function mountMeasure(kit: Kit): void {
   view.onDraw(draw);
 }
 
-/** A value of a history at a time, linear between its instants. */
+/** Value of a history at a time, linear between its instants. */
 function at(history: { time: { data: Float64Array }; values: { data: Float64Array } }, k: number, time: number): number {
   const { data: times } = history.time;
   const { data } = history.values;

@@ -1,10 +1,10 @@
-/** A gamepad moves inputs: each axis of its sticks gives a place in the range of one input. */
+/** Gamepad control of inputs: each stick axis sets the position within an input's range. */
 
 import type { Input } from "../protocol";
 
 const REST = 0.12; // a stick that is let go does not stand at zero exactly
 
-/** The value that a stick at `x` (-1 to 1) means for an input that started at `rest`. */
+/** Input value of a stick at `x` (-1 to 1); `rest` is the initial value. */
 export function stick(input: Input, x: number, rest: number): number {
   const size = Math.max(0, (Math.abs(x) - REST) / (1 - REST));
   return x < 0 ? rest - size * (rest - input.low) : rest + size * (input.high - rest);
@@ -26,7 +26,7 @@ export function mountPad(
     }
     inputs.forEach((input, k) => {
       if (k >= pad.axes.length) return;
-      // axes that point down are counted upwards
+      // vertical axes: upward is positive
       const x = k % 2 ? -pad.axes[k] : pad.axes[k];
       const away = Math.abs(x) > REST;
       if (away || moved[k]) set(k, stick(input, x, rest[k]));

@@ -13,19 +13,19 @@ import { button, download, fileName, h, paced, press } from "./dom";
 import type { Say } from "./toasts";
 
 export interface Curve extends Column {
-  /** What the curve is, so that it is there once. */
+  /** Identity of the curve, which prevents duplicates. */
   id: string;
-  /** The run that it is of, if several are compared. */
+  /** Run of the curve if several are compared. */
   run?: number;
-  /** What is one thing in several runs, so that their curves can be subtracted. */
+  /** Common identity in several runs, for differences. */
   of?: string;
-  /** Which component of a thing, told apart by its dashes where the run has the colour. */
+  /** Component index; dashes distinguish components where the run determines the colour. */
   component?: number;
-  /** Whether it is the difference of two. */
+  /** Whether the curve is a difference of two runs. */
   subtracted?: boolean;
-  /** Of the chosen place: the next choice replaces it. */
+  /** Whether the curve belongs to the selected place and is replaced by the next one. */
   fleeting?: boolean;
-  /** What values of a stream must exceed to be more than rounding. */
+  /** Magnitude below which values of a stream are rounding error. */
   floor?: number;
 }
 
@@ -76,7 +76,7 @@ export class Plots {
     new ResizeObserver(() => this.charts.forEach((chart) => chart.fit())).observe(this.body);
     let waiting = 0;
     app.store.watch(["time"], () => {
-      // curves of a running machine are drawn when they have grown
+      // redraw curves of a running machine only after new values
       if (app.source.live || waiting) return;
       waiting = requestAnimationFrame(() => {
         waiting = 0;
@@ -95,12 +95,12 @@ export class Plots {
     }
   }
 
-  /** Whether some curves are shown. */
+  /** Whether there are curves. */
   get shown(): boolean {
     return this.curves.length > 0;
   }
 
-  /** Plot all components of a sensor, of every run that has it and is shown. */
+  /** Plot all components of a sensor in every visible run that has it. */
   async sensor(name: string): Promise<void> {
     if (this.app.source.live) return this.stream(name);
     for (const { index, scene } of this.app.runs) {
@@ -111,7 +111,7 @@ export class Plots {
     }
   }
 
-  /** Plot values at a place; fleeting ones go when another place is chosen. */
+  /** Plot values at a place; transient ones disappear with the next selection. */
   async place(place: Place, of: string[], fleeting = false): Promise<void> {
     const number = fleeting ? ++this.asked : this.asked;
     const { run, body, vertex } = place;
@@ -131,7 +131,7 @@ export class Plots {
     this.add(made.filter(({ values }) => values.some((value) => Number.isFinite(value))));
   }
 
-  /** Plot curves that were worked out elsewhere. */
+  /** Plot precomputed curves. */
   add(curves: Curve[]): void {
     for (const curve of curves) {
       const known = this.curves.findIndex(({ id }) => id === curve.id);
@@ -226,7 +226,7 @@ export class Plots {
     download(name, new Blob([csv(this.all())], { type: "text/csv" }));
   }
 
-  /** Curves of other runs minus those of the first that are shown of the same thing. */
+  /** Differences between curves of other runs and those of the first visible run. */
   private differences(): Curve[] {
     return this.curves.flatMap((curve) => {
       const first = this.curves.find(({ run, of }) => run !== undefined && of === curve.of && run < curve.run!);
@@ -241,7 +241,7 @@ export class Plots {
     return this.subtracts ? [...this.curves, ...this.differences()] : this.curves;
   }
 
-  /** Make the charts what the curves are. */
+  /** Update the charts to the present curves. */
   private draw(): void {
     this.element.hidden = !this.curves.length;
     this.keep.hidden = !this.curves.some((curve) => curve.fleeting);
@@ -289,7 +289,7 @@ export class Plots {
   }
 }
 
-/** Curves of one unit share a chart; numbers without a unit only if they are of one kind. */
+/** Curves of one unit share a chart; dimensionless ones only if they are of one kind. */
 const groupOf = ({ unit, label, of }: Curve): string =>
   unit === "1" || unit === "" ? `1 ${of?.replace(/ \d+$/, "") ?? label.split(",")[0]}` : unit;
 

@@ -1,4 +1,4 @@
-/** Numbers under the cursor, in double precision; asked for when the cursor rests. */
+/** Values under the cursor, in double precision, requested when the cursor rests. */
 
 import { measure } from "../format/measures";
 import { fixed, quantity } from "../format/units";
@@ -36,7 +36,7 @@ export function mountProbe(kit: Kit): void {
       lines.push(["x, y, z", `${found.position.map((x) => fixed(x, 4)).join(", ")} m`]);
       figures.replaceChildren(...lines.flatMap(([term, text]) => [h("dt", { text: term }), h("dd", { text })]));
     } catch {
-      // the place may be gone: another window, the end of the server
+      // the place may no longer exist: other window, end of the server
       if (number === asked) figures.replaceChildren();
     }
   });
@@ -65,7 +65,7 @@ export function mountProbe(kit: Kit): void {
   });
   view.onDraw(place);
 
-  // symbols have a line of their own
+  // symbols have their own text
   const tip = h("div", { class: "probe tip" });
   tip.hidden = true;
   slots.overlay.append(tip);

@@ -1,4 +1,4 @@
-/** Pulling with the mouse: a line shows from which point to where. */
+/** Pulling with the mouse, with a line from the point to its target. */
 
 import type { Vec3 } from "../protocol";
 import type { Kit } from "./kit";
@@ -48,7 +48,7 @@ export function mountPull(kit: Kit, order: (what: Record<string, unknown>) => vo
       held = null;
       order({ do: "release" });
     } else if (phase === "start") send();
-    // the last place counts even if it comes soon after another one
+    // send the last position without delay
     else later ||= window.setTimeout(send, Math.max(0, OFTEN - (performance.now() - sent)));
     draw();
     view.redraw();

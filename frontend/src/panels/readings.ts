@@ -1,4 +1,4 @@
-/** Values of the sensors of a running machine; a click plots one. */
+/** Sensor values of a running machine; a click plots one. */
 
 import { quantity, reading } from "../format/units";
 import type { Live } from "../protocol";

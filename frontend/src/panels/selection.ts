@@ -1,4 +1,4 @@
-/** The chosen place: its numbers, and what can be done with it. */
+/** Selected place: its values, and commands for it. */
 
 import { measure } from "../format/measures";
 import { number, quantity, unitFor } from "../format/units";
@@ -78,12 +78,12 @@ export function mountSelection(kit: Kit): void {
       if (timed && !same(shown, selection)) void plots.place(selection, first(kit, selection), true);
       shown = selection;
     }
-    // while it plays, numbers that nobody can read are not asked for
+    // no requests while playing: the numbers change too fast to read
     if (!playing) ask(selection, time);
   });
 }
 
-/** What a click plots: stress, displacement and damage as far as they are known; else the position. */
+/** Plots of a click: known ones of stress, displacement and damage; else the position. */
 function first(kit: Kit, place: Place): string[] {
   const body = bodyOf(kit.app, place);
   const chosen = kit.app.store.state.measure;

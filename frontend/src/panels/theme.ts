@@ -1,11 +1,11 @@
-/** Light or dark: as the system is, or as chosen. */
+/** Light or dark theme: the system's or a chosen one. */
 
 import type { State } from "../state";
 import type { Kit } from "./kit";
 
 const NAME = "jousto-theme";
 
-/** What was chosen before, where the browser keeps it. */
+/** Earlier choice, if the browser has stored it. */
 function kept(): State["theme"] {
   try {
     const value = localStorage.getItem(NAME);
@@ -31,12 +31,12 @@ export function mountTheme(kit: Kit): void {
     try {
       localStorage.setItem(NAME, theme);
     } catch {
-      // pages from disk may not keep anything
+      // pages from disk may have no storage
     }
   });
 }
 
-/** The other one: what the system does not want, or as the system is again. */
+/** Next choice: the opposite of the system's theme, or the system's theme. */
 export function nextTheme(kit: Kit): void {
   const { store } = kit.app;
   const system: State["theme"] = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";

@@ -74,7 +74,7 @@ export function mountTimeline(kit: Kit): void {
   });
 }
 
-/** Ask for another window of the run; `factor` infinite: the whole. */
+/** Request another time window of the run; an infinite `factor` gives the whole run. */
 async function windowed(kit: Kit, tracks: FramesTrack[], factor: number): Promise<void> {
   const { player, store, runs } = kit.app;
   const whole = runs[0].scene.window;
@@ -88,7 +88,7 @@ async function windowed(kit: Kit, tracks: FramesTrack[], factor: number): Promis
 function speedSelect(kit: Kit, modes: boolean): HTMLElement {
   const { store, player } = kit.app;
   const select = h("select", { class: "speed", title: "Speed", attrs: { "aria-label": "Speed" } });
-  // a mode is a matter of microseconds to seconds: its speed is that of the watch
+  // modes have periods of microseconds to seconds: the speed refers to real time
   if (modes) {
     const periods = [0.1, 0.25, 0.5, 1, 2, 4];
     for (const each of periods) {
@@ -108,7 +108,7 @@ function speedSelect(kit: Kit, modes: boolean): HTMLElement {
     select.append(h("option", { text, attrs: { value: `${speed}` } }));
   }
   select.addEventListener("change", () => store.set({ speed: Number(select.value) }));
-  // from three seconds to half a minute for the whole run, at first
+  // initial speed: three seconds to half a minute for the whole run
   const start = list.reduce((best, speed) =>
     Math.abs(Math.log(length / speed / 8)) < Math.abs(Math.log(length / best / 8)) ? speed : best,
   );
@@ -189,7 +189,7 @@ function railOf(kit: Kit, modes: boolean): { element: HTMLElement; draw: () => v
       const mark = h("span", { class: "tick", text: tickText(value, end - start) });
       const share = (value - start) / (end - start);
       mark.style.left = `${100 * share}%`;
-      // those at the ends stay within the rail
+      // labels at the ends stay within the rail
       mark.style.transform = `translateX(${share < 0.02 ? 0 : share > 0.98 ? -100 : -50}%)`;
       marks.append(mark);
     }

@@ -1,4 +1,4 @@
-/** Messages that come up at the edge of the picture and go by themselves; errors wait for a click. */
+/** Messages at the edge of the picture, which disappear after a while; errors wait for a click. */
 
 import type { App } from "../app";
 import { button, h } from "./dom";

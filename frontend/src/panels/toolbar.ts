@@ -57,7 +57,7 @@ export function mountToolbar(kit: Kit, help: () => void): void {
     right,
   );
   if (!narrow) return;
-  // a touch of the picture puts panels away
+  // touching the picture closes panels
   view.canvas.addEventListener("pointerdown", () => {
     for (const [name, element] of sides) {
       slots.root.classList.add(`no-${name}`);
@@ -66,7 +66,7 @@ export function mountToolbar(kit: Kit, help: () => void): void {
   });
 }
 
-/** The server writes everything into one file that opens without it. */
+/** Let the server write a self-contained file. */
 async function save(kit: Kit): Promise<void> {
   kit.say("The page is being made …");
   const address = new URL("page.html", window.location.href);

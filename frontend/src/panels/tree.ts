@@ -90,7 +90,7 @@ export function mountTree(kit: Kit): void {
   app.slots.left.append(h("div", "panel-head", search), list, none, all);
 }
 
-/** Looks without what hides: colours remain. */
+/** Looks without visibility settings: colours remain. */
 function bare(looks: Record<string, Look>): Record<string, Look> {
   return Object.fromEntries(
     Object.entries(looks).flatMap(([name, { colour }]) => (colour ? [[name, { colour }]] : [])),
@@ -153,7 +153,7 @@ function bodyRow(kit: Kit, run: number, index: number, rows: Row[]): HTMLElement
 
 const massText = (mass: number): string => (mass < 0.1 ? `${quantity(mass * 1e3, "g", 3)}` : quantity(mass, "kg", 4));
 
-/** The vertex nearest to the middle of a body. */
+/** Vertex nearest to the centre of a body. */
 function middle(x: Float32Array): number {
   const mean = [0, 0, 0];
   for (let i = 0; i < x.length; i++) mean[i % 3] += (3 * x[i]) / x.length;

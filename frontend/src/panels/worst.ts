@@ -1,4 +1,4 @@
-/** Worst places of the run: a list, and numbers on the picture; a click shows place and instant. */
+/** Extreme places of the run: a list, and numbers on the picture; a click shows place and instant. */
 
 import { measure } from "../format/measures";
 import { clock, quantity } from "../format/units";
@@ -108,7 +108,7 @@ export function mountWorst(kit: Kit): void {
   const small = scene.frames.data.length * scene.row < SMALL;
   store.watch(["measure"], () => {
     if (wanted() === asked) return;
-    // a page without a server has those of von Mises stress in it
+    // a page without server contains those of von Mises stress
     if (small && (source.exact || wanted() === "von-mises")) void search();
     else {
       asked = "";

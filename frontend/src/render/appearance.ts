@@ -1,4 +1,4 @@
-/** Colours of bodies and how they are shown now. */
+/** Colours and present appearance of bodies. */
 
 import * as THREE from "three";
 import type { Body } from "../protocol";
@@ -8,7 +8,7 @@ import type { Appearance } from "./body";
 
 const PALETTE = ["#7f9cbd", "#c2a878", "#8db098", "#bd8d84", "#9c92ba", "#7db0b5", "#b4b27f", "#9fa8b3", "#c08fa6", "#86a97c"];
 const GROUND = "#8d9299";
-/** CSS colours by which runs are told apart. */
+/** CSS colours of runs. */
 export const RUNS = ["#5b8cc4", "#d98a4b", "#5fa777", "#b06fa8", "#c0b04a", "#7f8790"];
 
 /** Colours that depend on the theme, read from the style sheet. */
@@ -21,7 +21,7 @@ export interface Paint {
   line: THREE.Color;
 }
 
-/** A colour as it stands on the screen: the shaders convert it themselves. */
+/** Screen colour without conversion: the shaders convert it themselves. */
 export function raw(text: string): THREE.Color {
   return new THREE.Color().setStyle(text.trim() || "#888888", THREE.LinearSRGBColorSpace);
 }
@@ -41,7 +41,7 @@ export function readPaint(element: HTMLElement): Paint {
   };
 }
 
-/** CSS colour of a body as long as colours mean nothing else; of several runs each has its own. */
+/** CSS colour of a body without a measure; with several runs that of its run. */
 export function bodyColour(state: Readonly<State>, run: number, index: number, body: Body): string {
   const chosen = state.looks[key(run, index)]?.colour;
   if (chosen) return chosen;

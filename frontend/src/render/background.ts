@@ -1,4 +1,4 @@
-/** The picture's background: a soft gradient from the top to the bottom. */
+/** Background of the picture: a vertical gradient. */
 
 import * as THREE from "three";
 
@@ -18,7 +18,7 @@ export class Background {
         uniform vec3 top;
         uniform vec3 bottom;
         void main() {
-          // a little noise hides the steps of the gradient
+          // noise hides the steps of the gradient
           float noise = fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453) - 0.5;
           pixel = vec4(mix(bottom, top, up) + noise / 255.0, 1.0);
         }`,

@@ -1,4 +1,4 @@
-/** An exact beam in the picture: its rings are placed here, not by the graphics processor. */
+/** Exact beam in the picture: its rings are placed on the CPU. */
 
 import * as THREE from "three";
 import { turn } from "../math/rotation";
@@ -13,7 +13,7 @@ const tensor = new Float64Array(6);
 const point = new Float64Array(3);
 
 export class BeamView extends BodyView {
-  /** Normals of the drawn corners in the axes of their section. */
+  /** Corner normals in the axes of their section. */
   private normals: Float32Array | null = null;
   private poses: RingPose[];
   private rings: Rings;
@@ -24,7 +24,7 @@ export class BeamView extends BodyView {
     body: Body,
     shared: Shared,
     thing: number,
-    /** Middle of the scene: corners are given from there, in single precision. */
+    /** Centre of the scene: origin of the single-precision corners. */
     private middle: THREE.Vector3,
     start: ArrayLike<number>,
   ) {
@@ -91,7 +91,7 @@ export class BeamView extends BodyView {
   }
 }
 
-/** The body with its corners where they are in a row, from the middle of the scene. */
+/** Body with its corners at a row, relative to the centre of the scene. */
 function placedAt(body: Body, middle: THREE.Vector3, row: ArrayLike<number>): Body {
   const rings = body.rings!;
   const data = new Float32Array(3 * rings.vertex_ring.data.length);

@@ -1,4 +1,4 @@
-/** A body in the picture: its surface, edges and lines, deformed by the graphics processor. */
+/** Body in the picture: surface, edges and lines, deformed on the GPU. */
 
 import * as THREE from "three";
 import { matrix } from "../math/rotation";
@@ -9,7 +9,7 @@ import { ATTRIBUTE, measureNumber } from "./measures";
 import { Moves } from "./moves";
 import { smooth } from "./smooth";
 
-/** How a body looks now. */
+/** Present appearance of a body. */
 export interface Appearance {
   visible: boolean;
   colour: THREE.Color;
@@ -43,7 +43,7 @@ export class BodyView {
   constructor(
     readonly body: Body,
     protected shared: Shared,
-    /** Number by which it is found under the mouse. */
+    /** Number of the body in the picking picture. */
     readonly thing: number,
   ) {
     this.group.matrixAutoUpdate = false;
@@ -119,7 +119,7 @@ export class BodyView {
     return lines;
   }
 
-  /** Place the body and take its modal coordinates. */
+  /** Set the pose and the modal coordinates of the body. */
   update(row: Row, measure: string | null): void {
     const { body } = this;
     this.setKnown(measure);
@@ -174,7 +174,7 @@ export class BodyView {
     material.transparent = opacity < 1;
   }
 
-  /** The object that is drawn to find what is under the mouse. */
+  /** Object for the picking picture. */
   pickObject(): THREE.Object3D {
     if (!this.pick) {
       const drawn = this.surface ?? this.lines;
@@ -191,7 +191,7 @@ export class BodyView {
     return this.pick;
   }
 
-  /** The object that casts a shadow; null of lines and of transparent bodies. */
+  /** Shadow-casting object; null for lines and transparent bodies. */
   shadowObject(): THREE.Object3D | null {
     if (!this.surface || !this.group.visible || (this.surface.material as THREE.ShaderMaterial).transparent) return null;
     if (!this.cast) {
@@ -203,17 +203,17 @@ export class BodyView {
     return this.cast;
   }
 
-  /** Whether the measure is known anywhere on it. */
+  /** Whether the measure is known anywhere on the body. */
   get knows(): boolean {
     return this.own.uniforms["knows"].value !== 0;
   }
 
-  /** The object that is drawn to find the lowest and highest value. */
+  /** Object for the search of the lowest and highest value. */
   probe(): THREE.Object3D {
     if (!this.vertices) {
       const drawn = this.surface ?? this.lines;
       if (!drawn) return new THREE.Group();
-      // every vertex once: the attributes of the drawn object without its index
+      // each vertex once: vertex attributes without index
       const geometry = new THREE.BufferGeometry();
       for (const [name, attribute] of Object.entries(drawn.geometry.attributes)) geometry.setAttribute(name, attribute);
       this.vertices = new THREE.Points(geometry, extremesMaterial(this.shared, this.own, drawn === this.surface));
@@ -241,7 +241,7 @@ export class BodyView {
 
 const NONE = new THREE.Color(0, 0, 0);
 
-/** Each side of the triangles once. */
+/** Unique edges of triangles. */
 export function sides(triangles: Uint32Array): Uint32Array {
   const seen = new Set<number>();
   const out: number[] = [];

@@ -1,4 +1,4 @@
-/** The camera: a target, a distance and two angles about the upward direction. */
+/** Camera: target, distance and two angles about the upward direction. */
 
 import * as THREE from "three";
 
@@ -23,7 +23,7 @@ export class Rig {
 
   constructor(up: readonly [number, number, number]) {
     this.up = new THREE.Vector3(...up).normalize();
-    // azimuth counts from the x axis if that lies across, as usual with z upward
+    // azimuth from the x axis if it is perpendicular to the upward direction
     const aside = Math.abs(this.up.x) < 0.9 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 0, 1);
     this.first = aside.addScaledVector(this.up, -aside.dot(this.up)).normalize();
     this.second = new THREE.Vector3().crossVectors(this.up, this.first);
@@ -34,7 +34,7 @@ export class Rig {
     return this.usesPerspective ? this.perspective : this.parallel;
   }
 
-  /** From the target to the camera. */
+  /** Vector from target to camera. */
   get backward(): THREE.Vector3 {
     const { azimuth: a, elevation: e } = this;
     return new THREE.Vector3()
@@ -61,7 +61,7 @@ export class Rig {
     return (2 * this.distance * Math.tan(FIELD / 2)) / this.height;
   }
 
-  /** Place both cameras so that a sphere lies between the near and the far plane. */
+  /** Set both cameras with a sphere between near and far plane. */
   update(middle: THREE.Vector3, radius: number): void {
     const back = this.backward, aspect = this.width / this.height;
     const eye = this.target.clone().addScaledVector(back, this.distance);
@@ -85,7 +85,7 @@ export class Rig {
     this.parallel.updateProjectionMatrix();
   }
 
-  /** Let points fill the picture, seen as now. */
+  /** Fit points into the picture in the present direction. */
   fit(corners: THREE.Vector3[]): void {
     const right = this.rightward, up = this.upward, back = this.backward;
     const room = 0.88; // of the picture
@@ -99,8 +99,8 @@ export class Rig {
     for (const [v, at] of [[right, (left + far) / 2], [up, (low + high) / 2], [back, (behind + front) / 2]] as const) {
       this.target.addScaledVector(v, at);
     }
-    // each corner asks for a distance at which it is still within the picture; what is nearer looks
-    // larger, so that the middle of the picture is another one than that of the box
+    // each corner requires a distance at which it is still in view; near parts look larger,
+    // so that the centre of the picture differs from that of the box
     for (let pass = 0; pass < 8; pass++) {
       const at = corners.map((corner) => {
         const x = corner.clone().sub(this.target);
@@ -123,12 +123,12 @@ export class Rig {
     this.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.elevation + down));
   }
 
-  /** Move the picture by CSS pixels. */
+  /** Shift the picture by CSS pixels. */
   pan(right: number, down: number): void {
     this.target.addScaledVector(this.rightward, -right * this.pixel).addScaledVector(this.upward, down * this.pixel);
   }
 
-  /** Come nearer by a factor; what is at a point of the picture (from its middle, pixels) stays. */
+  /** Zoom by a factor about a point of the picture (pixels from its centre). */
   zoom(factor: number, right: number, down: number): void {
     const move = (1 - factor) * this.pixel;
     this.target.addScaledVector(this.rightward, right * move).addScaledVector(this.upward, -down * move);
@@ -151,7 +151,7 @@ export class Rig {
     this.turning = { from: [this.azimuth, this.elevation], to: [azimuth + 2 * Math.PI * turns, elevation], began: NaN };
   }
 
-  /** Move on towards the direction asked for; whether it still turns. */
+  /** Turn towards the requested direction; returns whether it is still turning. */
   tick(now: number, still: boolean): boolean {
     if (!this.turning) return false;
     if (Number.isNaN(this.turning.began)) this.turning.began = now;

@@ -16,7 +16,7 @@ export class Captions {
     this.step = add("grid-step", `grid ${lengthText(step)}`);
   }
 
-  /** Put the letters at the ends of the axes: pixels from the lower left corner. */
+  /** Place the letters at the ends of the axes: pixels from the lower left corner. */
   place(ends: readonly (readonly [number, number])[], grid: boolean): void {
     this.letters.forEach((letter, k) => {
       letter.style.transform = `translate(${ends[k][0].toFixed(1)}px, ${(-ends[k][1]).toFixed(1)}px) translate(-50%, 50%)`;
@@ -25,7 +25,7 @@ export class Captions {
   }
 }
 
-/** A round length in mm, m or km. */
+/** Round length in mm, m or km. */
 export function lengthText(metres: number): string {
   const [factor, unit] = metres < 0.1 ? [1e3, "mm"] : metres < 1000 ? [1, "m"] : [1e-3, "km"];
   return `${Number((metres * factor).toPrecision(6))} ${unit}`;

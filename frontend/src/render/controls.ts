@@ -1,4 +1,4 @@
-/** Mouse, pen and fingers on the picture: orbit, pan, zoom, clicks and drags. */
+/** Mouse, pen and touch input on the picture: orbit, pan, zoom, clicks and drags. */
 
 import type { Rig } from "./camera";
 
@@ -7,7 +7,7 @@ export interface Gestures {
   double(x: number, y: number): void;
   hover(x: number, y: number): void;
   leave(): void;
-  /** Whether a drag that starts here is taken by a tool; then `drag` is called instead of orbit. */
+  /** Whether a tool takes the drag that starts here; `drag` then replaces orbit. */
   grab(x: number, y: number): boolean;
   drag(phase: "move" | "end", x: number, y: number): void;
 }
@@ -20,7 +20,7 @@ interface Finger {
 const SLACK = 4; // pixels that a click may move
 const ORBIT = 0.0065; // rad a pixel
 
-/** Move the camera by gestures on an element; `moved` is called when it has moved. */
+/** Move the camera by gestures on an element; calls `moved` after each move. */
 export function control(element: HTMLElement, rig: Rig, gestures: Gestures, moved: () => void): void {
   const fingers = new Map<number, Finger>();
   let mode: "orbit" | "pan" | "grab" | null = null;

@@ -13,12 +13,12 @@ export class Extremes {
   private camera = new THREE.Camera();
   private pixels = new Float32Array(4 * LANES);
 
-  /** Largest of the two numbers that the probes write, value and -value, each over all points. */
+  /** Maxima of the two probe outputs, value and -value, over all points. */
   find(renderer: THREE.WebGLRenderer, probes: THREE.Object3D[]): [number, number] | null {
     if (!probes.length) return null;
     if (!this.target) {
       const gl = renderer.getContext();
-      // floats can be drawn to and mixed
+      // render targets with blendable floats
       if (!gl.getExtension("EXT_color_buffer_float") || !gl.getExtension("EXT_float_blend")) return null;
       this.target = new THREE.WebGLRenderTarget(LANES, 1, { type: THREE.FloatType, depthBuffer: false, generateMipmaps: false });
     }

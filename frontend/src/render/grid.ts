@@ -1,4 +1,4 @@
-/** The floor: a grid of round steps that fades towards its edge. */
+/** Floor: a grid with round spacing that fades at its edge. */
 
 import * as THREE from "three";
 
@@ -34,7 +34,7 @@ void main() {
 }
 `;
 
-/** The largest of 1, 2 and 5 times a power of ten that is not above a number. */
+/** Largest of 1, 2, 5 times a power of ten that does not exceed a number. */
 export function roundStep(x: number): number {
   const ten = 10 ** Math.floor(Math.log10(x));
   const m = x / ten;
@@ -68,7 +68,7 @@ export class Grid {
     this.mesh.renderOrder = -1;
     this.mesh.matrixAutoUpdate = false;
     const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), up);
-    // lines at whole steps of the world
+    // lines at multiples of the spacing in the world
     const across = new THREE.Vector3(1, 0, 0).applyQuaternion(turn), along = new THREE.Vector3(0, 1, 0).applyQuaternion(turn);
     const whole = (x: number): number => Math.round(x / (5 * this.step)) * 5 * this.step;
     const at = new THREE.Vector3()

@@ -1,4 +1,4 @@
-/** A run in the picture: its bodies and symbols, placed by one row. */
+/** Run in the picture: bodies and symbols, placed by one row. */
 
 import * as THREE from "three";
 import type { Run } from "../app";
@@ -51,7 +51,7 @@ export class Machine {
     this.group.add(this.symbols.group);
   }
 
-  /** Ask for the courses of the sensors that are arrows. */
+  /** Request the histories of sensors shown as arrows. */
   async load(source: Source): Promise<void> {
     const { arrows, run } = this;
     if (source.live) {
@@ -66,14 +66,14 @@ export class Machine {
       return;
     }
     for (const { name } of arrows.wanted) {
-      // a sensor without numbers is no arrow; the plots say why
+      // a sensor without numbers has no arrow; the plots show the reason
       const { time, values } = await source.sensor(run.index, [name], 4000).catch(() => EMPTY);
       const [count, length] = values.shape;
       arrows.take(name, time.data, Array.from({ length: count }, (_, k) => values.data.subarray(k * length, (k + 1) * length)));
     }
   }
 
-  /** Place everything as it is at an instant. */
+  /** Place everything at an instant. */
   update(state: Readonly<State>): void {
     this.row = this.run.track.row(state.time);
     this.shift = state.offset.map((x) => x * this.run.index) as Vec3;
@@ -82,23 +82,23 @@ export class Machine {
     this.symbols.update(this.row, state, state.arrows ? this.arrows.at(this.row, state.time, state.amplification) : []);
   }
 
-  /** Work out deformations and measures that have changed. */
+  /** Compute changed deformations and measures. */
   move(renderer: THREE.WebGLRenderer): void {
     if (!this.group.visible) return;
     for (const view of this.bodies) if (view.group.visible) view.moves?.draw(renderer);
   }
 
-  /** The graphics processor has lost its memory. */
+  /** GPU context lost. */
   forget(): void {
     for (const view of this.bodies) view.moves?.forget();
   }
 
-  /** How many things can be found under the mouse. */
+  /** Number of objects in the picking picture. */
   get things(): number {
     return this.bodies.length + this.run.scene.symbols.length;
   }
 
-  /** What is drawn to find what is under the mouse. */
+  /** Objects for the picking picture. */
   picks(): THREE.Object3D[] {
     if (!this.group.visible) return [];
     const bodies = this.bodies.filter((view) => view.group.visible).map((view) => view.pickObject());
@@ -115,13 +115,13 @@ export class Machine {
     this.bodies.forEach((view, i) => view.appear(appearance(state, paint, this.run.index, i, this.run.scene.bodies[i])));
   }
 
-  /** Where a vertex is now, world. */
+  /** Present position of a vertex, world. */
   position(body: number, vertex: number, amplification: number): Vec3 {
     const at = position(this.run.scene.bodies[body], vertex, this.row, amplification);
     return [0, 1, 2].map((i) => at[i] + this.shift[i]) as Vec3;
   }
 
-  /** The measure at a vertex now; NaN where it is not known. */
+  /** Present measure at a vertex; NaN where unknown. */
   value(body: number, vertex: number, measure: string): number {
     const thing = this.run.scene.bodies[body];
     if (measure === "displacement") {
@@ -133,7 +133,7 @@ export class Machine {
     return s ? evaluate(measure, s) : NaN;
   }
 
-  /** The vertices among which the one under the mouse is, from one of the triangle that was hit. */
+  /** Candidate vertices for the one under the mouse, from a vertex of the hit triangle. */
   candidates(body: number, vertex: number): Iterable<number> {
     const { triangles, positions } = this.run.scene.bodies[body];
     if (!triangles) return [vertex];

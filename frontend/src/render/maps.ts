@@ -1,12 +1,12 @@
-/** Colour maps: from the share of the range to a colour. */
+/** Colour maps: colours by share of the range. */
 
 /** Stops of the maps, evenly spaced, sRGB. */
 const STOPS: Record<string, string[]> = {
-  // the order that engineers expect, its ends less glaring than those of a rainbow
+  // rainbow order with less glaring ends
   spectrum: ["#2b3a9e", "#2f6fd0", "#2fa5cf", "#36bf94", "#8fce4a", "#e3cf3a", "#f5a12c", "#e5602b", "#bd1f2d"],
-  // even steps of lightness, also for those who do not see red
+  // uniform steps of lightness, readable with red blindness
   even: ["#161a4a", "#2b3f80", "#2e6a93", "#2f938f", "#58b77a", "#a3d15f", "#f3e45c"],
-  // for measures with a sign: the middle is pale
+  // for signed measures: pale in the middle
   signed: ["#1f4e9c", "#4f86c6", "#9dbfe0", "#eceef0", "#eeb39a", "#d4694f", "#9e1f2c"],
   grey: ["#2a2e34", "#8a9098", "#e8ebee"],
 };
@@ -26,7 +26,7 @@ const linear = (c: number): number => {
 const encoded = (x: number): number =>
   255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 
-/** Colours are mixed in Oklab (Ottosson, 2020), in which a straight way looks even. */
+/** Mixing in Oklab (Ottosson, 2020), in which straight lines are perceptually uniform. */
 function toLab(colour: Colour): Colour {
   const [r, g, b] = colour.map(linear);
   const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
@@ -59,7 +59,7 @@ export function colourAt(map: string, share: number): Colour {
   return fromLab(a.map((value, k) => value + (x - i) * (b[k] - value)) as Colour);
 }
 
-/** Colours from the lowest to the highest value, n of them. */
+/** n colours from the lowest to the highest value. */
 export function ramp(map: string, n: number): Colour[] {
   return Array.from({ length: n }, (_, i) => colourAt(map, n > 1 ? i / (n - 1) : 0.5));
 }

@@ -1,12 +1,12 @@
-/** Numbers of the measures in the shaders. */
+/** Indices of the measures in the shaders. */
 
 import { STRESSES } from "../math/tensor";
 
-/** What comes as an attribute of the vertices. */
+/** Measures that are vertex attributes. */
 export const ATTRIBUTE = 11;
 const DISPLACEMENT = 10;
 
-/** Number of a measure in the shader; -1 for plain colours. */
+/** Index of a measure in the shader; -1 for plain colours. */
 export function measureNumber(measure: string | null): number {
   if (measure === null) return -1;
   if (measure === "displacement") return DISPLACEMENT;

@@ -1,4 +1,4 @@
-/** What clicks, drags and the resting mouse mean: selection, probing and tools. */
+/** Meaning of clicks, drags and hovering: selection, probing and tools. */
 
 import type { Vec3 } from "../protocol";
 import type { Store } from "../state";
@@ -15,7 +15,7 @@ export interface Click {
 export interface Drag {
   phase: "start" | "move" | "end";
   hit: Hit;
-  /** World point under the mouse in the plane of the hit, across the view. */
+  /** World point under the mouse in the plane through the hit, perpendicular to the view. */
   point: Vec3;
 }
 
@@ -57,7 +57,7 @@ export class Mouse implements Gestures {
     const waits = this.resting !== null;
     this.resting = [x, y];
     if (waits) return;
-    // one look a picture at most
+    // at most one query per picture
     requestAnimationFrame(() => {
       if (!this.resting) return;
       const [px, py] = this.resting;

@@ -1,4 +1,4 @@
-/** The deformation of a body's vertices and the measure there, summed over its modes in a texture. */
+/** Vertex displacements and measure of a body: modal sums in a texture. */
 
 import * as THREE from "three";
 import type { Body } from "../protocol";
@@ -71,7 +71,7 @@ export class Moves {
     return this.target.texture;
   }
 
-  /** Take the modal coordinates of a row and the number of the measure. */
+  /** Set the modal coordinates from a row, and the index of the measure. */
   take(row: ArrayLike<number>, measure: number): void {
     const { body, p, q, scales } = this;
     if (measure !== this.measure.value) {
@@ -95,11 +95,11 @@ export class Moves {
       set(q, body.modes, scales[body.modes]);
       if (measure !== 10) sum += Math.abs(q[body.modes]);
     }
-    // stored stresses of half floats are at most 1: so is the measure by this
+    // half-float stresses are scaled to at most 1, and so is the measure
     this.unit.value = sum > 0 ? sum : 1;
   }
 
-  /** Sum the modes if they, or the measure, have changed since. */
+  /** Compute the sums if the coordinates or the measure have changed. */
   draw(renderer: THREE.WebGLRenderer): void {
     if (!this.changed) return;
     this.changed = false;
@@ -112,7 +112,7 @@ export class Moves {
     renderer.autoClear = clears;
   }
 
-  /** Sum again at the next picture. */
+  /** Recompute at the next picture. */
   forget(): void {
     this.changed = true;
   }

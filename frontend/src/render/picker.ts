@@ -1,10 +1,10 @@
-/** What lies under a point of the picture: one pixel of numbers is drawn there. */
+/** Object under a point of the picture, from a one-pixel rendering of object numbers. */
 
 import * as THREE from "three";
 
 export interface Found {
   thing: number;
-  /** A vertex of the triangle that was hit. */
+  /** Vertex of the triangle that was hit. */
   vertex: number;
   /** Depth 0 to 1. */
   depth: number;
@@ -32,7 +32,7 @@ export class Picker {
     this.scene.matrixAutoUpdate = false;
   }
 
-  /** Draw the objects about a point (CSS pixels of a picture of some size) and read what is there. */
+  /** Draw the objects around a point (CSS pixels of a picture of given size) and read the pixel. */
   find(objects: THREE.Object3D[], camera: THREE.PerspectiveCamera | THREE.OrthographicCamera, x: number, y: number, width: number, height: number): Found | null {
     const { renderer, side } = this;
     this.scene.children = objects;
@@ -76,7 +76,7 @@ export class Picker {
   }
 }
 
-/** Triangles around each vertex, to find the nearest corner of the one that was hit. */
+/** Triangles around each vertex, for the nearest corner of the hit triangle. */
 export class Neighbours {
   private from: Uint32Array;
   private around: Uint32Array;
@@ -93,7 +93,7 @@ export class Neighbours {
     triangles.forEach((v, corner) => (this.around[next[v]++] = Math.floor(corner / 3)));
   }
 
-  /** The vertex and those that share a triangle with it. */
+  /** Vertices that share a triangle with a vertex, and itself. */
   of(vertex: number): Set<number> {
     const out = new Set([vertex]);
     for (let k = this.from[vertex]; k < this.from[vertex + 1]; k++) {

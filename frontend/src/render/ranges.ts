@@ -1,4 +1,4 @@
-/** The range of the colours: of the run, or of the instant that is shown. */
+/** Range of the colours: over the run, or at the displayed instant. */
 
 import type * as THREE from "three";
 import type { Source } from "../source/source";
@@ -18,7 +18,7 @@ export class Ranges {
     store.watch(["measure", "rangeMode", "runs"], () => void this.ask());
   }
 
-  /** Ask for the range over the runs that are shown. */
+  /** Request the range over the visible runs. */
   private async ask(): Promise<void> {
     const { measure, rangeMode, runs } = this.store.state;
     const asked = `${measure} ${rangeMode} ${runs.join()}`;
@@ -45,7 +45,7 @@ export class Ranges {
     if (range?.[0] !== low || range[1] !== high) this.store.set({ range: [low, high] });
   }
 
-  /** Before a picture: the range of this instant, if it is wanted. */
+  /** Update the range of this instant before a picture, if selected. */
   update(renderer: THREE.WebGLRenderer): void {
     const { measure, rangeMode } = this.store.state;
     if (measure === null || rangeMode !== "instant") return;

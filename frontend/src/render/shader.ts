@@ -1,4 +1,4 @@
-/** What the graphics processor computes: deformation, stress, colours, light. */
+/** GPU programs: deformation, stress, colours, light. */
 
 /**
  * Deformation and measure of each vertex, once for all that is drawn with them: a pixel for each.
@@ -21,7 +21,7 @@ uniform vec4 q[(MODES + 4) / 4];       // times the scale of each mode; the last
 #endif
 layout(location = 0) out vec4 moved;
 
-// see math/tensor.ts; scaled so that cubes stay within the range of floats
+// see math/tensor.ts; scaled so that cubes stay within the float range
 vec2 principal(vec3 d, vec3 s) {
   float mean = (d.x + d.y + d.z) / 3.0;
   vec3 a = d - mean;
@@ -55,7 +55,7 @@ float judged(int v) {
   float mises = sqrt(0.5 * dot(e, e) + 3.0 * dot(s, s));
   if (measure == 6) return mises;
   vec2 w = principal(d, s);
-  // in pure shear the sum is what single precision leaves
+  // pure shear: the sum is a rounding error of single precision
   if (measure == 7) return w.x + w.y >= -1e-4 * (w.x - w.y) ? mises : -mises;
   return measure == 8 ? w.x : w.y;
 }
@@ -151,7 +151,7 @@ export const LIGHT = /* glsl */ `
 uniform vec3 sky;        // direction up, view
 vec3 toLinear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
 vec3 toScreen(vec3 c) { return mix(12.92 * c, 1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
-// a large soft light above, a key light at the upper left of the viewer, a weak one from the right
+// lights: large soft one above, key light upper left of the viewer, weak one from the right
 vec3 lit(vec3 colour, vec3 n, vec3 eye, float gloss) {
   vec3 key = normalize(vec3(-0.45, 0.65, 0.75));
   vec3 weak = normalize(vec3(0.8, -0.1, 0.4));
@@ -197,7 +197,7 @@ void main() {
   vec3 eye = parallel ? vec3(0.0, 0.0, 1.0) : normalize(-vView);
   vec3 n = normalize(vNormal);
   if (deforms) {
-    // the face before and after the deformation turns the smooth normal with it
+    // rotate the smooth normal with the deformed face
     vec3 after = cross(dx, dy), ahead = cross(dx - mx, dy - my);
     float sizes = length(after) * length(ahead);
     if (sizes > 0.0) {
@@ -217,7 +217,7 @@ void main() {
     float share = (vValue - range.x) / span;
     bool isKnown = vKnown > 0.5 && !isnan(vValue);
     float shown = bands > 0.0 ? (floor(clamp(share, 0.0, 0.9999) * bands) + 0.5) / bands : share;
-    // the middles of the first and last texel are the ends of the range
+    // range ends at the centres of the first and last texel
     vec3 c = texture(map, vec2((clamp(shown, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb;
     if (!isKnown) c = unknown;
     if (isolines && isKnown) {
@@ -230,7 +230,7 @@ void main() {
   } else {
     screen = toScreen(lit(base, n, eye, 0.16));
   }
-  // where the plane cuts a solid open, its inside is one calm colour
+  // clipped solids have a plain interior colour
   if (inside && plane.w < 1e30) screen = mix(colour, vec3(0.5), 0.5) * 0.8;
   screen = mix(screen, glow, 0.28 * step(0.001, dot(glow, glow)));
   pixel = vec4(screen, opacity);
@@ -282,7 +282,7 @@ void main() {
 }
 `;
 
-/** For what is under the mouse: number of the thing, number of a corner of its triangle, depth. */
+/** Picking: object number, corner index in the triangle, depth. */
 export const PICK_FRAGMENT = /* glsl */ `
 precision highp float;
 precision highp int;
@@ -315,7 +315,7 @@ void main() {
 }
 `;
 
-/** The measure at each vertex, on one of some pixels: itself and its negative. */
+/** Measure of each vertex, written to one of several pixels: value and negative value. */
 export const EXTREMES_VERTEX = /* glsl */ `
 ${DEFORM}
 uniform float lanes;

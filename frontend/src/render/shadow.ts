@@ -1,4 +1,4 @@
-/** A soft shadow on the floor: bodies drawn from above into a small picture, which is then blurred. */
+/** Soft shadow on the floor: a blurred picture of the bodies from above. */
 
 import * as THREE from "three";
 
@@ -51,7 +51,7 @@ function target(): THREE.WebGLRenderTarget {
 }
 
 export class Shadow {
-  /** The floor on which it lies. */
+  /** Floor that receives the shadow. */
   readonly mesh: THREE.Mesh;
   private drawn = target();
   private blurred = target();
@@ -79,7 +79,7 @@ export class Shadow {
     this.mesh.renderOrder = -2;
     this.mesh.matrixAutoUpdate = false;
     this.mesh.matrix.compose(foot, turn, new THREE.Vector3(half, half, 1));
-    // seen from far above, downwards; the axes of the picture are those of the floor
+    // camera far above, looking down; picture axes are the floor axes
     const { camera } = this;
     Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: 0, far: 8 * radius });
     camera.updateProjectionMatrix();
@@ -101,7 +101,7 @@ export class Shadow {
     this.scene.matrixWorldAutoUpdate = false;
   }
 
-  /** Draw what casts a shadow. */
+  /** Draw the shadow-casting objects. */
   update(renderer: THREE.WebGLRenderer, casting: THREE.Object3D[], dark: boolean): void {
     const material = this.mesh.material as THREE.ShaderMaterial;
     material.uniforms["strength"].value = dark ? 0.55 : 0.26;

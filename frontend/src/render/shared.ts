@@ -1,11 +1,11 @@
-/** Uniforms that all materials share, and the materials of surfaces and lines. */
+/** Uniforms shared by all materials, and the materials of surfaces and lines. */
 
 import * as THREE from "three";
 import { EXTREMES_LANES } from "./extremes";
 import { EXTREMES_FRAGMENT, EXTREMES_VERTEX, LINE_FRAGMENT, LINE_VERTEX, PICK_FRAGMENT, PICK_VERTEX, SHADOW_FRAGMENT, SURFACE_FRAGMENT, SURFACE_VERTEX } from "./shader";
 import { ramp } from "./maps";
 
-/** Plane that cuts nothing. */
+/** Clipping plane without effect. */
 export const NOWHERE = 3e38;
 
 export class Shared {
@@ -39,7 +39,7 @@ export class Shared {
 
 type Uniforms = Record<string, THREE.IUniform>;
 
-/** What a body adds to the shared uniforms. */
+/** Uniforms of a body beside the shared ones. */
 export interface Own {
   uniforms: Uniforms;
   defines: Record<string, string | number>;
@@ -102,7 +102,7 @@ export function extremesMaterial(shared: Shared, own: Own, split: boolean): THRE
   return material;
 }
 
-/** For the shadow of a surface: one where it is. */
+/** Material of a shadow: constant 1 inside. */
 export function shadowMaterial(shared: Shared, own: Own): THREE.ShaderMaterial {
   const defines = { ...own.defines, SPLIT: 1, SHADOW: 1 };
   const material = shader(shared, { ...own, defines }, PICK_VERTEX, SHADOW_FRAGMENT, {});

@@ -1,14 +1,14 @@
-/** Normals that are smooth over curved faces and break at creases. */
+/** Vertex normals that are smooth over curved faces and split at creases. */
 
 export interface Smooth {
-  /** Vertex of the body of each drawn corner. */
+  /** Body vertex of each drawn corner. */
   source: Uint32Array;
   normals: Float32Array;
   /** Drawn corners of each triangle. */
   index: Uint32Array;
 }
 
-/** Split the vertices of a surface where faces meet at more than an angle, rad. */
+/** Split the vertices of a surface at creases above an angle, rad. */
 export function smooth(positions: Float32Array, triangles: Uint32Array, crease = 0.6): Smooth {
   const nt = triangles.length / 3, nv = positions.length / 3;
   // unit normals and areas of the faces
@@ -28,7 +28,7 @@ export function smooth(positions: Float32Array, triangles: Uint32Array, crease =
   for (let v = 0; v < nv; v++) from[v + 1] += from[v];
   const corners = new Uint32Array(triangles.length), next = from.slice();
   triangles.forEach((v, corner) => (corners[next[v]++] = corner));
-  // groups of faces that form one smooth face there
+  // groups of faces around the vertex that form one smooth surface
   const limit = Math.cos(crease);
   const index = new Uint32Array(triangles.length);
   const source: number[] = [], sums: number[] = [];

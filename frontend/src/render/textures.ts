@@ -1,4 +1,4 @@
-/** Modal displacements and stresses as textures: one layer a mode. */
+/** Modal displacements and stresses as textures: one layer per mode. */
 
 import * as THREE from "three";
 import type { Block, Body } from "../protocol";
@@ -20,7 +20,7 @@ export function size(texels: number): [number, number] {
   return [Math.max(2, width), Math.max(1, Math.ceil(texels / width))];
 }
 
-/** Texture of the shapes of a body, one texel a vertex. */
+/** Texture of mode shapes, one texel per vertex. */
 export function shapesTexture(shapes: Block<Uint16Array | Float32Array>): THREE.DataArrayTexture {
   const [n, nv] = shapes.shape;
   const [width, height] = size(nv);
@@ -38,7 +38,7 @@ export function shapesTexture(shapes: Block<Uint16Array | Float32Array>): THREE.
   return layers(data, width, height, n);
 }
 
-/** Texture of the stresses of a body, two texels a vertex; the last layer is of static stress. */
+/** Texture of modal stresses, two texels per vertex; the last layer is static stress. */
 export interface Stresses {
   texture: THREE.DataArrayTexture;
   /** Factor of each layer. */

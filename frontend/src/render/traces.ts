@@ -1,4 +1,4 @@
-/** Paths of points: the whole path faintly, what has been travelled strongly. */
+/** Paths of points: the whole path faint, the travelled part strong. */
 
 import * as THREE from "three";
 import { before } from "../motion/track";
@@ -81,7 +81,7 @@ export class Traces {
     path.whole.geometry.getAttribute("position").setXYZ(i, at[0] - x, at[1] - y, at[2] - z);
   }
 
-  /** A running machine has come to a new point; a full path drops its first half. */
+  /** Add a point of a running machine; a full path drops its first half. */
   private extend(path: Path, time: number): void {
     const { run, body, vertex } = path.place;
     const last = path.time[path.time.length - 1];

@@ -1,4 +1,4 @@
-/** The picture: draws when something has changed, and answers what is where in it. */
+/** The picture: rendering on change, and queries of positions in it. */
 
 import * as THREE from "three";
 import type { Run } from "../app";
@@ -28,10 +28,10 @@ import { Shadow } from "./shadow";
 import { Ranges } from "./ranges";
 import { Traces } from "./traces";
 
-/** What lies under a point of the picture. */
+/** Object under a point of the picture. */
 export interface Hit extends Place {
   position: Vec3;
-  /** Number of the symbol in the scene; then body and vertex are -1. */
+  /** Index of the symbol in the scene; body and vertex are -1 then. */
   symbol?: number;
 }
 
@@ -64,7 +64,7 @@ export class View {
   private pending = 0;
   private drawing = false;
   private looksChanged = true;
-  /** Whether all is in the picture and nobody has moved the camera since. */
+  /** Whether everything is in view and the camera was not moved since. */
   private fitted = false;
   private drawn = new Set<() => void>();
   private mouse: Mouse;
@@ -82,7 +82,7 @@ export class View {
     const [low, high] = bounds(runs);
     this.middle = low.clone().add(high).multiplyScalar(0.5);
     this.radius = Math.max(0.5 * low.distanceTo(high), 1e-6);
-    // what has no size yet still needs a picture
+    // an element without size still needs a picture
     const room = new THREE.Vector3(1, 1, 1).multiplyScalar(0.04 * this.radius);
     this.corners = corners(low.clone().sub(room), high.clone().add(room));
     this.floor = Math.min(...corners(low, high).map((corner) => corner.dot(this.rig.above)));
@@ -133,7 +133,7 @@ export class View {
     });
   }
 
-  /** Make the picture of a run, in place of one that it had: its scene has changed. */
+  /** Create the picture of a run, replacing that of its old scene. */
   build(run: Run, k: number): void {
     const before = this.machines[k], last = this.machines[k - 1];
     const firstThing = before?.firstThing ?? (last ? last.firstThing + last.things : 0);
@@ -149,7 +149,7 @@ export class View {
     this.redraw();
   }
 
-  /** Draw soon; several calls draw once. */
+  /** Draw at the next animation frame; several calls draw once. */
   redraw(): void {
     if (this.pending || this.drawing) return;
     this.pending = requestAnimationFrame((now) => this.frame(now));
@@ -192,7 +192,7 @@ export class View {
     if (turning || this.store.state.playing) this.redraw();
   }
 
-  /** Place cameras about what is drawn. */
+  /** Set the cameras to the content. */
   private place(): void {
     this.rig.usesPerspective = this.store.state.perspective;
     const { offset, runs } = this.store.state;
@@ -237,7 +237,7 @@ export class View {
     this.rig.height = height;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
-    // at once: a canvas of another size is empty
+    // draw at once: a resized canvas is empty
     if (this.fitted) this.fit();
     if (this.counters.frames) this.drawNow();
   }
@@ -257,9 +257,9 @@ export class View {
     this.followed = at;
   }
 
-  // ---- what is where ----
+  // ---- positions in the picture ----
 
-  /** Where a vertex is now in the world, m, with the deformation as it is shown. */
+  /** Displayed position of a vertex in the world, m, with the amplified deformation. */
   position(run: number, body: number, vertex: number): Vec3 {
     return this.machines[run].position(body, vertex, this.store.state.amplification);
   }
@@ -269,7 +269,7 @@ export class View {
     return measure === null ? NaN : this.machines[run].value(body, vertex, measure);
   }
 
-  /** Where a world point lies in the picture: CSS pixels and depth; null behind the camera. */
+  /** Position of a world point in the picture: CSS pixels and depth; null behind the camera. */
   at(point: readonly number[]): Vec3 | null {
     const x = new THREE.Vector3(...(point as Vec3)).applyMatrix4(this.rig.camera.matrixWorldInverse);
     if (this.rig.usesPerspective && x.z >= 0) return null;
@@ -281,7 +281,7 @@ export class View {
     return this.at(this.position(run, body, vertex));
   }
 
-  /** The world point at a depth under a point of the picture. */
+  /** World point at a depth under a point of the picture. */
   unproject(px: number, py: number, depth: number): Vec3 {
     const x = new THREE.Vector3((2 * px) / this.rig.width - 1, 1 - (2 * py) / this.rig.height, 2 * depth - 1);
     x.applyMatrix4(this.rig.camera.projectionMatrixInverse).applyMatrix4(this.rig.camera.matrixWorld);
@@ -296,7 +296,7 @@ export class View {
 
   pick(px: number, py: number): Hit | null {
     if (!this.counters.frames) this.drawNow();
-    // what was hidden or cut since the last picture is not found
+    // apply visibility and clipping changes since the last picture
     this.applyLooks(this.store.state);
     const objects = this.machines.flatMap((machine) => machine.picks());
     const found = this.picker.find(objects, this.rig.camera, px, py, this.rig.width, this.rig.height);
@@ -340,7 +340,7 @@ export class View {
   fit(): void {
     const { perspective, offset, runs } = this.store.state;
     this.rig.usesPerspective = perspective;
-    // runs that stand beside the first
+    // overlaid runs beside the first one
     const last = new THREE.Vector3(...offset).multiplyScalar(Math.max(0, runs.lastIndexOf(true)));
     const points = this.outline();
     this.rig.fit(last.lengthSq() ? [...points, ...points.map((at) => at.clone().add(last))] : points);
@@ -349,7 +349,7 @@ export class View {
     this.redraw();
   }
 
-  /** What must be in the picture: the box of all that moves, or the shapes of what stands still. */
+  /** Content to keep in view: bounding box of the motion, or of static shapes. */
   private outline(): THREE.Vector3[] {
     const runs = this.machines.map(({ run }) => run);
     if (!runs.every(({ track, scene }) => track instanceof StillTrack && scene.bodies.length)) return this.corners;
@@ -360,7 +360,7 @@ export class View {
         Array.from({ length: Math.ceil(body.positions.shape[0] / every) }, (_, k) => new THREE.Vector3(...position(body, k * every, track.row(0)))),
       ),
     );
-    // a few points may be of no size beside symbols and what they join
+    // single points have no size: include symbols and their ends
     const size = new THREE.Box3().setFromPoints(found).getSize(new THREE.Vector3()).length();
     return size > 0.1 * this.radius ? found : this.corners;
   }
@@ -386,7 +386,7 @@ export class View {
     return `rgb(${colourAt(map, share).map(Math.round).join(" ")})`;
   }
 
-  /** CSS colour of a body as long as colours mean nothing else. */
+  /** CSS colour of a body without a measure. */
   bodyColour(run: number, body: number): string {
     const { scene } = this.machines[run].run;
     return bodyColour(this.store.state, run, body, scene.bodies[body]);
@@ -394,7 +394,7 @@ export class View {
 
   // ---- pictures ----
 
-  /** PNG of what is shown, `scale` pixels a CSS pixel. */
+  /** PNG of the view, `scale` picture pixels per CSS pixel. */
   async picture(scale: number, options: { transparent?: boolean } = {}): Promise<Blob> {
     const ratio = this.renderer.getPixelRatio();
     this.background.mesh.visible = !options.transparent;
@@ -415,9 +415,9 @@ export class View {
     return this.canvas.captureStream(fps);
   }
 
-  // ---- who listens ----
+  // ---- subscribers ----
 
-  /** Call a function after each picture; returns what ends it. */
+  /** Subscribe to pictures; returns the function that unsubscribes. */
   onDraw(call: () => void): () => void {
     this.drawn.add(call);
     return () => this.drawn.delete(call);
@@ -440,7 +440,7 @@ function openRenderer(): THREE.WebGLRenderer {
   }
 }
 
-/** Lowest and highest corner of all runs. */
+/** Corners of the common bounding box of all runs. */
 function bounds(runs: Run[]): [THREE.Vector3, THREE.Vector3] {
   const box = new THREE.Box3();
   for (const { scene } of runs) {

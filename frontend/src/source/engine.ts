@@ -1,4 +1,4 @@
-/** A machine that runs in the page itself, steered by the orders that a server takes, too. */
+/** Machine that runs inside the page, with the commands of a server. */
 
 import type { Block, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
 import { decode } from "../protocol";
@@ -6,7 +6,7 @@ import { Machine, STOPPED } from "./machine";
 import * as numbers from "./numbers";
 import type { Source } from "./source";
 
-/** What a page contains of a machine. */
+/** Data of a machine in a page. */
 interface Stored {
   kind: "machine";
   scene: Scene;
@@ -14,14 +14,14 @@ interface Stored {
   /** Numbers of positions and of sensor values. */
   nq: number;
   nout: number;
-  /** Own step of the method, s, and how many are made at once. */
+  /** Fixed step of the method, s, and the number of steps per call. */
   step: number;
   every: number;
   events: string[];
   damages: { name: string; place: number }[];
 }
 
-/** Whether the data of a page are those of a machine. */
+/** Whether the data of a page describe a machine. */
 export function isMachine(content: ArrayBuffer): boolean {
   return decode(content)["kind"] === "machine";
 }
@@ -155,7 +155,7 @@ export class EngineSource implements Source {
     this.changed.set(k, value);
   }
 
-  /** To the start; inputs and parameters keep their values. */
+  /** Return to the start; inputs and parameters keep their values. */
   private reset(): void {
     this.machine.reset();
     this.changed.forEach((value, k) => this.machine.parameter(k, value));
@@ -166,7 +166,7 @@ export class EngineSource implements Source {
     this.row = this.machine.positions();
   }
 
-  /** Go on by one interval; returns whether it can go on after it. */
+  /** Advance by one interval; returns whether the run can continue. */
   private advance(): boolean {
     const before = performance.now();
     const status = this.machine.advance(this.file.every);

@@ -1,4 +1,4 @@
-/** Scenes and numbers from data that lie in the page itself. */
+/** Scenes and numbers from data inside the page. */
 
 import { before } from "../motion/track";
 import type { Block, History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
@@ -6,7 +6,7 @@ import { decode } from "../protocol";
 import * as numbers from "./numbers";
 import type { Source } from "./source";
 
-/** What a page contains of a run. */
+/** Data of a run in a page. */
 export interface Stored {
   scene: Scene;
   time: Block<Float64Array>;
@@ -55,7 +55,7 @@ export class FileSource implements Source {
   }
 
   async window(run: number, start: number, end: number): Promise<Window> {
-    // all frames are here: another window has the same ones
+    // the page contains all frames: every window has the same ones
     const { time } = this.runs[run];
     return { kind: "window", frames: time, window: [start, end] };
   }

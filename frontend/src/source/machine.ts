@@ -2,7 +2,7 @@
 
 import type { Block } from "../protocol";
 
-/** What the module exports; see engine/export/page.c. Functions return 0 if all is well. */
+/** Exports of the module; see engine/export/page.c. Functions return 0 on success. */
 interface Exports extends WebAssembly.Exports {
   memory: WebAssembly.Memory;
   _initialize?: () => void;
@@ -28,7 +28,7 @@ export class Machine {
   ) {}
 
   static async open(code: Block<Uint8Array>, nq: number, nout: number): Promise<Machine> {
-    // a copy of its own: the container may not begin where the code does
+    // copy: the container may move when the module grows its memory
     const { instance } = await WebAssembly.instantiate(Uint8Array.from(code.data), {});
     const module = instance.exports as Exports;
     module._initialize?.();
@@ -41,12 +41,12 @@ export class Machine {
     return this.module.now();
   }
 
-  /** Go on by some steps of the method; returns 0, STOPPED at an event that stops, more if it failed. */
+  /** Advance by some steps; returns 0, STOPPED at a terminal event, or a larger number on failure. */
   advance(steps: number): number {
     return this.module.advance(steps);
   }
 
-  /** Number of the event that stopped it. */
+  /** Index of the event that stopped the run. */
   get stopper(): number {
     return this.module.error_index();
   }
@@ -63,7 +63,7 @@ export class Machine {
     return this.module.set_parameter(k, value) === 0;
   }
 
-  /** Positions of all bodies, as the engine has them. */
+  /** Positions of all bodies in the engine's layout. */
   positions(): Float64Array {
     return this.numbers(this.module.positions(), this.nq);
   }

@@ -9,7 +9,7 @@ import type { Block, Body, History, Numbers, Probe, Scene, Vec3, Worst } from ".
 
 type Series = Float64Array | Float32Array;
 
-/** Curves of sensors: of each (components, instants). */
+/** Sensor curves, each (components, instants). */
 export interface Sensors {
   time: Block<Float64Array>;
   values: Record<string, Block<Float32Array | Float64Array>>;
@@ -17,7 +17,7 @@ export interface Sensors {
 
 const block = <T extends Numbers>(data: T, shape: number[]): Block<T> => ({ type: "f8", shape, data });
 
-/** Everything known at a vertex in one row. */
+/** All values at a vertex in one row. */
 export function probe(scene: Scene, row: ArrayLike<number>, body: number, vertex: number): Probe {
   const at = scene.bodies[body];
   const s = stress(at, vertex, row);
@@ -37,7 +37,7 @@ export function probe(scene: Scene, row: ArrayLike<number>, body: number, vertex
 const POSITIONS = ["x", "y", "z"];
 const SHIFTS = ["ux", "uy", "uz"];
 
-/** A value at a vertex in one row by its name; NaN where it is not known. */
+/** Value at a vertex in one row by its name; NaN where unknown. */
 export function value(name: string, body: Body, vertex: number, row: ArrayLike<number>): number {
   if (POSITIONS.includes(name)) return position(body, vertex, row)[POSITIONS.indexOf(name)];
   if (name === "damage") return body.damage ? body.damage.data[vertex] : NaN;
@@ -55,7 +55,7 @@ export function unit(name: string): string {
   return name === "damage" ? "1" : name === "life" ? "s" : "Pa";
 }
 
-/** Histories at a vertex; with more than `most` instants, the extremes of each stretch remain. */
+/** Histories at a vertex, thinned to the extremes of intervals above `most` instants. */
 export function history(
   scene: Scene,
   time: ArrayLike<number>,
@@ -76,7 +76,7 @@ export function history(
   return { ...thinned(time, series, most), units: of.map(unit), labels: [...of] };
 }
 
-/** Curves of sensors, one for each component. */
+/** Sensor curves, one per component. */
 export function sensor(scene: Scene, sensors: Sensors | undefined, names: readonly string[], most: number): History {
   const curves: ArrayLike<number>[] = [];
   const labels: string[] = [];
@@ -95,7 +95,7 @@ export function sensor(scene: Scene, sensors: Sensors | undefined, names: readon
   return { ...thinned(sensors!.time.data, curves, most), labels, units };
 }
 
-/** Curves with at most `most` instants: of each stretch those where a curve is lowest and highest. */
+/** Curves thinned to `most` instants: the minimum and maximum of each interval. */
 export function thinned(
   time: ArrayLike<number>,
   series: readonly ArrayLike<number>[],
@@ -131,7 +131,7 @@ function chosen(n: number, series: readonly ArrayLike<number>[], most: number): 
   return [...keep].sort((a, b) => a - b);
 }
 
-/** Largest and smallest value of a measure at each place: instants at most `INSTANTS`, spread evenly. */
+/** Largest and smallest value of a measure at each place, over at most `INSTANTS` evenly spaced instants. */
 const INSTANTS = 400;
 
 function* everywhere(
@@ -155,7 +155,7 @@ function* everywhere(
   }
 }
 
-/** Lowest and highest value of a measure over the run and all places; zeros if it is nowhere known. */
+/** Lowest and highest value of a measure over run and places; zeros if it is unknown everywhere. */
 export function extent(scene: Scene, time: ArrayLike<number>, rows: Series, name: string): [number, number] {
   let low = Infinity;
   let high = -Infinity;
@@ -166,7 +166,7 @@ export function extent(scene: Scene, time: ArrayLike<number>, rows: Series, name
   return low <= high ? [low, high] : [0, 0];
 }
 
-/** The places with the largest values, each the largest of its surroundings (a tenth of its body). */
+/** Places with the largest values, each a maximum of its surroundings (a tenth of its body). */
 export function worst(
   scene: Scene,
   time: ArrayLike<number>,

@@ -1,4 +1,4 @@
-/** A message that outlives a new start of the page. */
+/** Message that survives a reload of the page. */
 
 const NAME = "jousto-said";
 
@@ -6,7 +6,7 @@ export function keep(message: string): void {
   try {
     sessionStorage.setItem(NAME, message);
   } catch {
-    // some browsers keep nothing
+    // browsers without session storage
   }
 }
 

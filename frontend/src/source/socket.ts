@@ -29,7 +29,7 @@ export class SocketSource implements Source {
     socket.onclose = () => this.closed();
   }
 
-  /** Connect to the server of this page; `lost` is called with a sentence when it has ended. */
+  /** Connect to the server of this page; `lost` receives a sentence when the connection ends. */
   static open(lost: (message: string) => void): Promise<SocketSource> {
     const address = new URL("socket", window.location.href);
     address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
@@ -87,7 +87,7 @@ export class SocketSource implements Source {
     return () => this.listeners.delete(call);
   }
 
-  /** Ask whether the server still shows the same files. */
+  /** Check that the server still shows the same files. */
   private async look(): Promise<void> {
     if (this.live || this.socket.readyState !== WebSocket.OPEN || this.waiting.size) return;
     try {
@@ -121,7 +121,7 @@ export class SocketSource implements Source {
     if (!waiting) return;
     this.waiting.delete(id);
     if (message["renewed"]) {
-      // what is shown is gone: the page begins anew with what there is
+      // the content has changed: reload the page
       const said = (message as unknown as Failure).message.replace(/^page: /, "");
       keep(`${said}: the page shows what is in it now.`);
       window.location.reload();

@@ -6,16 +6,16 @@
 import type { History, Live, Probe, Rows, Scene, Window, Worst } from "../protocol";
 
 export interface Source {
-  /** Whether numbers come from double precision, or with 7 digits from the page. */
+  /** Whether numbers are in double precision, or rounded to 7 digits in the page. */
   readonly exact: boolean;
-  /** Whether a machine runs behind it. */
+  /** Whether the source is a running machine. */
   readonly live: boolean;
-  /** Whether a server answers. */
+  /** Whether a server answers requests. */
   readonly served: boolean;
   scene(run: number): Promise<Scene>;
   /** Rows of `count` frames from number `first`, one in `every`. */
   rows(run: number, first: number, count: number, every: number): Promise<Rows>;
-  /** Frames of another window of a long run; rows count in it from then on. */
+  /** Frames of another time window of a long run; later row numbers refer to it. */
   window(run: number, start: number, end: number): Promise<Window>;
   probe(run: number, body: number, vertex: number, time: number): Promise<Probe>;
   /** Histories at a vertex; `of`: measures, `s11`, `ux`, `x`, `damage` and the like. */
@@ -23,8 +23,8 @@ export interface Source {
   sensor(run: number, names: string[], most: number): Promise<History>;
   worst(run: number, measure: string, count: number): Promise<Worst[]>;
   extent(run: number, measure: string): Promise<[number, number]>;
-  /** Orders to a running machine: `{do: "play"}` and the like. */
+  /** Commands to a running machine: `{do: "play"}` and others. */
   order(order: Record<string, unknown>): Promise<void>;
-  /** Call a function for each state that a running machine sends; returns what ends it. */
+  /** Subscribe to the states of a running machine; returns the function that unsubscribes. */
   onLive(call: (live: Live) => void): () => void;
 }

@@ -206,6 +206,11 @@ class Problems:
             return False
         return True
 
+    def whole(self, where: str, name: str, value: Any, least: int = 1, note: str = "") -> bool:
+        """Return whether the value is a whole number from `least` on, or note a problem."""
+        wanted = f"a whole number, {note or f'at least {least}'}"
+        return self.number(where, name, value, "", wanted, lambda x: x >= least and x == int(x))
+
     def several(self, where: str, name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
         """Return one object of a kind, or a sequence of them, as a tuple; add problems."""
         if isinstance(value, kind):

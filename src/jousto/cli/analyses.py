@@ -28,10 +28,10 @@ from jousto.cli.terminal import columns, facts, most_at, named, numbers, plain, 
 
 MATRICES = (".npz", ".mat")
 
-IN_LINE = 6  # more components of a sensor in one unit than this stand in rows
+IN_LINE = 6  # longest list of components in one unit that is printed as one row
 ROWS = 20
 
-FREE = 1e-6  # 1/s, below which a rate is round-off
+FREE = 1e-6  # 1/s, rates of free motion: below this magnitude an eigenvalue is rounding error
 
 
 Input = Annotated[
@@ -44,7 +44,7 @@ Steps = Annotated[int, typer.Option("--steps", min=1, help="Steps to the last va
 
 @command()
 def equilibrium(model: Model, trust: Trust = False) -> None:
-    """Find where a model rests: positions of the bodies and values of the sensors."""
+    """Print the equilibrium of a model: positions of the bodies and values of the sensors."""
     from jousto.base.rounding import without_rounding
     from jousto.model.native.native import Engine
     from jousto.model.scales import scales_of
@@ -59,7 +59,7 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
     engine.accelerations()
     values, scales = engine.sensors(), scales_of(compiled)
     places = without_rounding(state.q, scales.floor("m"))
-    # of beams the ends
+    # bodies inside a beam are left out, its two ends are listed
     inner = {int(i) for beam in compiled.beam_shapes for i in beam.bodies[1:-1]}
     rows = [
         (f"body {body.name}", f"origin at x y z = {numbers(places[body.iq : body.iq + 3])} m")
@@ -89,7 +89,7 @@ def equilibrium(model: Model, trust: Trust = False) -> None:
 def largest_first(
     values: Array, names: Sequence[str], units: Sequence[str]
 ) -> list[tuple[str, ...]]:
-    """Return rows of name, value and unit: as they stand, of more than `ROWS` the largest first."""
+    """Return rows of name, value and unit, sorted by magnitude if there are more than `ROWS`."""
     order = np.arange(len(values))
     if len(values) > ROWS:
         order = np.argsort(-np.abs(values), kind="stable")
@@ -112,7 +112,7 @@ def modes(
     ] = 1,
     trust: Trust = False,
 ) -> None:
-    """Compute the natural modes of a model, without damping, about where it rests."""
+    """Compute the undamped natural modes of a model about its equilibrium."""
     from jousto.simulation.modes.linear import modes as natural
     from jousto.simulation.statics.equilibrium import equilibrium as rest
 
@@ -122,7 +122,7 @@ def modes(
     for k, value in enumerate(found.eigenvalues[:count]):
         text = f"{found.frequencies[k]:.6g} Hz"
         if value.real > abs(value.imag):
-            text = f"falls away, {value.real:.6g} 1/s"
+            text = f"unstable, grows with {value.real:.6g} 1/s"
         if abs(value) < FREE:
             text = "free motion, 0 Hz"
         moves = most_at({name: shapes[k] for name, shapes in found.shapes.items()})
@@ -189,7 +189,7 @@ def kinematics(
     ] = 101,
     trust: Trust = False,
 ) -> None:
-    """Move a fully driven model without integration, with the forces of its drives."""
+    """Compute the motion and the drive forces of a fully driven model without integration."""
     import numpy as np
 
     from jousto.schema.output_paths import RESULTS, output_path
@@ -230,7 +230,7 @@ def path(
     output: Output = None,
     trust: Trust = False,
 ) -> None:
-    """Follow the equilibrium of a model while an input grows; -o draws it over a sensor."""
+    """Compute the equilibrium path of a model over a growing input; -o draws it over a sensor."""
     import numpy as np
 
     from jousto.output.figures.load_path import sensor_place
@@ -241,13 +241,13 @@ def path(
     compiled = compiled_model(model, trust)
     name = _parameter(compiled, parameter, model)
     if to is None:
-        raise InputError(Problem(model.name, f"does not say how far {name} grows; give --to VALUE"))
-    # what cannot be written is told before the path is followed
+        raise InputError(Problem(model.name, f"has no last value of {name}; give --to VALUE"))
+    # check the output files before the long computation
     if table is not None:
         target(table, ("csv",))
     if output is not None:
         target(output, PICTURES)
-    shown = sensor or ("" if output is None else _first(compiled, model))
+    shown = sensor or ("" if output is None else _default_component(compiled, model))
     if shown:
         sensor_place({quantity.name: quantity.count for quantity in compiled.sensors}, shown)
     found = load_path(
@@ -290,7 +290,7 @@ def buckle(
     start: Start = None,
     trust: Trust = False,
 ) -> None:
-    """Find the loads at which a model buckles, the lowest first, and where it moves."""
+    """Compute the buckling loads of a model, lowest first, and the bodies that move most."""
     from jousto.simulation.statics.buckling import buckling
 
     compiled = compiled_model(model, trust)
@@ -307,7 +307,7 @@ def buckle(
 
 
 def _parameter(compiled: Any, given: str | None, model: Path) -> str:
-    """Return what grows: the one input if none is named."""
+    """Return the name of the growing input: the given one, or the only input of the model."""
     if given is not None:
         return given
     if len(compiled.inputs) == 1:
@@ -316,13 +316,14 @@ def _parameter(compiled: Any, given: str | None, model: Path) -> str:
     raise InputError(
         Problem(
             model.name,
-            f"say what grows, --input NAME; inputs: {have}; others: gravity, time. A load grows "
+            f"name the growing input with --input NAME; inputs: {have}; others: gravity, time. "
+            "A load grows "
             "with signal: {type: input, name: NAME}",
         )
     )
 
 
-def _first(compiled: Any, model: Path) -> str:
+def _default_component(compiled: Any, model: Path) -> str:
     if not compiled.sensors:
         raise InputError(
             Problem(model.name, "has no sensor to draw the load over; add a position sensor")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jousto.schema.read import ModelFile
     from jousto.simulation.results.solution import Solution
 
-MOST_EVENTS = 20  # that are printed
+MOST_EVENTS = 20  # number of events that are printed
 
 
 @command()
@@ -85,7 +85,7 @@ def run(
 
 
 def stepping(model: CompiledModel, t_end: float, given: dict[str, Any], step: float) -> Any:
-    """Return the solver of a run, that of its file or the one that suits it, with a step."""
+    """Return the fixed-step solver of a run: from the model file, or chosen for the model."""
     from jousto.simulation.solvers.adaptive import DormandPrince
     from jousto.simulation.solvers.default_solver import choose
 
@@ -103,7 +103,7 @@ def info(
     ],
     trust: Trust = False,
 ) -> None:
-    """Say what is in a model file, a results file, a reduced part or a mesh in m."""
+    """Print the content of a model file, results file, reduced part or mesh (lengths in m)."""
     from jousto.mesh.formats import begins_as_mesh, is_mesh
     from jousto.reduction.reduced import SID, ReducedPart
     from jousto.schema.file.document import is_hdf5
@@ -229,7 +229,7 @@ def schema() -> None:
 
 
 def tell_events(solution: Solution) -> None:
-    """Print what happened in a run, the first events of many."""
+    """Print the events of a run; of a long list the first ones."""
     events = solution.events
     rows = [(f"{e.time:.9g} s", f"{e.name} {e.change}") for e in events[:MOST_EVENTS]]
     if len(events) > MOST_EVENTS:
@@ -239,11 +239,11 @@ def tell_events(solution: Solution) -> None:
 
 
 def describe_result(path: Path) -> None:
-    """Print what is in a results file."""
+    """Print the content of a results file."""
     from jousto.simulation.results.solution import Solution
     from jousto.simulation.running.simulate import describe
 
-    solution = Solution(path)  # also one that has no instants yet
+    solution = Solution(path)  # a results file may contain no instants yet
     facts([(name, plain(value)) for name, value in describe(solution).items()], path.name)
     rows = []
     for name in solution.sensors:
@@ -259,7 +259,7 @@ def describe_result(path: Path) -> None:
 @command()
 @uncollected()
 def check(model: Model, core: Core = None, trust: Trust = False) -> None:
-    """Read a model file, check everything and say what is in it and how it can move."""
+    """Check a model file and print its content and its degrees of freedom."""
     from jousto.certificate.doctor import doctor
     from jousto.schema.read import read_model
 
@@ -292,7 +292,7 @@ def check(model: Model, core: Core = None, trust: Trust = False) -> None:
 
 
 def describe_model(file: ModelFile) -> None:
-    """Print what is in a model."""
+    """Print the content of a model."""
     from jousto.schema.summary import model_facts
 
     facts(model_facts(file), file.mechanism.name)

@@ -71,7 +71,7 @@ def export(
     (at the last one). Models: .c (one file of C99 and its header), .zip
     (the same as a project), .fmu (functional mock-up unit), .html (a page in which the machine
     runs, with a slider for each input); they run with the method and from the start of the model
-    file. With --twin, a program that reads the strains of the block monitor and tells stress
+    file. With --twin, a program that reads the strains of the block monitor and computes stress
     with its band and damage.
     """
     from jousto.schema.output_paths import REDUCED_PART, RESULTS, hdf5_format, output_path
@@ -125,7 +125,7 @@ def export(
 
 
 def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
-    """Write the twin of a model's block monitor."""
+    """Write the twin that the block ``monitor`` of a model file describes."""
     from jousto.cli.monitor import reference_run
     from jousto.output.write import write
     from jousto.schema.read import read_model
@@ -144,7 +144,7 @@ def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
 
 
 def machine_of(file: Path, step: float | None, trust: bool) -> tuple[CompiledModel, Any, Any, Any]:
-    """Return a compiled model file, its method with a step in s, its start, and the file."""
+    """Return compiled model, fixed-step method, initial state and the model file itself."""
     from dataclasses import replace
 
     from jousto.schema.read import read_model
@@ -172,7 +172,7 @@ def _machine(
     derivatives: bool,
     trust: bool,
 ) -> None:
-    """Write a machine with the method, the start and the end of its model file."""
+    """Write a machine with the method, the initial state and the end time of its model file."""
     from jousto.export.tunable_constants import named_constants
     from jousto.output.write import write
 
@@ -199,7 +199,7 @@ def _machine(
 
 
 def _page(file: Path, output: Path, step: float | None, inputs: list[str], trust: bool) -> None:
-    """Write a machine as a page in which it runs."""
+    """Write a machine as an HTML page in which it runs."""
     from jousto.export.tunable_constants import named_constants
     from jousto.output.write import write
     from jousto.simulation.live.ranges import parse_ranges

@@ -107,10 +107,10 @@ def fatigue(
     ] = None,
     vtu: Vtu = None,
 ) -> None:
-    """Count cycles at every place and say what damage they do and how long the part lives.
+    """Count the cycles at every place and print damage and life.
 
-    Of several bodies the files are those of the one with most damage. A safety below 1 means that
-    the life required (or one repeat) is not reached with the damage allowed.
+    With several bodies the output files are those of the body with the largest damage. A safety
+    below 1 means that the required life (or one repeat) exceeds the permitted damage.
     """
     from jousto.fatigue.miner.check import FatigueCheck
     from jousto.fatigue.miner.damage_field import damage_field
@@ -160,7 +160,7 @@ def fatigue(
 
 @dataclass(frozen=True, eq=False)
 class _Events:
-    """Runs with their repeats."""
+    """Runs with the number of repeats of each."""
 
     runs: list[Solution]
     repeats: list[float]
@@ -195,7 +195,8 @@ def _events(
         ):
             if given:
                 problems.add(
-                    option, f"cannot stand beside --duty: {duty.name} has {words}; leave one out"
+                    option,
+                    f"cannot be combined with --duty: {duty.name} has {words}; leave one out",
                 )
         problems.raise_if_any()
         said = read_duty(duty)
@@ -239,7 +240,7 @@ def _checks(run: Solution, known: Fatigue | None, bodies: list[str] | None) -> l
 
 
 def check_fields(run: Solution, sn: str | None, residue: str | None) -> list[DamageField]:
-    """Return the damage of bodies by the checks of the model, or of all by a curve."""
+    """Return the damage of bodies by the checks of the model, or of all bodies by one S-N curve."""
     from jousto.fatigue.miner.check import FatigueCheck
     from jousto.fatigue.miner.damage_field import damage_field
     from jousto.recovery.fields.build import stress_field
@@ -262,7 +263,7 @@ def check_fields(run: Solution, sn: str | None, residue: str | None) -> list[Dam
 
 
 def named_curve(name: str, known: Fatigue | None) -> SN:
-    """Return the curve of an option: of the model, a file or the library."""
+    """Return the S-N curve of an option: a name in the model, a file, or a name in the library."""
     from jousto.materials.strength.sn_library import sn_curve
     from jousto.schema.file.document import DOCUMENTS
     from jousto.schema.make.blocks.fatigue import read_curve
@@ -280,7 +281,7 @@ def named_curve(name: str, known: Fatigue | None) -> SN:
 
 
 def mean_rule(text: str) -> MeanStress:
-    """Return the mean stress correction of an option such as 'goodman 500 MPa'."""
+    """Return the mean-stress correction of an option such as 'goodman 500 MPa'."""
     from jousto.materials.strength.mean_stress import (
         FKM,
         SWT,
@@ -312,7 +313,7 @@ def mean_rule(text: str) -> MeanStress:
 
 
 def _cycles(field: DamageField, source: DutyCycle, path: Path) -> None:
-    """Draw or list the cycles of the worst place."""
+    """Draw the cycles of the place with the largest damage, or write them as CSV."""
     counted = field.cycles(source)
     if path.suffix.lower() == ".csv":
         counted.to_csv(path)

@@ -48,9 +48,10 @@ def friction(
     output: Output = None,
     trust: Trust = False,
 ) -> None:
-    """Say which stress is due to friction, and its peaks where joints stick and slip.
+    """Print the stress due to friction, and its peaks at stick-slip transitions.
 
-    Of a model both runs are made and kept, MODEL.friction.h5 and MODEL.frictionless.h5.
+    For a model file both runs are simulated and stored: MODEL.friction.h5 and
+    MODEL.frictionless.h5.
     """
     from jousto.recovery.friction import friction_stress
     from jousto.schema.file.document import is_hdf5
@@ -68,7 +69,10 @@ def friction(
         pair = load(source), load(other)
     elif other is not None:
         raise InputError(
-            Problem(str(source), "is a model file, of which both runs are made; give it alone")
+            Problem(
+                str(source),
+                "is a model file, from which both runs are computed; leave the second file out",
+            )
         )
     else:
         pair = both_runs(source, t_end, trust, body)
@@ -76,12 +80,12 @@ def friction(
     for name in names:
         found = friction_stress(*pair, name, start=start, end=end, window=window)
         say(str(found))
-        table, picture = (_of(path, name, len(names)) for path in (csv, output))
+        table, picture = (_path_of_body(path, name, len(names)) for path in (csv, output))
         tell_files(found, csv=table, picture=picture)
 
 
 def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[str]:
-    """Return the bodies to compare; refuse what is not a flexible one."""
+    """Return the names of the bodies to compare; raise for a body that is not flexible."""
     names = asked or flexible
     unknown = [name for name in names if name not in flexible]
     if unknown or not names:
@@ -92,8 +96,8 @@ def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[s
     return names
 
 
-def _of(path: Path | None, name: str, count: int) -> Path | None:
-    """Return the file of one body of several."""
+def _path_of_body(path: Path | None, name: str, count: int) -> Path | None:
+    """Return the output path of one body: with its name if there are several bodies."""
     if path is None:
         return None
     return path if count == 1 else path.with_name(f"{path.stem}-{file_name(name)}{path.suffix}")
@@ -102,9 +106,9 @@ def _of(path: Path | None, name: str, count: int) -> Path | None:
 def both_runs(
     source: Path, t_end: str | None, trust: bool, asked: list[str] | None = None
 ) -> tuple[Solution, Solution]:
-    """Simulate a model with and without its friction; return the results.
+    """Simulate a model with and without friction and return both results.
 
-    Bodies `asked` for are looked for before anything is simulated.
+    The names `asked` for are checked before the simulation.
     """
     from jousto.recovery.friction import without_friction
     from jousto.schema.output_paths import RESULTS, output_path

@@ -1,4 +1,4 @@
-"""The command of strain gauges: what they are, what they show, and how measured ones agree."""
+"""Command ``gauges``: strain gauges, their values, and the comparison with measured ones."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def gauges(
     output: Output = None,
     trust: Trust = False,
 ) -> None:
-    """List strain gauges and what they show; compare them with measured ones."""
+    """List strain gauges and their values, or compare them with a measured record."""
     from jousto.schema.file.document import is_hdf5
 
     if not is_hdf5(file):
@@ -122,7 +122,7 @@ def _mapping(option: str, items: list[str] | None) -> dict[str, str]:
 
 
 def _list_model(file: Path, trust: bool) -> None:
-    """Print the gauges of a model, and how well they tell the modes of their body apart."""
+    """Print the gauges of a model, and how well they distinguish the modes of their body."""
     import numpy as np
 
     from jousto.mechanism.sensors.bridge import Bridge
@@ -169,7 +169,7 @@ def _list_model(file: Path, trust: bool) -> None:
 
 
 def _list_result(run: Solution) -> list[str]:
-    """Print what the gauges of a run show, and return their names."""
+    """Print the gauges of a run and return their names."""
     import numpy as np
 
     from jousto.base.units import shown_unit

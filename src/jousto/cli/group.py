@@ -1,4 +1,4 @@
-"""The application: its commands, each imported and prepared when it is asked for."""
+"""The application: commands that are imported when they are called."""
 
 from __future__ import annotations
 
@@ -42,14 +42,15 @@ OFFERS = {
 PLACES = {name: place for place, names in OFFERS.items() for name in names.split()}
 """Commands in the order of the help, with the modules of this folder that offer them."""
 
-OFFERED: dict[str, typer.Typer] = {}  # by modules that are imported
+# typer applications by the module that defines them, filled at import
+OFFERED: dict[str, typer.Typer] = {}
 SETTINGS = {"help_option_names": ["-h", "--help"]}
 
 
 def command(name: str = "") -> Callable[[Function], Function]:
-    """Make a function a command, of its own name if none is given; to be listed in `PLACES`.
+    """Return a decorator that makes a function a command; its name must be listed in `PLACES`.
 
-    Its errors become lines on stderr and exit codes, or with ``--debug`` a traceback.
+    Errors of the command become lines on stderr and exit codes, or with ``--debug`` a traceback.
     """
 
     def add(function: Function) -> Function:
@@ -84,7 +85,7 @@ def command(name: str = "") -> Callable[[Function], Function]:
 
 
 class _Prepared(Mapping[str, Any]):
-    """The commands by name."""
+    """Commands by name, imported at the first access."""
 
     def __getitem__(self, name: str) -> Any:
         import_module(f"jousto.cli.{PLACES[name]}")
@@ -98,7 +99,7 @@ class _Prepared(Mapping[str, Any]):
 
 
 class Commands(TyperGroup):
-    """A group that prepares a command when it is asked for, not all of them at every start."""
+    """Command group that imports a command at its first use, which keeps the start short."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -117,7 +118,7 @@ app = typer.Typer(
 
 
 def own_classes(path: Path) -> None:
-    """Run a file of the user, which declares classes for model files.
+    """Import a Python file of the user that declares classes for model files.
 
     Raises
     ------
@@ -133,7 +134,7 @@ def own_classes(path: Path) -> None:
         executed(path)
     except JoustoError:
         raise
-    except Exception as error:  # user code may raise whatever it likes
+    except Exception as error:  # user code may raise any exception
         text = f"cannot be imported: {type(error).__name__}: {error}"
         raise InputError(Problem(str(path), text)) from error
 

@@ -80,7 +80,7 @@ def hotspots(
     output: Output = None,
     vtu: Vtu = None,
 ) -> None:
-    """Rank the places with the largest stress at stored instants and prove that no other is worse.
+    """Rank the places with the largest stress and prove that no other place exceeds them.
 
     -o draws the largest stress on the surface with the hot spots and their histories. The error
     error budget of the first estimates the error of its stress; finer runs complete it.
@@ -122,7 +122,7 @@ def hotspots(
 
 
 def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:
-    """Refuse files that cannot be written before the search; no endings stand for pictures."""
+    """Check the paths of output files before the computation; no suffixes: any picture format."""
     for path, endings in targets.items():
         if path is not None:
             from jousto.output.style import PICTURES, target
@@ -131,7 +131,7 @@ def check_targets(targets: dict[Path | None, tuple[str, ...]]) -> None:
 
 
 def plane_or_name(text: str) -> str | Plane:
-    """Return the criterion of an option: a name, or the plane of ``normal:x,y,z``."""
+    """Return the stress criterion of an option: a name, or the plane of ``normal:x,y,z``."""
     from jousto.recovery.fields.criteria import Plane
 
     kind, _, numbers = text.partition(":")
@@ -154,7 +154,7 @@ def peaks(
     start: From = None,
     end: To = None,
 ) -> None:
-    """List the smallest and largest value of sensors, and the largest stress of bodies."""
+    """List the smallest and largest values of sensors and the largest stress of bodies."""
     from jousto.recovery.budget import error_budget
     from jousto.simulation.results.solution import load
 
@@ -173,7 +173,7 @@ def peaks(
 def sensor_peaks(
     run: Solution, names: tuple[str, ...], start: float | None = None, end: float | None = None
 ) -> list[tuple[str, ...]]:
-    """Return name, smallest value, its time, largest value, its time and unit of components."""
+    """Return rows of component, smallest value, its time, largest value, its time, and unit."""
     import numpy as np
 
     from jousto.base.rounding import without_rounding
@@ -211,14 +211,14 @@ def sensor_peaks(
 def worst_places(
     run: Solution, start: float | None = None, end: float | None = None
 ) -> list[HotSpots]:
-    """Return the place of the largest von Mises stress of each body that has stress data."""
+    """Return the place of the largest von Mises stress of each body with stress data."""
     from jousto.recovery.hotspots.hot_spots import hot_spots
 
     return [hot_spots(run, bodies=name, count=1, start=start, end=end) for name in run.stressed]
 
 
 def stress_peaks(run: Solution, found: list[HotSpots]) -> list[tuple[str, ...]]:
-    """Return the largest von Mises stress of bodies, where and when."""
+    """Return the largest von Mises stress of each body with its place and time."""
     rows: list[tuple[str, ...]] = []
     solids = {
         body.name for body in run.bodies if body.elements.ndim == 2 and body.elements.shape[1] == 3

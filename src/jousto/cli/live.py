@@ -1,4 +1,4 @@
-"""The command that runs a machine on a page: live."""
+"""Command ``live``: a machine that runs on a page in the browser."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def live(
         trust=trust,
     )
     if machine.runner.refused:
-        say(f"not as urgent as asked: {machine.runner.refused}", error=True, style="yellow")
+        say(f"no higher priority: {machine.runner.refused}", error=True, style="yellow")
     link = machine.runner.link
     if link is not None:
         say(f"frames on 127.0.0.1:{link.port}", error=True)
@@ -98,7 +98,7 @@ def live(
 
 
 def timekeeping(glance: Glance) -> list[tuple[str, str]]:
-    """Return how well a machine kept time, by name."""
+    """Return rows of name and value on the lateness of a machine that runs in real time."""
     from jousto.simulation.live.real_time_clock import EDGES
 
     total = max(1, sum(glance.late))

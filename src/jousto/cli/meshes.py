@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from jousto.mesh.inspection import Finding
     from jousto.mesh.mesh import Mesh
 
-SHOWN = 24  # sets or holes in the list
+SHOWN = 24  # rows in the list of sets or holes
 
 
 @command()
@@ -50,7 +50,7 @@ def mesh(
         list[str] | None, typer.Option("--mark", metavar="SET", help="Set to mark in the picture.")
     ] = None,
 ) -> None:
-    """Read a mesh, or mesh a CAD file, and say what is in it and what is wrong with it.
+    """Read a mesh, or mesh a CAD file, and print its content and its faults.
 
     With -o the mesh is written, in m: .vtu, .vtk, .inp, .msh, .med, .bdf, .nas, .stl.
     """
@@ -101,14 +101,14 @@ def mesh(
 
 
 def _only_cad(file: Path, given: dict[str, bool]) -> None:
-    """Raise if options are given that a mesh has no use for."""
+    """Raise if options that apply to CAD files only are given for a mesh."""
     for option in (name for name, used in given.items() if used):
         message = f"is for CAD files ({' '.join(CAD)}); {file.name} is read with its elements"
         raise InputError(Problem(option, message))
 
 
 def _no_data(file: Path) -> None:
-    """Raise if the file is a reduced part or results of jousto."""
+    """Raise if the file is a reduced part or results of jousto instead of a mesh."""
     from jousto.schema.output_paths import REDUCED_PART, WORDS, hdf5_format
 
     kind = hdf5_format(file) if file.is_file() else ""
@@ -126,7 +126,7 @@ def _refined(text: str) -> tuple[str, float]:
 
 
 def describe_mesh(found: Mesh) -> tuple[Finding, ...]:
-    """Print what is in a mesh and what is wrong with it; return the findings."""
+    """Print the content and the faults of a mesh, and return the faults."""
     from jousto.mesh.holes import hole_text
     from jousto.schema.summary import mesh_facts, set_text
 

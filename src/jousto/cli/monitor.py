@@ -1,4 +1,4 @@
-"""The command that watches measured strains: monitor."""
+"""Command ``monitor``: supervision of measured strains."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from jousto.schema.read import ModelFile
 
 STYLES = {"alarm": "bold red", "channel": "yellow", "garbage": "yellow", "backwards": "yellow"}
-SHOWN = 12  # events below the table
+SHOWN = 12  # number of events below the table
 
 
 @command()
@@ -45,7 +45,7 @@ def monitor(
         bool, typer.Option("--plain", help="Lines instead of a table that is drawn anew.")
     ] = False,
 ) -> None:
-    """Watch measured strains: stress at hot spots, damage, remaining life, alarms.
+    """Compute stress at hot spots, damage, remaining life and alarms from measured strains.
 
     The model's block monitor defines what is watched. The record is written to MODEL.monitor.h5
     unless -o names another file; it is complete at every moment, and --resume continues it. Ctrl-C
@@ -100,7 +100,7 @@ def monitor(
 
 
 def reference_run(file: ModelFile, model: Path, quiet: bool) -> Any:
-    """Return the run that gives hot spots and the size of the motions, None if none is named."""
+    """Return the run that provides hot spots and motion amplitudes, None if the block has none."""
     settings = file.monitor
     if not settings.reference:
         return None
@@ -124,13 +124,13 @@ def reference_run(file: ModelFile, model: Path, quiet: bool) -> Any:
 
 
 class Lines:
-    """Events as lines, for logs and pipes; a line of values about every ten seconds."""
+    """Output of events as lines for logs and pipes, with a line of values about every 10 s."""
 
     def __init__(self) -> None:
         self._next = -math.inf
 
     def show(self, progress: Progress) -> None:
-        """Print what is new."""
+        """Print the events since the last call."""
         for time, kind, text in progress.events:
             at = "" if math.isnan(time) else f"{time:12.3f} s  "
             said = text if kind == "alarm" else f"{kind}: {text}"
@@ -148,7 +148,7 @@ class Lines:
 
 
 class Board:
-    """A table that is drawn anew while the samples come."""
+    """Output as a table that is redrawn while samples arrive."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -157,20 +157,20 @@ class Board:
         self._live: Any = None
 
     def live(self) -> Any:
-        """Return the context in which the table is shown."""
+        """Return the context manager that displays the table."""
         from rich.live import Live
 
         self._live = Live(refresh_per_second=4, transient=True)
         return self._live
 
     def show(self, progress: Progress) -> None:
-        """Draw the table."""
+        """Redraw the table."""
         self._events = [*self._events, *progress.events][-SHOWN:]
         if self._live is not None:
             self._live.update(self.table(progress))
 
     def table(self, progress: Progress) -> Any:
-        """Return the table of what is known now."""
+        """Return the table of the present values."""
         import numpy as np
         from rich.console import Group
         from rich.table import Table
@@ -214,7 +214,7 @@ class Board:
             if state
         ]
         health = f"channels: {', '.join(bad) if bad else 'all ok'}"
-        lost = f"lines without sense: {place.garbage}, backwards in time: {place.backwards}"
+        lost = f"invalid lines: {place.garbage}, backwards in time: {place.backwards}"
         lines = [Text(harmless(health), style="yellow" if bad else ""), Text(lost)]
         for time, kind, text in self._events:
             at = "" if math.isnan(time) else f"{time:.3f} s  "

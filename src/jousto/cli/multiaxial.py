@@ -1,4 +1,4 @@
-"""Commands of fatigue beyond one stress: multiaxial, strain-life, hertz."""
+"""Commands of multiaxial and local fatigue: multiaxial, strain-life, hertz."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def multiaxial(
     count: Count = 5,
     csv: Table = None,
 ) -> None:
-    """Find the critical planes of the worst places; with --sn the damage of each plane."""
+    """Find the critical planes at the most stressed places; with --sn the damage of each plane."""
     from jousto.fatigue.multiaxial.counted_planes import PlaneDamage, plane_damage
     from jousto.fatigue.multiaxial.planes import DangVan, Multiaxial, multiaxial
 
@@ -86,7 +86,7 @@ def strain_life_command(
     csv: Table = None,
     output: Output = None,
 ) -> None:
-    """Follow local stress and strain in the worst places and count their hysteresis loops."""
+    """Compute local stress and strain at the most stressed places and count hysteresis loops."""
     from jousto.fatigue.local.strain_life import strain_damage
     from jousto.materials.strength.strain_life import strain_life, strain_lives
 
@@ -126,7 +126,7 @@ def hertz(
         float, typer.Option("--friction", metavar="MU", help="Tangential over normal traction.")
     ] = 0.0,
 ) -> None:
-    """Tell pressure and stress of a wheel on a flat rail, along a line or at a point."""
+    """Compute pressure and stress of a wheel on a flat rail, in line or point contact."""
     from jousto.fatigue.contact.contact import hertz_line, hertz_point, shakedown_limit
     from jousto.materials.library import material as named
 
@@ -151,7 +151,7 @@ def hertz(
 
 
 def _field(result: Path, body: str | None, sites: list[str] | None, count: int) -> StressField:
-    """Return the stress of the named places, or of those with the largest von Mises stress."""
+    """Return the stress at the named places, or at those with the largest von Mises stress."""
     from jousto.base.ranking import ranking
     from jousto.recovery.fields.build import stress_field
     from jousto.simulation.results.solution import load

@@ -1,4 +1,4 @@
-"""jousto optimise: dimensions of least mass within the limits of a model."""
+"""Command ``optimise``: dimensions of least mass within the limits of a model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
 from jousto.cli.options import Drawing, End, Limits, Model, Output, Trust, Vary, amount, tell_files
-from jousto.cli.study_options import check_choice, limits_of, parameters_of, problems_of
+from jousto.cli.study_options import check_choice, check_index, problems_of, read_study
 from jousto.cli.terminal import FAILED, columns, say
 
 if TYPE_CHECKING:
@@ -62,39 +62,24 @@ def optimise(
 ) -> None:
     """Find the dimensions of least mass that keep the limits of a model at all instants.
 
-    What is varied are the parameters with bounds; limits of stress, deflection, frequency, life and
-    damage are those of the model file or of --limit. Printed are the design, what is active, and
-    the residual of the conditions of an optimum. -o writes the history (.csv), or a page with the
-    history and what is active (.html); --compare puts the three methods side by side in all of
-    these. With --reliable parameters with a distribution scatter, and each limit, of any outcome,
-    is exceeded as rarely as its index of reliability says.
+    The design variables are the parameters with bounds; limits of stress, deflection, frequency,
+    life and damage come from the model file or from --limit. The command prints the design, the
+    active limits, and the residual of the optimality conditions. -o writes the history (.csv), or a
+    page with history and active limits (.html); --compare puts the three methods side by side in
+    all of these. With --reliable, parameters with a distribution scatter, and each limit, of any
+    outcome, is exceeded with the probability that its index of reliability permits.
     """
     from jousto.schema.read import read_model
 
-    problems: list[Problem] = []
-    for check in (
+    checks = (
         lambda: check_targets({output: ("csv",) if reliable else ("csv", "html"), picture: ()}),
         lambda: amount(t_end, "s", "--t-end"),
         lambda: check_choice("--method", method, tuple(METHODS)),
-    ):
-        problems += problems_of(check)
-    problems += _together(reliable, target, compare, method)
-    if reliable and starts > 1:
-        message = "is for designs without scatter; leave it out with --reliable"
-        problems.append(Problem("--starts", message))
+        lambda: _check_together(reliable, target, compare, method, starts),
+    )
     file = read_model(model, trust=trust)
-    limits, parameters = [], []
-    try:
-        limits = limits_of(limit, file)
-    except InputError as error:
-        problems += error.problems
     wanted = ("bounds", "distribution") if reliable else ("bounds",)
-    try:
-        parameters = parameters_of(vary, file, *wanted)
-    except InputError as error:
-        problems += error.problems
-    if problems:
-        raise InputError(problems)
+    limits, parameters = read_study(limit, vary, file, wanted, checks)
     made = {"cost": minimise, "parameters": parameters, "t_end": amount(t_end, "s", "--t-end")}
     how = {"tolerance": tolerance, "cycles": cycles}
     if reliable:
@@ -104,17 +89,20 @@ def optimise(
     _least(file, limits, made, how | {"starts": starts}, names, output, picture)
 
 
-def _together(reliable: bool, target: float | None, compare: bool, method: str) -> list[Problem]:
-    """Return what is wrong with options that do not go together."""
-    problems = []
+def _check_together(
+    reliable: bool, target: float | None, compare: bool, method: str, starts: int
+) -> None:
+    """Raise InputError for options that exclude each other."""
+    problems = problems_of(lambda: check_index(target))
     if not reliable and target is not None:
         problems.append(Problem("--target", "is an index of reliability: add --reliable"))
-    if target is not None and not target > 0.0:
-        problems.append(Problem("--target", f"is {target:g}, must be positive"))
+    without = "is for designs without scatter; leave it out with --reliable"
     if reliable and (compare or method != "esl1"):
-        message = "is for designs without scatter; leave it out with --reliable"
-        problems.append(Problem("--compare" if compare else "--method", message))
-    return problems
+        problems.append(Problem("--compare" if compare else "--method", without))
+    if reliable and starts > 1:
+        problems.append(Problem("--starts", without))
+    if problems:
+        raise InputError(problems)
 
 
 def _least(
@@ -126,7 +114,7 @@ def _least(
     output: Path | None,
     picture: Path | None,
 ) -> None:
-    """Optimise by one method or several; print and write what was found."""
+    """Run one or several optimisation methods, and print and write the designs."""
     from jousto.design.optimisation.comparison import Comparison
     from jousto.design.optimisation.from_model_file import file_problem
     from jousto.design.optimisation.optimise import optimise as best_of
@@ -161,7 +149,7 @@ def _reliable(
     output: Path | None,
     picture: Path | None,
 ) -> None:
-    """Optimise for an index of reliability; print and write what was found."""
+    """Run a reliability-based optimisation, and print and write the design."""
     from jousto.design.reliability.errors import DesignPointError, LimitStateError
     from jousto.design.reliability.from_model_file import file_rbdo
 
@@ -177,7 +165,7 @@ def _reliable(
 
 
 def _history(found: Optimum) -> None:
-    """Print the cycles."""
+    """Print a row for each optimisation cycle."""
     rows = [("cycle", *found.values, "cost", "largest ratio", "runs")]
     for i, one in enumerate(found.history):
         values = [f"{value:.5g}" for value in one.values.values()]

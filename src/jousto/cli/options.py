@@ -1,4 +1,4 @@
-"""Options that commands share, and what they stand for."""
+"""Options shared by several commands, and the conversion of their values."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ Drawing = Annotated[
 
 
 def compile_model(mechanism: Any, core: str | None = None) -> Any:
-    """Return the compiled model of a mechanism, to run in the core that is asked for."""
+    """Return the compiled model of a mechanism for the requested core."""
     from jousto.model.compile import compile
 
     return compile(mechanism, core=core)
@@ -105,12 +105,12 @@ def compiled_model(path: Path, trust: bool) -> Any:
 
 
 def instant(text: str | None, option: str) -> float | None:
-    """Return the time of an option in s, None if it is not given."""
+    """Return the time of an option in s; None if the option is absent."""
     return None if text is None else value_of(text, "s", option)
 
 
 def amount(text: str | None, unit: str, option: str) -> Any:
-    """Return the positive value of an option such as '12 mm' in SI, None if it is not given."""
+    """Return the positive value of an option such as '12 mm' in SI; None if it is absent."""
     if text is None:
         return None
     value = value_of(text, unit, option)
@@ -130,7 +130,7 @@ def value_of(text: str, unit: str, option: str) -> float:
 
 
 def end_time(file: ModelFile, source: Path, wanted: str = "how long to simulate") -> float:
-    """Return the end of the run that a model file asks for, s."""
+    """Return the end time of the run in a model file, s."""
     if file.simulation is None:
         message = f"does not say {wanted}; add simulation: {{t_end: 10 s}}, or give --t-end"
         raise InputError(Problem(source.name, message))
@@ -139,7 +139,7 @@ def end_time(file: ModelFile, source: Path, wanted: str = "how long to simulate"
 
 
 def only_one(names: Iterable[str], where: str, kind: str, none: str) -> str:
-    """Return the one name of several kinds of bodies that is meant if none is given."""
+    """Return the only name of a list; raise if there is none or a choice."""
     some = list(names)
     if len(some) != 1:
         found = f"name one of the {kind} {', '.join(some)}" if some else none
@@ -155,7 +155,7 @@ def tell_files(
     vtu: Path | None = None,
     **how: Any,
 ) -> None:
-    """Write a result as a table, a picture and for ParaView where asked for, and say where."""
+    """Write a result as CSV table, picture and VTU file where requested, and print the paths."""
     if csv is not None:
         say(f"table in {found.to_csv(csv)}", style="green")
     if picture is not None:

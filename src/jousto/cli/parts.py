@@ -1,4 +1,4 @@
-"""Commands on parts: reduce, export, advise, and what they say of certificates."""
+"""Commands on parts: reduce, export, advise, and the output of certificates."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ def reduce_part(
     from jousto.schema.read import read_part_file
 
     if strict and bare:
-        raise InputError(Problem("--strict", "needs the certificate, without --no-certificate"))
-    # a wrong output should not cost a reduction
+        raise InputError(Problem("--strict", "needs the certificate; leave out --no-certificate"))
+    # check the output path before the long reduction
     if output is not None:
         output_path(output, part, ".h5", kind=REDUCED_PART)
     page = page_path(html, part)
@@ -83,7 +83,7 @@ def reduce_part(
 
 
 def describe_part(part: ReducedPart) -> None:
-    """Print what is in a reduced part."""
+    """Print the content of a reduced part."""
     from jousto.schema.summary import part_facts
 
     facts(part_facts(part), f"reduced part {part.name}")
@@ -97,7 +97,7 @@ def describe_content(part: ReducedPart) -> None:
 
 
 def page_path(given: Path | None, source: Path) -> Path | None:
-    """Return where the page goes, checked before anything is computed."""
+    """Return the path of the certificate's page, checked before the computation."""
     if given is None:
         return None
     from jousto.schema.output_paths import output_path
@@ -110,7 +110,7 @@ def page_path(given: Path | None, source: Path) -> Path | None:
 def tell_certificate(
     file: PartFile, page: Path | None, *, solver: str | None = None, progress: bool = False
 ) -> bool:
-    """Print the certificate of a part and its modes, write its page, return whether it passed."""
+    """Print a part's certificate and modes, write its page, and return whether it passed."""
     if file.part is None:
         say("no certificate: the part was reduced before, its mesh is not in the file")
         return True
@@ -147,7 +147,7 @@ def advise(
     ] = 0.01,
     solver: Solver = None,
 ) -> None:
-    """Propose the modes of a part for a frequency limit or loads, with what each number gains.
+    """Propose the modes of a part for a frequency limit or for loads, with the gain of each mode.
 
     The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
     frequency_limit counts.
@@ -184,7 +184,7 @@ def advise(
     text = str(advice)
     residuals = getattr(advice.method, "residuals", ())
     if residuals and all(".f" in load[-3:] for load in loads):
-        # as a model file would say it; it knows no moments here
+        # residual loads as entries of a model file, which has forces at nodes but no moments
         entries = ", ".join(_entry(load) for load in loads)
         text = text.replace(f"residuals={residuals}", f"residuals: [{entries}]")
     for line in text.splitlines():
@@ -199,7 +199,7 @@ def _entry(text: str) -> str:
 
 
 def _load(part: Part, text: str) -> Any:
-    """Return the loads of a unit force or moment, shared by a set; None on an interface."""
+    """Return the nodal loads of a unit force or moment on a set; None for an interface."""
     import numpy as np
 
     from jousto.base.errors import suggest

@@ -1,4 +1,4 @@
-"""The command that times the steps of a machine as a program of its own."""
+"""Command ``realtime``: step times of a machine as a compiled program."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def realtime(
     ] = True,
     trust: Trust = False,
 ) -> None:
-    """Time single steps of a machine as a program of C: what this computer holds in real time.
+    """Measure the time of single steps of a machine as a C program on this computer.
 
-    Printed are the median and the longest steps, the memory, the rate at which all but one of
-    10,000 steps keep the margin, and, where Valgrind is installed, the instructions of a step by
-    kinds of elements. Other programs on the same cores make the longest steps longer.
+    The command prints the median and the longest steps, the memory, the rate at which all but one
+    of 10,000 steps keep the margin, and, where Valgrind is installed, the instructions of a step by
+    kinds of elements. Other programs on the same cores increase the longest steps.
     """
     from jousto.cli.export import machine_of
     from jousto.export.realtime import realtime as measure

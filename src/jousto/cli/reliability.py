@@ -1,4 +1,4 @@
-"""jousto reliability: how probable it is that limits of a model are exceeded."""
+"""Command ``reliability``: probability that limits of a model are exceeded."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, Problem, count
+from jousto.base.errors import count
 from jousto.cli.group import command
 from jousto.cli.hotspots import check_targets
 from jousto.cli.options import (
@@ -21,14 +21,7 @@ from jousto.cli.options import (
     Workers,
     amount,
 )
-from jousto.cli.study_options import (
-    WAYS,
-    check_choice,
-    limits_of,
-    outcomes_of,
-    parameters_of,
-    problems_of,
-)
+from jousto.cli.study_options import WAYS, check_choice, check_index, outcomes_of, read_study
 from jousto.cli.terminal import FAILED, columns, facts, say
 
 if TYPE_CHECKING:
@@ -65,12 +58,12 @@ def reliability(
     picture: Drawing = None,
     trust: Trust = False,
 ) -> None:
-    """Compute how probable it is that limits of a model are exceeded.
+    """Compute the probability that limits of a model are exceeded.
 
-    What scatters are the parameters with a distribution; limits are those of the model file or of
-    --limit. "by mean" and "by deviation" are the change of beta where these grow by one deviation.
-    -o writes a table with a row for each limit; the picture is that of the limit with the largest
-    probability.
+    The random variables are the parameters with a distribution; limits come from the model file or
+    from --limit. "by mean" and "by deviation" are the changes of beta for an increase of these by
+    one standard deviation. -o writes a table with a row for each limit; the picture shows the limit
+    with the largest probability.
     """
     from jousto.base.files import write_table
     from jousto.design.reliability.errors import DesignPointError, LimitStateError
@@ -80,27 +73,15 @@ def reliability(
     from jousto.design.studies.study import study
     from jousto.schema.read import read_model
 
-    problems: list[Problem] = []
-    for check in (
+    checks = (
         lambda: check_targets({output: ("csv",), picture: ()}),
         lambda: amount(t_end, "s", "--t-end"),
         lambda: check_choice("--method", method, METHODS),
         lambda: check_choice("--on", on, WAYS),
-        lambda: _positive(target),
-    ):
-        problems += problems_of(check)
+        lambda: check_index(target),
+    )
     file = read_model(model, trust=trust)
-    limits, parameters = [], []
-    try:
-        limits = limits_of(limit, file)
-    except InputError as error:
-        problems += error.problems
-    try:
-        parameters = parameters_of(vary, file, "distribution")
-    except InputError as error:
-        problems += error.problems
-    if problems:
-        raise InputError(problems)
+    limits, parameters = read_study(limit, vary, file, ("distribution",), checks)
     made = study(file, parameters, outcomes_of(limits), t_end=amount(t_end, "s", "--t-end"))
     how = "threads" if workers == 1 and on == "processes" else on
     states = [
@@ -126,7 +107,7 @@ def reliability(
         met = None
         try:
             met = None if wanted is None else pma(state, beta=wanted)
-        except (DesignPointError, LimitStateError) as error:  # the probability stands without it
+        except (DesignPointError, LimitStateError) as error:  # only the reserve is missing
             say(f"no reserve at the target: {error}", error=True, style="yellow")
         runs = made.counts["runs"] - before
         _show(first, result, met, parameters, runs)
@@ -146,13 +127,8 @@ def reliability(
         raise typer.Exit(FAILED)
 
 
-def _positive(target: float | None) -> None:
-    if target is not None and not target > 0.0:
-        raise InputError(Problem("--target", f"is {target:g}, must be positive"))
-
-
 def _analyse(state: LimitState, method: str, samples: int, seed: int) -> tuple[Any, Any]:
-    """Return the result of FORM, None where it is not asked for, and that of the method."""
+    """Return the FORM result (None for sampling methods) and the result of the chosen method."""
     from jousto.design.reliability.form import form
     from jousto.design.reliability.sampling import importance_sampling, monte_carlo
     from jousto.design.reliability.sorm import sorm
@@ -172,7 +148,7 @@ def _analyse(state: LimitState, method: str, samples: int, seed: int) -> tuple[A
 def _show(
     first: FormResult | None, result: Any, met: Any, parameters: list[Parameter], runs: int
 ) -> None:
-    """Print a result: index, probability, work, and what matters for them."""
+    """Print index, probability, number of calls and the importance of the variables."""
     lines = [("beta", f"{result.beta:.4g}"), ("Pf", f"{result.probability:.4g}")]
     if hasattr(result, "low"):
         if not result.failures:
@@ -205,7 +181,7 @@ def _show(
 def _row(
     text: str, method: str, first: FormResult | None, result: Any, met: Any, runs: int
 ) -> dict[str, Any]:
-    """Return a row of the table: what belongs to a limit, by the heads of the columns."""
+    """Return the table row of one limit as values by column heading."""
     row = {"limit": text, "method": method, "beta": result.beta, "Pf": result.probability}
     if hasattr(result, "low"):
         row |= {"Pf from": result.low, "Pf to": result.high}

@@ -53,7 +53,7 @@ def stress(
     ] = False,
     output: Output = None,
 ) -> None:
-    """Show the stress of a body: its smallest and largest value at places, and when.
+    """Print the smallest and largest stress at places of a body, with their times.
 
     -o writes histories of the sites as .png or .csv, the envelope as .csv or .vtu, the instant
     --at as .csv or .vtu, all instants as .pvd for a film in ParaView, and everything as .h5.
@@ -108,13 +108,14 @@ def stress(
 
 
 def errors(field: StressField, criterion: Criterion, *, residual: bool = False) -> list[str]:
-    """Return what the stress of the worst place may be wrong by."""
+    """Return lines on the error of the stress at the most stressed place."""
     from jousto.recovery.budget import error_budget, told
     from jousto.recovery.fields.criteria import weights
     from jousto.recovery.hotspots.hot_spots import hot_spots
 
     if field.frame == "world" and weights(criterion) is not None:
-        return [f"errors: {REMARK}"]  # components that turn with the body are not searched
+        # no error estimate for components in a rotating frame: the search does not cover them
+        return [f"errors: {REMARK}"]
     found = hot_spots(field, count=1, criterion=criterion)
     if not found.spots:
         return [f"errors: {REMARK}"]
@@ -124,7 +125,7 @@ def errors(field: StressField, criterion: Criterion, *, residual: bool = False) 
 def worst_first(
     criterion: Criterion, strain: bool, labels: Sequence[str], *values: Array
 ) -> NDArray[np.intp]:
-    """Return the order of places by the worst of their values, as hot spots are ranked."""
+    """Return indices of places, largest magnitude first, in the ranking of hot spots."""
     from jousto.base.ranking import ranking
     from jousto.recovery.hotspots.measures import measure
 
@@ -134,17 +135,17 @@ def worst_first(
 
 
 def factor(field: StressField) -> float:
-    """Return the factor to the unit of tables."""
+    """Return the factor from SI to the unit of the tables."""
     return 1e6 if field.strain else 1e-6
 
 
 def unit(field: StressField) -> str:
-    """Return the unit of tables."""
+    """Return the unit of the tables."""
     return "um/m" if field.strain else "MPa"
 
 
 def table(rows: list[tuple[str, ...]], count: int) -> None:
-    """Print rows, the first column to the left, and how many places there are."""
+    """Print rows, first column left-aligned, and the total number of places."""
     columns(rows, "<>")
     if count > len(rows) - 1:
         say(f"  ... of {count} places; -o FILE.csv has all of them")
@@ -158,7 +159,7 @@ def write(
     path: Path,
     sites: bool,
 ) -> Path:
-    """Write what the suffix asks for.
+    """Write a field as the format that the suffix of the path selects.
 
     Raises
     ------
@@ -193,9 +194,9 @@ def forces(
     end: To = None,
     output: Output = None,
 ) -> None:
-    """Show the forces and moments along an exact beam: the smallest and largest, where and when.
+    """Print the smallest and largest forces and moments along an exact beam, with place and time.
 
-    With --at at these instants alone, else over the run or from --from to --to.
+    With --at only these instants are used, else the whole run or the time from --from to --to.
 
     -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png,
     .svg, .pdf, .jpg, .jpeg, .webp or .eps, the swept surface with its stress as .vtu, and all
@@ -217,7 +218,7 @@ def forces(
     found_forces = section_forces(
         run, name, start=instant(start, "--from"), end=instant(end, "--to")
     )
-    # what is shown is what was asked for; an instant outside the run is refused
+    # start and end must lie within the run
     say(str(section_forces(run, name, times=sorted(moments)) if moments else found_forces))
     if output is None:
         return

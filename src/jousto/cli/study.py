@@ -1,4 +1,4 @@
-"""jousto study: a model at many points."""
+"""Command ``study``: outcomes of a model at many parameter values."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def study(
             "--vary",
             metavar="NAME=VALUES",
             help="wall=2..8mm/20 (20 values), wall=2..8mm (to be sampled), wall=2,4,8mm, or"
-            " load=lognormal(mean=1e3, sd=100); or a name alone, as the file says.",
+            " load=lognormal(mean=1e3, sd=100); or a name alone, as in the file.",
         ),
     ] = None,
     outcome: Annotated[
@@ -71,9 +71,9 @@ def study(
 ) -> None:
     """Vary parameters of a model and write a table of outcomes.
 
-    The table goes to MODEL-study.h5 unless -o names another file (.h5, .csv, .parquet). Rows are
-    kept as they come: after a kill the same command goes on. A point that fails stays in the table
-    with its reason.
+    The table goes to MODEL-study.h5 unless -o names another file (.h5, .csv, .parquet). Each row is
+    stored at once: after a kill the same command continues. A failed point stays in the table with
+    its reason.
     """
     from jousto.design.studies.outcomes.outcomes import read_outcomes
     from jousto.design.studies.study import study as function_of
@@ -160,7 +160,7 @@ def _points(
     method: str,
     seed: int,
 ) -> Array:
-    """Return the points: the grid, with samples of what is not on it."""
+    """Return the sample points: grid points, each with random samples of the other parameters."""
     import numpy as np
 
     from jousto.design.studies.parameters import samples as spread
@@ -174,7 +174,7 @@ def _points(
             raise InputError(Problem("--samples", "nothing is sampled: all values are listed"))
         return grid
     if samples is None and not axes:
-        raise InputError(Problem("--samples", "say how many, --samples 100"))
+        raise InputError(Problem("--samples", "give the number of samples, --samples 100"))
     spread.check_count("--samples", len(grid), int(samples or 1))
     points = np.repeat(grid, int(samples or 1), axis=0)
     make = {"lhs": spread.latin_hypercube, "sobol": spread.sobol, "random": spread.random_samples}

@@ -1,10 +1,10 @@
-"""Parameters that options of the command line vary, and checks that commands share."""
+"""Conversion of --vary and --limit, and checks shared by several commands."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from jousto.schema.read import ModelFile
 
 LONG = 300
-"""Digits from which on a number is no count."""
+"""Digits of a number in --vary from which it cannot be a count."""
 RANGE = re.compile(r"(.+?)\.\.(.+?)(?:/\s*(\d+))?")
 WAYS = ("threads", "processes", "dask")
 
 
 def problems_of(check: Callable[[], Any]) -> list[Problem]:
-    """Return what is wrong, if anything is."""
+    """Return the problems of the InputError that a check raises; empty if it passes."""
     try:
         check()
     except InputError as error:
@@ -32,20 +32,32 @@ def problems_of(check: Callable[[], Any]) -> list[Problem]:
 
 
 def check_choice(option: str, word: str, known: tuple[str, ...]) -> None:
-    """Raise InputError for a word that an option does not know."""
+    """Raise InputError for a word outside the choices of an option."""
     if word not in known:
         raise InputError(Problem(option, f"is {word!r}{suggest(word, known)}"))
 
 
+def check_index(target: float | None) -> None:
+    """Raise InputError for an index of reliability that is not positive.
+
+    Raises
+    ------
+    InputError
+        With the option and its value.
+    """
+    if target is not None and not target > 0.0:
+        raise InputError(Problem("--target", f"is {target:g}, must be positive"))
+
+
 def nothing_varied(known: dict[str, Any]) -> str:
-    """Return what to do where no parameter is named."""
+    """Return the sentence that explains how to name parameters to vary."""
     if not known:
         return "the model has no parameters; add parameters: {wall: 4 mm} and use ${wall}"
-    return f"name what is varied: {', '.join(known)}"
+    return f"name the parameters to vary: {', '.join(known)}"
 
 
 def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]]) -> Parameter:
-    """Return the parameter of an option; values of a grid go into `axes`."""
+    """Return the parameter of one --vary option; grid values are added to `axes`."""
     from jousto.design.studies.parameters.distributions import CALL, read_distribution
     from jousto.design.studies.parameters.samples import check_count
 
@@ -79,7 +91,7 @@ def varied(text: str, known: dict[str, Parameter], axes: dict[str, list[float]])
 
 
 def limits_of(given: list[str] | None, file: ModelFile) -> list[Requirement]:
-    """Return the limits of options, those of the model file if there are none.
+    """Return the limits of --limit, or those of the model file if there are none.
 
     Raises
     ------
@@ -114,19 +126,49 @@ def limits_of(given: list[str] | None, file: ModelFile) -> list[Requirement]:
     return found
 
 
+def read_study(
+    limit: list[str] | None,
+    vary: list[str] | None,
+    file: ModelFile,
+    wanted: tuple[str, ...],
+    checks: Iterable[Callable[[], object]],
+) -> tuple[list[Requirement], list[Parameter]]:
+    """Return the limits and the parameters of the options.
+
+    Raises
+    ------
+    InputError
+        With the problems of the checks, the limits and the parameters together.
+    """
+    problems = [problem for check in checks for problem in problems_of(check)]
+    limits: list[Requirement] = []
+    parameters: list[Parameter] = []
+    try:
+        limits = limits_of(limit, file)
+    except InputError as error:
+        problems += error.problems
+    try:
+        parameters = parameters_of(vary, file, *wanted)
+    except InputError as error:
+        problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return limits, parameters
+
+
 def outcomes_of(limits: Sequence[Requirement]) -> list[Outcome]:
-    """Return the outcomes that are limited, each once."""
+    """Return the outcomes of limits, each once."""
     found = {one.outcome.name: one.outcome for one in limits}
     return list(found.values())
 
 
 def parameters_of(given: list[str] | None, file: ModelFile, *wanted: str) -> list[Parameter]:
-    """Return all parameters of a file, with what options say of them instead.
+    """Return the parameters of a file, replaced or extended by those of --vary.
 
     Parameters
     ----------
     given : list of str
-        Of the option ``--vary``.
+        Options ``--vary``.
     file : ModelFile
     *wanted : {"bounds", "distribution"}
         What an option must give, one of them; each must belong to a parameter at least. If both
@@ -167,7 +209,7 @@ def parameters_of(given: list[str] | None, file: ModelFile, *wanted: str) -> lis
 
 
 def _numbers(texts: list[str], parameter: Parameter, where: str) -> list[float]:
-    """Return values in SI; the unit of the last one is that of those without."""
+    """Return values in SI; values without unit take the unit of the last value."""
     from jousto.base.expressions import NONE, ExpressionError, evaluate
 
     unit = re.sub(r"^\s*[-+]?[\d._]+(?:[eE][-+]?\d+)?", "", texts[-1]).strip()

@@ -1,4 +1,4 @@
-"""What commands print: lines, warnings, errors with exit codes, a progress bar."""
+"""Terminal output of commands: lines, warnings, errors with exit codes, progress bar."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ FAILED, BAD_INPUT = 1, 2
 
 
 def say(text: str, *, error: bool = False, style: str = "") -> None:
-    """Print one line: not wrapped, not interpreted, coloured on a terminal only.
+    """Print one line, unwrapped and without markup; coloured on terminals only.
 
-    Names come from files, so that what a terminal obeys is spelled out.
+    Control characters in names from files are replaced by escape codes.
     """
     stream = sys.stderr if error else sys.stdout
     if not (stream.isatty() or os.environ.get("FORCE_COLOR")):
@@ -57,14 +57,14 @@ def shown_warnings() -> Iterator[None]:
 
 
 def spell_out() -> None:
-    """Let letters that the terminal or file does not know be written as their codes."""
+    """Let output streams replace characters outside their encoding by escape codes."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
             stream.reconfigure(errors="backslashreplace")
 
 
 def report(error: BaseException) -> int:
-    """Print an error and return the exit code."""
+    """Print an error and return its exit code."""
     if isinstance(error, InputError):
         for problem in error.problems:
             say(str(problem), error=True, style="red")
@@ -86,7 +86,7 @@ def report(error: BaseException) -> int:
 
 
 class _Page(Protocol):
-    """A page that a server on this computer offers."""
+    """Protocol of a page that a server on this computer offers."""
 
     @property
     def address(self) -> str: ...
@@ -98,21 +98,21 @@ class _Page(Protocol):
 def until_ctrl_c(page: _Page, *, opens: bool) -> None:
     """Print the address of a page, open the browser if asked, and wait for Ctrl-C.
 
-    The address stands alone on its line, so that it can be copied and read by programs. From then
-    on Ctrl-C is how the command ends, and not an error.
+    The address is alone on its line, so that people and programs can copy it. Afterwards Ctrl-C
+    ends the command without an error.
     """
-    try:  # entered before the words are read, so that they hold from the first letter on
+    try:  # inside try before the text is printed: a reader of that text may interrupt at once
         say("Ctrl-C ends it", error=True)
         say(page.address)
         if opens and not page.open():
             say("no browser was found: open the address yourself", error=True, style="yellow")
         page.wait()
-    except KeyboardInterrupt:  # before it waited
+    except KeyboardInterrupt:  # interrupted before the wait began
         page.close()
 
 
 def facts(rows: list[tuple[str, str]], title: str = "") -> None:
-    """Print lines of names and values in two columns."""
+    """Print names and values in two columns."""
     if title:
         say(title, style="bold")
     width = max((len(name) for name, _ in rows), default=0)
@@ -121,7 +121,7 @@ def facts(rows: list[tuple[str, str]], title: str = "") -> None:
 
 
 def columns(rows: Iterable[Sequence[str]], sides: str = "<") -> None:
-    """Print rows in columns, each to the left or right: ``<`` or ``>``, the last for all others."""
+    """Print rows in columns; `align` has ``<`` or ``>`` for each, the last one for all others."""
     rows = list(rows)
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     for row in rows:
@@ -130,7 +130,7 @@ def columns(rows: Iterable[Sequence[str]], sides: str = "<") -> None:
 
 
 def most_at(shape: Mapping[str, Any]) -> str:
-    """Return the body that moves most in a shape, of equal ones the first by its name."""
+    """Return the text on the body that moves most in a mode shape; ties go to the first name."""
     import numpy as np
 
     from jousto.base.ranking import largest
@@ -141,7 +141,7 @@ def most_at(shape: Mapping[str, Any]) -> str:
 
 @contextlib.contextmanager
 def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a bar on a terminal; yields a function of what is done and the total."""
+    """Show a progress bar on terminals; yields a function of the done and the total amount."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -155,18 +155,18 @@ def progress_bar(text: str) -> Iterator[Callable[[int, int], None] | None]:
 
 
 def plain(value: Any) -> str:
-    """Return a value for people."""
+    """Return a value as text for tables."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def numbers(values: Any) -> str:
-    """Return values for people, round-off as zero."""
+    """Return values as text for tables, rounding errors as zero."""
     size = max((abs(value) for value in values), default=0.0)
     return " ".join(f"{0.0 if abs(x) <= 1e-9 * max(size, 1e-3) else x:.6g}" for x in values)
 
 
 def named(values: Any, names: Sequence[str], unit: str) -> str:
-    """Return values of a sensor for people: names of several components, and their units.
+    """Return values of a sensor as text: component names if there are several, and units.
 
     Examples
     --------
@@ -188,7 +188,7 @@ def named(values: Any, names: Sequence[str], unit: str) -> str:
 
 
 def log_to_screen(verbose: int) -> None:
-    """Show what the library logs on stderr: choices and progress (1), details too (2)."""
+    """Write log records of the library to stderr: choices and progress (1), details too (2)."""
     log = logging.getLogger("jousto")
     log.handlers = [handler for handler in log.handlers if handler.name != "screen"]
     if not verbose:

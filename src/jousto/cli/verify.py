@@ -1,4 +1,4 @@
-"""The command that compares the engine with a second formulation."""
+"""Command ``verify``: comparison of the engine with a second formulation."""
 
 from __future__ import annotations
 
@@ -32,10 +32,11 @@ def verify(
     ] = None,
     trust: Trust = False,
 ) -> None:
-    """Compare the engine with a second formulation, the moving frame; exit code 1 if they differ.
+    """Compare the engine with the moving-frame formulation; exit code 1 if they differ.
 
-    Every sensor, acceleration, reaction and force at the same states, and runs with two steps. Both
-    start as the model file says. Sensors of the models --beside are compared by their names.
+    Compared are every sensor, acceleration, reaction and force at the same states, and runs with
+    two steps. Both start as in the model file. Sensors of the models --beside are compared by their
+    names.
     """
     from jousto.base.errors import InputError, Problem
     from jousto.natural.verify import verify as compare

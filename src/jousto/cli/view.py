@@ -1,4 +1,4 @@
-"""The command that shows results, models and parts: view."""
+"""Command ``view``: results, models and parts on a page in the browser."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ def view(
 ) -> None:
     """Show results, a model, a reduced part or a mesh in the browser, until Ctrl-C.
 
-    The page turns, plays, colours and plots; press ? on it for its keys. It comes from a server on
-    this computer, whose address with a random token is printed.
+    The page rotates, plays, colours and plots; press ? on it for its keys. A server on this
+    computer provides it; the printed address contains a random token.
 
-    With -o FILE.html all of it goes into one file, which needs no jousto and no network.
+    With -o FILE.html the whole page goes into one file, which needs no jousto and no network.
     """
-    from jousto.viewer.file_watch import unended
+    from jousto.viewer.file_watch import unfinished_note
     from jousto.viewer.server import Server
     from jousto.viewer.standalone import write_page
     from jousto.viewer.view import answers_of
@@ -65,7 +65,7 @@ def view(
         fields = damage_of(files[0], sn, residue)
     answers = answers_of(files, frames=frames, damage=fields, modes=modes, trust=trust)
     for scene in answers.scenes:
-        if note := unended(scene.run):
+        if note := unfinished_note(scene.run):
             say(note, error=True, style="yellow")
     if output is not None:
         if any(output.exists() and output.samefile(file) for file in files):
@@ -78,7 +78,7 @@ def view(
 
 
 def thinning(scenes: tuple[object, ...], frames: int) -> str:
-    """Return what is said of instants that were left out."""
+    """Return the note on instants that the page leaves out; empty if it contains all."""
     from jousto.simulation.results.events import ordinal
 
     counts = [len(motion.times) for x in scenes if (motion := getattr(x, "motion", None))]
@@ -90,7 +90,7 @@ def thinning(scenes: tuple[object, ...], frames: int) -> str:
 
 
 def damage_of(path: Path, sn: str | None, residue: str | None) -> list[DamageField]:
-    """Return the damage of the bodies of a run by the checks of its model or by a curve."""
+    """Return the damage of the bodies of a run by the checks of its model or by an S-N curve."""
     from jousto.cli.fatigue import check_fields
     from jousto.viewer.viewable import read
 

@@ -1,4 +1,4 @@
-"""Design: what to decide: studies of many runs, and how probable a failure is."""
+"""Design: studies of many runs, optimisation, and probabilities of failure."""
 
 from jousto.base.lazy_exports import open_room
 

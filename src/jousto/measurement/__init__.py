@@ -1,1 +1,1 @@
-"""Measured machines: gauges, twins that estimate, monitors that watch."""
+"""Measured machines: strain gauges, twins (state estimation) and monitoring."""

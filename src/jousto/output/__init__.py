@@ -1,1 +1,1 @@
-"""SHOW: plots, pictures and films of a run. matplotlib is imported with this package only."""
+"""Output: plots, pictures and films of a run. Only this package imports matplotlib."""

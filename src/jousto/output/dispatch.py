@@ -1,4 +1,4 @@
-"""The function that draws or writes a thing: found by the type of the thing, loaded when needed."""
+"""Lookup of the function that draws or writes an object, by its type; imported when needed."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from jousto.base.errors import CallError, InputError, Problem
 T = TypeVar("T")
 
 
-def found(table: Mapping[str, T], thing: object, verb: str) -> tuple[str, T]:
-    """Return the name of the kind of a thing and its entry in a table.
+def find_entry(table: Mapping[str, T], thing: object, verb: str) -> tuple[str, T]:
+    """Return the name of an object's type and its entry in a table.
 
     Raises
     ------
     InputError
-        If the table knows nothing of its kind.
+        If the table has no entry for the type.
     """
     for kind in type(thing).__mro__:
         if kind.__name__ in table and kind.__module__.startswith("jousto."):
             return kind.__name__, table[kind.__name__]
     known = ", ".join(table)
-    raise InputError(Problem(verb, f"of a {type(thing).__name__} is not known; known: {known}"))
+    raise InputError(Problem(verb, f"does not accept a {type(thing).__name__}; known: {known}"))
 
 
 def implementation(place: str) -> Callable[..., Any]:
-    """Return ``module.function`` of this room, or of another that is named from the top."""
+    """Return ``module.function`` of this room, or of another room named from the top."""
     module, _, name = place.rpartition(".")
     whole = module if module.startswith("jousto.") else f"jousto.output.{module}"
     function: Callable[..., Any] = getattr(import_module(whole), name)
@@ -36,7 +36,7 @@ def implementation(place: str) -> Callable[..., Any]:
 
 
 def call(place: str, what: str, *given: Any, **options: Any) -> Any:
-    """Call ``module.function`` of this room; `what` is said of wrong arguments.
+    """Call ``module.function`` of this room; messages on wrong arguments begin with `what`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""plot: one picture of a result, by its type."""
+"""Function `plot`: the picture of a result, chosen by its type."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem
-from jousto.output.dispatch import call, found
+from jousto.output.dispatch import call, find_entry
 from jousto.output.style import Picture
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def plot(thing: GaugeComparison | MonitorRecord | Optimum | Comparison | PlanarR
 # fmt: on
 @explained
 def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
-    """Draw a result; its type decides the picture.
+    """Draw a result; its type determines the picture.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def plot(thing: Any, *what: Any, path: File = None, **options: Any) -> Picture:
         kind = "Solution"
         place = DRAWN[kind]
     else:
-        kind, place = found(DRAWN, thing, "plot")
+        kind, place = find_entry(DRAWN, thing, "plot")
     place = BEAM if kind == "Solution" and "beam" in options else place
     picture: Picture = call(place, f"plot of a {kind}", thing, *what, path=path, **options)
     return picture

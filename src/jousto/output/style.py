@@ -1,4 +1,4 @@
-"""The look of all pictures, and where they go; no state of matplotlib is changed for good."""
+"""Style of all pictures, and checks of output paths; matplotlib's global state is unchanged."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from jousto.base.arguments import explained_as
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import check_file, unwritable, written
 
-INK = "#22272E"  # text and bodies' outlines
-MUTED = "#69707A"  # second-rank text
-FAINT = "#E7EAEE"  # grids
+INK = "#22272E"  # text and outlines of bodies
+MUTED = "#69707A"  # secondary text
+FAINT = "#E7EAEE"  # grid lines
 PAPER = "#FFFFFF"
 
-# told apart with every kind of colour vision, dark enough for thin lines on white
+# distinguishable with all kinds of colour vision, dark enough for thin lines on white
 COLORS = ("#1C5FA8", "#D9542B", "#2A9D78", "#8A56B0", "#C8961A", "#4BA3D4", "#B0426B", "#6B7280")
 DASHES: tuple[tuple[float, ...], ...] = (
     *((), (5, 1.6), (1.4, 1.4), (6, 1.5, 1.4, 1.5)),
@@ -74,7 +74,7 @@ STYLE: dict[Any, Any] = {
     "lines.solid_joinstyle": "round",
     "legend.frameon": False,
     "legend.fontsize": 8.5,
-    "svg.hashsalt": "jousto",  # the same picture gives the same bytes
+    "svg.hashsalt": "jousto",  # equal pictures give equal bytes
     "svg.fonttype": "path",
     "pdf.fonttype": 42,
 }
@@ -90,7 +90,7 @@ PICTURES = ("png", "svg", "pdf", "jpg", "jpeg", "webp", "eps")
 
 
 class Picture(Figure):
-    """A matplotlib figure that shows itself in notebooks and belongs to no global list."""
+    """Matplotlib figure that displays itself in notebooks and is in no global list."""
 
     def _repr_png_(self) -> bytes:
         data = io.BytesIO()
@@ -101,7 +101,7 @@ class Picture(Figure):
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Use the style inside the with block only."""
+    """Apply the style inside the with block."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(STYLE)
@@ -109,7 +109,7 @@ def styled() -> Iterator[None]:
 
 
 def drawing(function: Callable[..., Picture]) -> Callable[..., Picture]:
-    """Let a function draw in the style, and write its picture where `path` is given."""
+    """Return a decorator: draw in the style, and write the picture if `path` is given."""
 
     @functools.wraps(function)
     def draw(*given: Any, path: str | Path | None = None, **options: Any) -> Picture:
@@ -131,7 +131,7 @@ def drawing(function: Callable[..., Picture]) -> Callable[..., Picture]:
 
 
 def panels_below(count: int) -> tuple[Picture, list[Axes]]:
-    """Return a picture of panels one below the other, over the same time."""
+    """Return a picture of panels one below the other with a common time axis."""
     height = 0.75 + (2.9 if count == 1 else 2.1 if count < 4 else 1.75) * count
     layout = ConstrainedLayoutEngine(h_pad=0.09, w_pad=0.09, hspace=0.02)
     figure = Picture(figsize=(8.0, height), layout=layout)
@@ -141,7 +141,7 @@ def panels_below(count: int) -> tuple[Picture, list[Axes]]:
 
 
 def headline(ax: Axes, title: str, note: str = "") -> None:
-    """Write a title above a panel, on the left, and a pale note on its right."""
+    """Write a title above a panel on the left and a pale note on the right."""
     ax.set_title(title, loc="left", fontsize=10.5, fontweight="bold", pad=7)
     ax.annotate(
         note,
@@ -157,7 +157,7 @@ def headline(ax: Axes, title: str, note: str = "") -> None:
 
 
 def scale_at(figure: Figure, place: tuple[float, float, float], title: str) -> Axes:
-    """Return the axes of a scale of colours with its title; place is left, bottom and height."""
+    """Return the axes of a colour bar with its title; place is left, bottom and height."""
     left, bottom, height = place
     height = min(height, 2.4 / figure.get_figheight())
     ax = figure.add_axes((left, bottom, 0.13 / figure.get_figwidth(), height))
@@ -172,7 +172,7 @@ def scale_at(figure: Figure, place: tuple[float, float, float], title: str) -> A
 
 
 def target(path: str | Path, formats: tuple[str, ...], *, hint: str = "") -> Path:
-    """Return the path if a file of one of the formats can be written there.
+    """Return the path after a check that a file of one of the formats can be written there.
 
     Raises
     ------

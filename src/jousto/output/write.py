@@ -1,4 +1,4 @@
-"""write: a thing as a file for other programs; its type and the suffix decide the format."""
+"""Function `write`: files for other programs, chosen by type and suffix."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from jousto.base.arguments import explained
 from jousto.mesh.formats import WRITTEN as MESH_FORMATS
-from jousto.output.dispatch import call, found
+from jousto.output.dispatch import call, find_entry
 from jousto.output.style import target
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def write(thing: LoadPath | Certificate | Verification | Optimum | Comparison, p
 # fmt: on
 @explained
 def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
-    """Write a mesh, a part or a result for other programs; the suffix decides the format.
+    """Write a mesh, a part or a result for other programs; the suffix determines the format.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
     --------
     ``write(reduced, "arm.fem", damping=0.01)``, ``write(field, "arm.pvd", run, scale=10)``
     """
-    kind, formats = found(WRITTEN, thing, "write")
+    kind, formats = find_entry(WRITTEN, thing, "write")
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in formats:
         own = OWN.get(suffix, "")

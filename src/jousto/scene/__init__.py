@@ -1,1 +1,1 @@
-"""What is seen of a machine: its bodies, symbols and motion, for the browser and for pictures."""
+"""Scenes: bodies, symbols and motion of a machine for the browser and for pictures."""

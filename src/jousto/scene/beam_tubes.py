@@ -1,4 +1,4 @@
-"""Exact beams of a scene: rings along them, and their resultants as further columns of a row."""
+"""Exact beams of a scene: rings along the axis, resultants as additional row columns."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jousto.recovery.beams.strains import Elements, elements
 from jousto.scene.scene import Body, Rings
 from jousto.scene.sections import beam_outlines, outline_rows, tube
 
-RINGS = 48  # along a beam at least
+RINGS = 48  # smallest number of rings along a beam
 MOST_RINGS = 400
-LEAST = 0.004  # thickness of a section in a picture by the extent of the motion
+LEAST = 0.004  # smallest section thickness in a picture, relative to the extent of the motion
 
 
 def ring_places(beam: BeamShape) -> tuple[Index, Array]:
-    """Return the element (nring,) of each ring along a beam, and its share of the length."""
+    """Return the element index (nring,) of each ring along a beam, and its place in it (0 .. 1)."""
     sub, stride = max(1, -(-RINGS // beam.n)), max(1, beam.n // MOST_RINGS)
     first = np.arange(0, beam.n, stride)
     element = np.append(np.repeat(first, sub), beam.n - 1).astype(np.intp)
@@ -29,7 +29,7 @@ def ring_places(beam: BeamShape) -> tuple[Index, Array]:
 
 
 def beam_body(beam: BeamShape, places: Index, forces: int) -> Body:
-    """Return a beam as a body of a scene.
+    """Return the scene body of a beam.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def beam_body(beam: BeamShape, places: Index, forces: int) -> Body:
     own = np.concatenate(
         [np.stack([at.ua, at.ub], 1), _turns(np.stack([at.Ba, at.Bb], axis=1))], axis=2
     )
-    # undeformed, in the frame of the beam
+    # undeformed vertices in the frame of the beam
     a, b = 1.0 - share[:, None], share[:, None]
     frames = beam.frames
     ends = [
@@ -101,15 +101,15 @@ def _turns(B: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Resultants:
-    """What the further columns of a row need of a beam.
+    """Data for the additional columns of a row: resultants of one beam.
 
     Attributes
     ----------
     at : Elements
     iq, iv : (n + 1,) int arrays
-        Where the states of its nodes are in q and v.
+        Offsets of its nodes' states in q and v.
     first : int
-        Its first column.
+        Index of the beam's first column.
     """
 
     at: Elements
@@ -119,16 +119,16 @@ class Resultants:
 
     @property
     def width(self) -> int:
-        """Number of its columns."""
+        """Number of columns."""
         return 12 * len(self.at.L)
 
     @property
     def damped(self) -> bool:
-        """Whether its resultants depend on velocities."""
+        """Whether the resultants depend on velocities."""
         return bool(np.any(self.at.beta))
 
     def values(self, q: Array, v: Array | None) -> Array:
-        """Return the resultants at both ends of all elements (k, 12 ne) of states (k, nq)."""
+        """Return the resultants at both ends of all elements (k, 12 ne) for states (k, nq)."""
         qb = q[:, self.iq[:, None] + np.arange(7)]
         vb = None if v is None else v[:, self.iv[:, None] + np.arange(6)]
         return np.asarray(state_forces(self.at, qb, vb)[2].reshape(len(q), -1))

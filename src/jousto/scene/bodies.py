@@ -1,4 +1,4 @@
-"""Bodies of a scene from what results and parts know of them."""
+"""Scene bodies from the shapes in results and parts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Index
 from jousto.reduction.fields.stress import StressModes
-from jousto.scene.default_shapes import stand_in
+from jousto.scene.default_shapes import default_shape
 from jousto.scene.scene import Body
 from jousto.scene.surfaces import compact, feature_edges
 from jousto.simulation.results.records import BodyShape
@@ -19,13 +19,13 @@ def is_surface(elements: Index) -> bool:
 
 
 def solid_body(shape: BodyShape, modes: StressModes | None) -> Body:
-    """Return a body with a surface; flexible ones with their mode shapes and stress.
+    """Return a body with a surface; flexible bodies with mode shapes and stress.
 
     Parameters
     ----------
     shape : BodyShape
     modes : StressModes or None
-        Its stress.
+        Stress modes of the body.
     """
     used, triangles = compact(shape.elements)
     positions = np.asarray(shape.nodes, dtype=np.float64)[used]
@@ -52,9 +52,9 @@ def solid_body(shape: BodyShape, modes: StressModes | None) -> Body:
 def _at_nodes(
     modes: StressModes, used: Index, count: int
 ) -> tuple[Array | None, NDArray[np.bool_] | None]:
-    """Return the stress (n, nv, 6) at nodes in the axes of the part, and where it is known.
+    """Return the stress (n, nv, 6) at nodes in the axes of the part, and a mask of known nodes.
 
-    Of several places at a node, as where two materials meet, the first one counts.
+    Nodes with several places, as where two materials meet, take the first one.
     """
     if modes.nodes is None:
         return None, None
@@ -98,27 +98,28 @@ def rigid_body(shape: BodyShape, joints: Array, size: float) -> Body:
     Parameters
     ----------
     shape : BodyShape
-        Its elements are lines.
+        Shape with lines as elements.
     joints : (k, 3) array
         Points at which joints and forces hold it, m.
     size : float
-        Of the machine, m.
+        Size of the machine, m.
     """
     nodes = np.asarray(shape.nodes, dtype=np.float64)
     pairs = np.asarray(shape.elements, dtype=np.intp).reshape(-1, 2)
-    star = bool(len(nodes)) and not np.any(pairs[:, 0])  # from the centre of mass to its points
+    # star: every line starts at the centre of mass
+    star = bool(len(nodes)) and not np.any(pairs[:, 0])
     if star and len(joints):
         more = np.unique(np.round(joints, 12), axis=0)
         pairs = np.concatenate([pairs, [[0, len(nodes) + i] for i in range(len(more))]]).astype(
             np.intp
         )
         nodes = np.concatenate([nodes, more])
-    if star and len(nodes) > 2:  # the origin counts where a point of the body is
+    if star and len(nodes) > 2:  # the origin is part of the shape if a line ends there
         used = np.unique(nodes[2:], axis=0)
         if not (np.abs(used - nodes[1]) <= 1e-9 * size).all(axis=1).any():
             pairs = pairs[pairs[:, 1] != 1]
     centre = nodes[0] if star else None
-    positions, triangles = stand_in(nodes, pairs, centre, shape.mass, size)
+    positions, triangles = default_shape(nodes, pairs, centre, shape.mass, size)
     return Body(
         name=shape.name,
         kind="rigid",

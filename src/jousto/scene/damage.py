@@ -12,15 +12,15 @@ from jousto.fatigue.miner.damage_field import DamageField
 from jousto.scene.scene import Body
 
 
-def damaged(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[Body, ...]:
-    """Return the bodies with damage and life at their vertices; nan where none was worked out.
+def add_damage(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[Body, ...]:
+    """Return the bodies with damage and life at their vertices; nan where not computed.
 
     A vertex has the largest damage and the shortest life of the places at its node.
 
     Raises
     ------
     InputError
-        If a field is of a body that there is not, or knows no nodes.
+        If the body of a field does not exist, or the field has no nodes.
     """
     found = {body.name: body for body in bodies}
     for one in fields:

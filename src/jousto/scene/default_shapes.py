@@ -1,4 +1,4 @@
-"""Bodies that were declared without a shape: rods between their points, a ball at their centre."""
+"""Default shapes: rods between the points of a body, a ball at its centre of mass."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ import numpy as np
 from jousto.base.arrays import Array, Index
 from jousto.mechanism.bodies.shapes import sphere
 
-STEEL = 7850.0  # kg/m3, for the size of a ball
-ROD = 0.02  # radius of a rod by the extent of the body's points
-ROUND = 12  # corners around a rod
-BALL = (1.6, 6.0)  # radius of the ball at least and at most, by that of the rods
-SMALL = 0.02  # extent of a body whose points coincide, by the size of the machine
+STEEL = 7850.0  # kg/m3, density for the size of a ball
+ROD = 0.02  # radius of a rod relative to the extent of the body's points
+ROUND = 12  # corners of a rod's section
+BALL = (1.6, 6.0)  # smallest and largest ball radius relative to the rod radius
+SMALL = 0.02  # extent of a single-point body relative to the machine
 
 
-def stand_in(
+def default_shape(
     points: Array, pairs: Index, centre: Array | None, mass: float | None, size: float
 ) -> tuple[Array, Index]:
-    """Return vertices (nv, 3), m, and triangles of rods between points and a ball.
+    """Return vertices (nv, 3), m, and triangles of rods between points and of a ball.
 
-    The ball is that of steel with the mass of the body, within limits that let it be seen.
+    The ball is a steel ball of the body's mass, within limits of visibility.
 
     Parameters
     ----------
     points : (k, 3) array
-        In the frame of the body, m.
+        Points in the frame of the body, m.
     pairs : (m, 2) int array
         Points with a rod between them.
     centre : (3,) array or None
@@ -32,7 +32,7 @@ def stand_in(
     mass : float or None
         kg.
     size : float
-        Of the machine, m.
+        Size of the machine, m.
     """
     every = points if centre is None else np.vstack([points, centre])
     extent = float(np.ptp(every, axis=0).max(initial=0.0)) if len(every) else 0.0
@@ -48,7 +48,7 @@ def stand_in(
         wanted = radius if mass is None else (0.75 * mass / (np.pi * STEEL)) ** (1.0 / 3.0)
         ball = float(np.clip(wanted, BALL[0] * radius, BALL[1] * radius))
         pieces.append(sphere(ball).triangles + middle)
-    return joined(pieces)
+    return join_triangles(pieces)
 
 
 def rod(a: Array, b: Array, radius: float) -> Array:
@@ -71,8 +71,8 @@ def rod(a: Array, b: Array, radius: float) -> Array:
     return np.concatenate(sides)
 
 
-def joined(pieces: list[Array]) -> tuple[Array, Index]:
-    """Return vertices and triangles of triangles (nt, 3, 3); each place stands once in a piece."""
+def join_triangles(pieces: list[Array]) -> tuple[Array, Index]:
+    """Return vertices and indices of triangles (nt, 3, 3), with shared vertices per piece."""
     vertices, triangles, first = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.intp)], 0
     for piece in pieces:
         x, corners = np.unique(piece.reshape(-1, 3), axis=0, return_inverse=True)

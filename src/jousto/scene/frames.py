@@ -1,4 +1,4 @@
-"""Modal bodies made of beams: their sections swept along the elements, with shapes and stress."""
+"""Modal frames of beam elements: swept sections with mode shapes and stress."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from jousto.scene.sections import fan, outline_weights, outlines, walls
 from jousto.scene.surfaces import feature_edges
 from jousto.simulation.results.records import BodyShape
 
-PIECES = 24  # of all elements together at least, so that bending is smooth
-MOST = 6  # pieces of an element
+PIECES = 24  # smallest number of pieces of all elements together, for smooth bending
+MOST = 6  # largest number of pieces of an element
 SITE = re.compile(r"e(\d+)\.([ab])\.(.*)")
 
 
 def frame_body(shape: BodyShape, frame: FrameShape, modes: StressModes | None) -> Body:
-    """Return a modal frame as a solid of its sections.
+    """Return a modal frame as a solid of its swept sections.
 
     Translation u and rotation theta of a section follow from the nodes by the shape functions of
-    its element; the vertex at the arm s of the section moves in mode j by
-    ``phi_j = u_j + theta_j x s``. Stress is that of the points of the section at both ends of the
-    element, linear between them, as the resultants of an element are that is loaded at its ends.
+    its element; a vertex with arm s moves in mode j by ``phi_j = u_j + theta_j x s``. Stress is
+    interpolated linearly between the section points at both ends, like the resultants of an element
+    loaded at its ends.
 
     Parameters
     ----------
     shape : BodyShape
     frame : FrameShape
-        Its elements.
+        Beam elements of the body.
     modes : StressModes or None
         Stress of each mode at the points of the sections.
     """
@@ -75,7 +75,7 @@ def frame_body(shape: BodyShape, frame: FrameShape, modes: StressModes | None) -
 
 
 def beam_elements(frame: FrameShape) -> BeamElements:
-    """Return the elements as the shape functions need them."""
+    """Return the elements in the form of the shape functions."""
     none = np.zeros(len(frame.length))
     return BeamElements(
         frame.origin,
@@ -91,7 +91,7 @@ def beam_elements(frame: FrameShape) -> BeamElements:
 
 
 def _shapes(shape: BodyShape, frame: FrameShape, pairs: Index, arms: Array, xi: Array) -> Array:
-    """Return the displacement (n, nv, 3) of all vertices in each mode, ring after ring."""
+    """Return the displacement (n, nv, 3) of all vertices in each mode, ring by ring."""
     beams = beam_elements(frame)
     nodal = np.concatenate([np.asarray(shape.modes), frame.rotations], axis=1)  # (nn, 6, n)
     ends = end_displacements(beams) @ nodal[pairs].reshape(len(pairs), 12, shape.n)
@@ -107,7 +107,7 @@ def _shapes(shape: BodyShape, frame: FrameShape, pairs: Index, arms: Array, xi: 
 def _stress(
     modes: StressModes, frame: FrameShape, edges: Array, xi: Array
 ) -> tuple[Array | None, NDArray[np.bool_] | None]:
-    """Return the stress (n, nv, 6) of all vertices in each mode, and where it is known."""
+    """Return the stress (n, nv, 6) of all vertices in each mode, and a mask of known ones."""
     ne, k, n = len(frame.length), edges.shape[1], modes.modes.shape[2]
     ends = np.zeros((ne, 2, k, 6, n))
     known = np.zeros((ne, 2), dtype=bool)
@@ -122,7 +122,7 @@ def _stress(
         points = ((modes.positions[places] - middle) @ frame.axes[e])[:, 1:]
         edge = edges[frame.which[e]]
         size = max(float(np.abs(edge).max()), 1e-300)
-        # equal sections have equal weights
+        # equal sections share their weights
         key = np.round(points / size, 9).tobytes() + edge.tobytes()
         if key not in weights:
             weights[key] = outline_weights(points, edge)
@@ -142,7 +142,7 @@ def _stress(
 
 
 def _skin(pairs: Index, frame: FrameShape, pieces: int, k: int) -> Index:
-    """Return the triangles of all elements; ends at which the next one goes on stay open."""
+    """Return the triangles of all elements, closed at ends without a following element."""
     ring = (pieces + 1) * k
     found = [walls(pieces + 1, k) + e * ring for e in range(len(pairs))]
     at: dict[int, list[tuple[int, int]]] = {}
@@ -159,7 +159,7 @@ def _skin(pairs: Index, frame: FrameShape, pieces: int, k: int) -> Index:
 
 
 def _goes_on(frame: FrameShape, one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Return whether two elements meet with the same section, end to end and without a corner."""
+    """Return whether two elements join end to end with the same section and direction."""
     (e, i), (f, j) = one, other
     ends = [frame.origin[m] + s * frame.length[m] * frame.axes[m, :, 0] for m, s in (one, other)]
     near = np.linalg.norm(ends[0] - ends[1]) <= 1e-9 * frame.length[e]

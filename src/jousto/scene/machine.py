@@ -1,4 +1,4 @@
-"""Scenes of machines: of a run, and of a model at its start or at a state."""
+"""Scenes of machines: of a run, or of a model at a state."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from jousto.model.model import Model
 from jousto.recovery.beams.strains import elements
 from jousto.scene.beam_tubes import Resultants, beam_body
 from jousto.scene.bodies import is_surface, line_body, rigid_body, solid_body
-from jousto.scene.bounding_box import around, size_of
+from jousto.scene.bounding_box import bounding_box, size_of
 from jousto.scene.frames import frame_body
 from jousto.scene.motion import Rows, run_motion
 from jousto.scene.scene import MEASURES, Body, Happened, Scene, Sensor, Side, Symbol
-from jousto.scene.symbols import drawn_symbols, grounds, held_points
+from jousto.scene.symbols import attached_points, drawn_symbols, ground_symbols
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.memory import MemoryRecords
 from jousto.simulation.results.records import BodyShape
@@ -29,15 +29,15 @@ from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.state import State
 
 SAMPLES = 48  # instants of a run for its extent
-SAMPLED = 64 << 20  # bytes of a file that may be read for it
-CHECKED = 1024  # rows that are read to check one of them
+SAMPLED = 64 << 20  # largest amount of a file that is read for the extent, bytes
+CHECKED = 1024  # rows read from a file to check one of them for finite numbers
 ARROWS = {"N": "force", "N m": "moment", "m/s": "velocity", "m/s^2": "acceleration"}
 ARROWS |= {"m/s2": "acceleration"}
 """What a vector in a unit is drawn as."""
 
 
 def run_scene(run: Solution) -> Scene:
-    """Return the scene of a run; its rows are read when they are asked for.
+    """Return the scene of a run; its rows are read on demand.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def run_scene(run: Solution) -> Scene:
         If nothing is stored yet.
     """
     if not run.nt:
-        raise InputError(Problem(run.where, "no instant is stored yet, there is nothing to see"))
+        raise InputError(Problem(run.where, "no instant is stored yet"))
     rows, firsts = rows_of(run)
     motion = run_motion(run, rows)
     count = max(4, min(SAMPLES, SAMPLED // (CHECKED * 8 * max(rows.width, 1))))
@@ -60,11 +60,11 @@ def model_scene(model: Model) -> Scene:
     """Return the scene of a model at its start."""
     run = at_state(model)
     rows, firsts = rows_of(run)
-    return _machine(run, firsts, rows.of(*run.states()))
+    return _machine(run, firsts, rows.from_states(*run.states()))
 
 
 def at_state(model: Model, state: State | None = None) -> Solution:
-    """Return results of a model that have one instant, its start or a state."""
+    """Return results of a model with one instant: its start or a given state."""
     names = {column.place: column for column in columns(model)}
     last = max(names.values(), key=lambda column: column.first)
     row = np.zeros((1, last.first + last.count))
@@ -80,7 +80,7 @@ def at_state(model: Model, state: State | None = None) -> Solution:
 
 
 def rows_of(run: Solution) -> tuple[Rows, list[int]]:
-    """Return how rows follow from states, and the first column of each beam's resultants."""
+    """Return the map from states to rows, and the first resultant column of each beam."""
     shapes, stressed = run.bodies, run.stressed
     width = max((shape.q_offset + 7 + shape.n for shape in shapes), default=0)
     known, firsts = [], []
@@ -97,12 +97,12 @@ def rows_of(run: Solution) -> tuple[Rows, list[int]]:
 
 
 def _machine(run: Solution, firsts: Sequence[int], rows: Array) -> Scene:
-    """Return the scene of a machine without its motion; `rows` are instants of it."""
+    """Return the scene of a machine without motion; `rows` are sample instants."""
     shapes, beams = run.bodies, run.beams
     if not shapes:
-        raise InputError(Problem(run.where, "there are no bodies to see"))
+        raise InputError(Problem(run.where, "there are no bodies to show"))
     made, marks = drawn_symbols(run.symbols, shapes)
-    symbols = (*made, *grounds(made))
+    symbols = (*made, *ground_symbols(made))
     bodies = _bodies(run, shapes, beams, firsts, symbols, rows[0])
     gravity = run.attributes.get("gravity")
     return Scene(
@@ -111,7 +111,7 @@ def _machine(run: Solution, firsts: Sequence[int], rows: Array) -> Scene:
         title=run.name,
         still=rows[0],
         bodies=bodies,
-        box=around(bodies, symbols, rows),
+        box=bounding_box(bodies, symbols, rows),
         symbols=symbols,
         markers=marks,
         sensors=tuple(sensor_of(run, name, made) for name in run.sensors),
@@ -129,9 +129,9 @@ def _bodies(
     symbols: Sequence[Symbol],
     still: Array,
 ) -> tuple[Body, ...]:
-    """Return all bodies; the nodes of beams are none, their beams are."""
+    """Return all scene bodies; nodes of beams are part of their beams."""
     nodes = {int(k) for beam in beams for k in beam.bodies}
-    held = held_points(symbols)
+    held = attached_points(symbols)
     size = size_of(shapes, symbols, still)
     none = np.zeros((0, 3))
     found = []
@@ -158,7 +158,7 @@ def _bodies(
 
 
 def sensor_of(run: Solution, name: str, symbols: Sequence[Symbol]) -> Sensor:
-    """Return a sensor of a run; its symbol says where it is."""
+    """Return a sensor of a run with the place of its symbol."""
     about = run.about(name)
     units = component_units(about)
     side: Side | None = next((one.sides[-1] for one in symbols if one.sensor == name), None)
@@ -179,19 +179,19 @@ def sensor_of(run: Solution, name: str, symbols: Sequence[Symbol]) -> Sensor:
 
 
 def upwards(gravity: Any) -> Array:
-    """Return the direction against gravity; z if there is none."""
+    """Return the direction opposite to gravity; z without gravity."""
     g = np.zeros(3) if gravity is None else np.asarray(gravity, dtype=np.float64)
     size = float(np.linalg.norm(g))
     return -g / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
 
 
 def measures_of(bodies: Sequence[Body]) -> tuple[str, ...]:
-    """Return what can be shown in colours."""
+    """Return the quantities that can colour the bodies."""
     found: list[str] = []
     if any(b.stress is not None or (b.rings and b.rings.forces >= 0) for b in bodies):
         found += MEASURES
     if any(body.modes for body in bodies):
         found.append("displacement")
     if any(body.damage is not None for body in bodies):
-        found.append("damage")  # life spreads over decades, which colours do not show
+        found.append("damage")  # no "life": it spans decades, which the colours cannot show
     return tuple(found)

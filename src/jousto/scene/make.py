@@ -1,4 +1,4 @@
-"""make_scene: the scene of a run, a model, a part, a mesh or modes."""
+"""Function `make_scene`: scene of a run, a model, a part, a mesh or modes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.parts.part import Part
 from jousto.reduction.reduced import ReducedPart
-from jousto.scene.damage import damaged
+from jousto.scene.damage import add_damage
 from jousto.scene.machine import measures_of, model_scene, run_scene
 from jousto.scene.modes import machine_modes, part_modes
 from jousto.scene.parts import mesh_scene, part_scene
@@ -32,14 +32,14 @@ KINDS: tuple[tuple[type[Any], Callable[[Any], Scene]], ...] = (
     (Part, part_scene),
     (Mesh, mesh_scene),
 )
-"""What can be seen, and how its scene is made."""
+"""Types with scenes, and the functions that create them."""
 
 
 @explained
 def make_scene(thing: Any, *, damage: DamageField | Sequence[DamageField] = ()) -> Scene:
-    """Return what is seen of something.
+    """Return the scene of an object.
 
-    Rows of a run are read from its results only when they are asked for, see `Motion`.
+    Rows of a run are read from its results on demand, see `Motion`.
 
     Parameters
     ----------
@@ -57,10 +57,10 @@ def make_scene(thing: Any, *, damage: DamageField | Sequence[DamageField] = ()) 
     if scene is None:
         names = [kind.__name__ for kind, _ in KINDS]
         known = f"{', '.join(names[:-1])} or {names[-1]}"
-        message = f"a {type(thing).__name__} cannot be seen; give a {known}"
+        message = f"a {type(thing).__name__} cannot be shown; give a {known}"
         raise InputError(Problem("view", message))
     fields = (damage,) if isinstance(damage, DamageField) else tuple(damage)
     if not fields:
         return scene
-    bodies = damaged(scene.bodies, fields)
+    bodies = add_damage(scene.bodies, fields)
     return replace(scene, bodies=bodies, measures=measures_of(bodies))

@@ -1,4 +1,4 @@
-"""Scenes of modes: of a reduced part, and of a machine about a state."""
+"""Scenes of modes: of a reduced part, or of a machine about a state."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.compile import part_shape
 from jousto.reduction.reduced import ReducedPart
 from jousto.scene.bodies import is_surface, line_body, solid_body
-from jousto.scene.bounding_box import around
+from jousto.scene.bounding_box import bounding_box
 from jousto.scene.frames import frame_body
 from jousto.scene.machine import at_state, measures_of, model_scene, rows_of
 from jousto.scene.motion import Rows
@@ -20,12 +20,12 @@ from jousto.scene.scene import Body, Mark, Mode, Scene, Side
 from jousto.simulation.modes.linear import MechanismModes
 from jousto.simulation.results.records import BodyShape
 
-SHARE = 0.1  # of the size, for the largest displacement
-STEP = 1e-6  # of the amplitude, for the slope of resultants
+SHARE = 0.1  # largest displacement relative to the size
+STEP = 1e-6  # step for the slope of resultants, relative to the amplitude
 
 
 def part_modes(reduced: ReducedPart) -> Scene:
-    """Return the scene of the modes of a part, in its own frame."""
+    """Return the scene of the modes of a part in the part frame."""
     shape, n = part_shape(reduced), reduced.n
     drawn = BodyShape(
         reduced.name,
@@ -48,7 +48,7 @@ def part_modes(reduced: ReducedPart) -> Scene:
     body = replace(body, mass=drawn.mass)
     still = np.zeros(7 + n)
     still[3] = 1.0
-    box = around([body], (), still[None])
+    box = bounding_box([body], (), still[None])
     assert body.shapes is not None
     modes = []
     for j, frequency in enumerate(np.asarray(reduced.frequencies, dtype=np.float64)):
@@ -85,9 +85,9 @@ def machine_modes(found: MechanismModes) -> Scene:
     run = at_state(found.model, found.state)
     rows, _ = rows_of(run)
     q, v = run.states()
-    base = rows.of(q, v)[0]
+    base = rows.from_states(q, v)[0]
     scene = model_scene(found.model)
-    box = around(scene.bodies, scene.symbols, base[None])
+    box = bounding_box(scene.bodies, scene.symbols, base[None])
     modes = []
     for j, value in enumerate(np.asarray(found.eigenvalues)):
         change = _change(found, j, q[0])
@@ -114,7 +114,7 @@ def machine_modes(found: MechanismModes) -> Scene:
 
 
 def _change(found: MechanismModes, j: int, q: Array) -> Any:
-    """Return how the positions (nq,) of the engine change in a mode, complex."""
+    """Return the complex change of the engine's positions (nq,) in a mode."""
     shape = np.asarray(found.increments[:, j])
     out = np.zeros(len(q), dtype=np.complex128)
     for body in found.model.bodies:
@@ -129,7 +129,7 @@ def _change(found: MechanismModes, j: int, q: Array) -> Any:
 
 
 def _largest(body: Body, change: Any, q: Array) -> float:
-    """Return the largest displacement of the vertices of a body in a mode, m."""
+    """Return the largest displacement of a body's vertices in a mode, m."""
     if body.rings is not None:
         moved = change[body.rings.places[:, None] + np.arange(3)]
     elif body.place < 0:
@@ -153,17 +153,19 @@ def _largest(body: Body, change: Any, q: Array) -> float:
 
 
 def _slopes(rows: Rows, q: Array, v: Array | None, change: Any, h: float) -> Any:
-    """Return the slope of the resultants of beams along a change of positions, complex."""
+    """Return the complex derivative of beam resultants along a change of positions."""
     out: Any = 0.0
     still = None if v is None else np.zeros_like(v)
     for part, unit in ((change.real, 1.0), (change.imag, 1j)):
         if np.any(part):
-            up, down = (rows.of(q + s * h * part, still)[0, len(part) :] for s in (1.0, -1.0))
+            up, down = (
+                rows.from_states(q + s * h * part, still)[0, len(part) :] for s in (1.0, -1.0)
+            )
             out = out + unit * (up - down) / (2.0 * h)
     return out
 
 
 def _scale(box: Array, largest: float) -> float:
-    """Return the factor that moves the largest displacement by a tenth of the size."""
+    """Return the factor that scales the largest displacement to a tenth of the size."""
     size = float(np.ptp(box, axis=0).max())
     return SHARE * size / largest if largest > 0.0 else 1.0

@@ -15,26 +15,26 @@ from jousto.simulation.results.solution import Solution
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """How the row of a scene follows from the state: q, then the resultants of beams."""
+    """Map from states to rows of a scene: q, then the resultants of beams."""
 
     width: int
     beams: Sequence[Resultants]
 
     @property
     def velocities(self) -> bool:
-        """Whether velocities are needed."""
+        """Whether the rows depend on velocities."""
         return any(beam.damped for beam in self.beams)
 
-    def of(self, q: Array, v: Array | None) -> Array:
+    def from_states(self, q: Array, v: Array | None) -> Array:
         """Return the rows (k, nr) of states q (k, nq) and v (k, nv)."""
         return np.concatenate([q, *(beam.values(q, v) for beam in self.beams)], axis=1)
 
 
 def run_motion(run: Solution, rows: Rows) -> Motion:
-    """Return the motion of a run; its rows are read from the results when they are asked for."""
+    """Return the motion of a run; its rows are read from the results on demand."""
 
     def read(which: slice) -> Array:
         v = run.states(which)[1] if rows.velocities else None
-        return rows.of(run.states(which, velocities=False)[0], v)
+        return rows.from_states(run.states(which, velocities=False)[0], v)
 
     return Motion(run.time, read)

@@ -1,4 +1,4 @@
-"""Scenes of parts and meshes, which stand still."""
+"""Static scenes of parts and meshes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from jousto.model.frame_record import ELEMENTS, FrameShape
 from jousto.parts.frames.second_order import SecondOrder
 from jousto.parts.part import Part
 from jousto.scene.bodies import is_surface, line_body, solid_body
-from jousto.scene.bounding_box import around
+from jousto.scene.bounding_box import bounding_box
 from jousto.scene.frames import frame_body
 from jousto.scene.scene import Body, Mark, Scene, Side
 from jousto.simulation.results.records import BodyShape
 
-MOST_MARKS = 50  # named nodes that are shown
+MOST_MARKS = 50  # number of named nodes shown
 
 
 def part_scene(part: Part) -> Scene:
@@ -58,7 +58,7 @@ def mesh_scene(mesh: Mesh) -> Scene:
     faces = outer_faces(mesh.cells)
     triangles = np.asarray(triangulate(faces)) if faces else np.zeros((0, 3), dtype=np.int64)
     if not len(triangles):
-        raise InputError(Problem(f"mesh '{mesh.name}'", "has no solid elements to see"))
+        raise InputError(Problem(f"mesh '{mesh.name}'", "has no solid elements to show"))
     nodes = np.asarray(mesh.nodes)
     none = np.zeros((len(nodes), 3, 0))
     shape = BodyShape(mesh.name, "flexible", 0, 0, 0, nodes, triangles, none)
@@ -75,6 +75,6 @@ def _still(name: str, body: Body, marks: tuple[Mark, ...]) -> Scene:
         title=name,
         still=empty[0],
         bodies=(fixed,),
-        box=around([fixed], (), empty),
+        box=bounding_box([fixed], (), empty),
         markers=marks,
     )

@@ -1,4 +1,4 @@
-"""Scene: what is seen of a run, a model, a part or modes, in double precision."""
+"""Scene: bodies, symbols and motion of a run, a model, a part or modes, in double precision."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ WORLD = (1.0, 0.0, 0.0, 0.0)
 @described
 @dataclass(frozen=True, eq=False)
 class Rings:
-    """A beam as rings: its section, swept along the bent axis between the ends of its elements.
+    """Beam as rings: its section swept along the deformed axis.
 
-    Between the ends of an element the section turns evenly, the axis is a cubic along the axes at
-    the ends, and the resultants are linear.
+    Between the ends of an element the rotation of the section is interpolated evenly, the axis is a
+    cubic tangent to the end axes, and the resultants are linear.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Rings:
     vertex_ring : (nv,) int array
         The ring of each vertex.
     yz : (nv, 2) array
-        Where each vertex is in the section, m.
+        Position of each vertex in the section, m.
     forces : int
         First column of the resultants ``[N Qy Qz Mx My Mz]`` at both ends of each element; -1 if
         the stress is not known.
@@ -64,7 +64,7 @@ class Rings:
 @described
 @dataclass(frozen=True, eq=False)
 class Sections:
-    """Where the vertices of a modal frame are: in sections along its elements.
+    """Vertices of a modal frame by sections along its elements.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Sections:
     vertex_ring : (nv,) int array
         The section of each vertex.
     yz : (nv, 2) array
-        Where each vertex is in its section, m.
+        Position of each vertex in its section, m.
     """
 
     element: Index
@@ -108,7 +108,7 @@ class Body:
     static : (nv, 6) array or None
         Stress that does not change, Pa.
     known : (nv,) bool array or None
-        Where the stress is known; None: everywhere or nowhere.
+        Mask of vertices with known stress; None: everywhere or nowhere.
     nodes : (nv,) int array or None
         Numbers of the nodes of the model, from 1.
     damage : (nv,) array or None
@@ -120,9 +120,9 @@ class Body:
     about : str
         Facts in one line.
     rings : Rings or None
-        Of exact beams, which have neither shapes nor stress.
+        Rings of exact beams, which have neither shapes nor stress.
     sections : Sections or None
-        Of modal frames.
+        Sections of modal frames.
     """
 
     name: str
@@ -149,7 +149,7 @@ class Body:
 @described
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A point of a body: ``r = R + A(e) (u + phi p)``.
+    """Point of a body: ``r = R + A(e) (u + phi p)``.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class Side:
 @described
 @dataclass(frozen=True, eq=False)
 class Symbol:
-    """A joint, a force, a sensor or a support.
+    """Symbol of a joint, a force, a sensor or a support.
 
     Attributes
     ----------
@@ -183,9 +183,9 @@ class Symbol:
     group : str
         "joint", "force", "sensor" or "ground".
     sides : tuple of Side
-        What it joins, or where it is; of a path all its points.
+        Points that the symbol joins; of a path all its points.
     axis : (3,) array or None
-        Its direction, in the frame of the body of the first side, or in the world if `fixed`.
+        Direction in the frame of the body of the first side, or in the world if `fixed`.
     size : float or None
         m.
     sensor : str or None
@@ -210,7 +210,7 @@ class Symbol:
 @described
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A named point."""
+    """Named point."""
 
     name: str
     side: Side
@@ -219,21 +219,21 @@ class Mark:
 @described
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A sensor, and where it measures.
+    """Sensor with its place.
 
     Attributes
     ----------
     name, unit, description : str
     units, components : tuples of str
-        Of each component.
+        Unit and name of each component.
     side : Side or None
-        Where it is.
+        Place of the sensor.
     arrow : str or None
         "force", "moment", "velocity" or "acceleration" if it is a vector in world axes.
     columns : tuple of int or None
         The components of that vector.
     floors : tuple of float
-        What a reading of each component must exceed to be no rounding.
+        Magnitude of each component below which a reading is rounding error.
     """
 
     name: str
@@ -250,7 +250,7 @@ class Sensor:
 @described
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """A mode: ``row(t) = still + a (real cos wt - imag sin wt)``.
+    """Mode: ``row(t) = still + a (real cos wt - imag sin wt)``.
 
     Attributes
     ----------
@@ -277,7 +277,7 @@ class Mode:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The rows of a run, read by slices when they are asked for.
+    """Motion of a run: rows, read in slices on demand.
 
     Attributes
     ----------
@@ -296,7 +296,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Happened:
-    """An event of a run: when, s, and its name."""
+    """Event of a run: time, s, and name."""
 
     time: float
     name: str
@@ -304,7 +304,7 @@ class Happened:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is seen of a run, a model, a part or modes.
+    """Bodies, symbols and motion of a run, a model, a part or modes.
 
     A row is one instant: the positions q of the engine, ``[R e p]`` body after body, then the
     resultants of exact beams.
@@ -318,7 +318,7 @@ class Scene:
         The row of the first instant.
     bodies, symbols, markers, sensors, modes, events : tuples
     motion : Motion or None
-        How it moves.
+        Motion of the scene.
     box : (2, 3) array
         Opposite corners around everything over the motion, world, m.
     up : (3,) array
@@ -326,7 +326,7 @@ class Scene:
     gravity : (3,) array or None
         m/s2.
     measures : tuple of str
-        What can be shown in colours.
+        Quantities that can be shown in colours.
     limits : dict
         Measure to least and largest value over the run, as far as they are known.
     run : Solution or None

@@ -1,4 +1,4 @@
-"""Sections of beams: their outlines with equal corners, the tube between them, its stress."""
+"""Beam sections: outlines with equal numbers of corners, tubes between them, stress."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array, Index
 from jousto.model.beam_record import BeamShape
 
-THIN = 0.01  # side of a section whose outline is not known, by the length of the beam
+THIN = 0.01  # side of a default section without outline, relative to the beam length
 
 
 def tube(rings: int, k: int) -> Index:
@@ -28,32 +28,32 @@ def walls(rings: int, k: int) -> Index:
 
 
 def fan(k: int) -> Index:
-    """Return the triangles that fill a ring of k corners, seen from ahead."""
+    """Return the triangles that fill a ring of k corners, outward in the beam direction."""
     i = np.arange(k)
     return np.stack([np.zeros(k - 2, dtype=int), i[1:-1], i[2:]], axis=1)
 
 
 def beam_outlines(beam: BeamShape) -> Array:
-    """Return the outlines (number of sections, k, 2) of a beam with the same number of corners."""
+    """Return the outlines (number of sections, k, 2) of a beam, with equal k for all."""
     return outlines([section.outline for section in beam.sections], float(beam.s[-1]))
 
 
 def outlines(edges: Sequence[Array], length: float) -> Array:
-    """Return outlines (number, k, 2), m, with the same number of corners.
+    """Return outlines (number, k, 2), m, resampled to an equal number of corners.
 
     Parameters
     ----------
     edges : sequence of (k, 2) arrays
         Outer edges; empty where they are not known: then a thin square is drawn.
     length : float
-        Of the beam, m.
+        Length of the beam, m.
     """
     side = 0.5 * THIN * length
     square = np.array([[-side, -side], [side, -side], [side, side], [-side, side]])
     found = []
     for given in edges:
         edge = given if len(given) else square
-        if len(edge) == 4:  # the middles of the sides are points of stress, too
+        if len(edge) == 4:  # rectangles: the middles of the sides are stress points as well
             edge = np.stack([edge, 0.5 * (edge + np.roll(edge, -1, axis=0))], 1).reshape(-1, 2)
         found.append(edge)
     k = max(len(edge) for edge in found)
@@ -87,14 +87,14 @@ def outline_rows(section: Any, edge: Array) -> Array:
 
 
 def outline_weights(points: Array, edge: Array) -> tuple[Array, Array | None]:
-    """Return how values at the corners (k, 2) of an outline follow from those at points (np, 2).
+    """Return weights of corner values (k, 2) from values at stress points (np, 2).
 
     Returns
     -------
     around : (k, np) array
         Linear in the angle between the outer points.
     plane : (k, np) array or None
-        Of values that are linear over the section; None if the points span no plane.
+        Plane of values that are linear over the section; None if the points span no plane.
     """
     centre = edge.mean(axis=0)
     arms = points - centre
@@ -114,7 +114,7 @@ def outline_weights(points: Array, edge: Array) -> tuple[Array, Array | None]:
     plane = None
     if np.linalg.matrix_rank(basis) == 3:
         plane = np.column_stack([np.ones(len(edge)), edge]) @ np.linalg.pinv(basis)
-    # corners that are points of the section have its own values
+    # corners that are stress points take their values
     away = np.linalg.norm(edge[:, None] - points[None], axis=2)
     near = away.argmin(axis=1)
     same = np.flatnonzero(away.min(axis=1) < 1e-9 * np.ptp(edge))

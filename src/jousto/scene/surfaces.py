@@ -1,4 +1,4 @@
-"""Surfaces of bodies: the vertices that triangles use, and the edges that are drawn over them."""
+"""Surfaces of bodies: used vertices, and feature edges."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 
-CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle have an edge there
+CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle form an edge
 
 
 def compact(triangles: Any) -> tuple[Index, Index]:
-    """Return the nodes that triangles use, and the triangles between these."""
+    """Return the nodes that triangles use, and the triangles renumbered to them."""
     used, corners = np.unique(np.asarray(triangles), return_inverse=True)
     return used.astype(np.intp), corners.reshape(-1, np.shape(triangles)[1]).astype(np.intp)
 
 
 def feature_edges(positions: Array, triangles: Index) -> Index:
-    """Return the edges (k, 2) at which a surface ends or turns sharply.
+    """Return the edges (k, 2) at a boundary or a sharp angle of a surface.
 
-    Vertices at one place count as one, so that surfaces whose triangles share no vertices have
-    edges at their corners only.
+    Coincident vertices count as one, so that triangles with separate vertices have edges at real
+    corners only.
     """
     if not len(triangles):
         return np.zeros((0, 2), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Symbols of a scene from what results know of joints, forces, sensors and named points."""
+"""Symbols of a scene from joints, forces, sensors and named points in results."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def drawn_symbols(
 
 
 def side_of(point: SymbolPoint, bodies: Sequence[BodyShape]) -> Side:
-    """Return a point of a body with the place of the body in a row."""
+    """Return a scene point of a body, with the body's column in a row."""
     frame = euler_parameters(point.axes)
     if point.body < 0:
         return Side(-1, 0, np.asarray(point.u0), None, frame)
@@ -51,8 +51,8 @@ def side_of(point: SymbolPoint, bodies: Sequence[BodyShape]) -> Side:
     return Side(shape.q_offset, shape.n, np.asarray(point.u0), phi, frame)
 
 
-def grounds(symbols: Sequence[Symbol]) -> tuple[Symbol, ...]:
-    """Return a support for every point of the world that something moving is joined to."""
+def ground_symbols(symbols: Sequence[Symbol]) -> tuple[Symbol, ...]:
+    """Return a support for every world point that a joint or force connects to a body."""
     points = [
         side.u
         for one in symbols
@@ -67,8 +67,8 @@ def grounds(symbols: Sequence[Symbol]) -> tuple[Symbol, ...]:
     )
 
 
-def held_points(symbols: Sequence[Symbol]) -> dict[int, Array]:
-    """Return the points (k, 3) of each body, by its place, at which joints and forces are, m."""
+def attached_points(symbols: Sequence[Symbol]) -> dict[int, Array]:
+    """Return the points (k, 3) of each body at which joints and forces attach, m, by column."""
     found: dict[int, list[Array]] = {}
     for one in symbols:
         if one.group in ("joint", "force"):

@@ -1,4 +1,4 @@
-"""Where the vertices and points of a scene are at some rows, and the stress there."""
+"""Positions and stress of vertices and points of a scene at some rows."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from jousto.recovery.beams.strains import exponential, logarithm
 from jousto.recovery.shape import bracket, rotation_matrices
 from jousto.scene.scene import Body, Rings, Scene, Side
 
-BLOCK = 64 << 20  # bytes of rows that are read at once
+BLOCK = 64 << 20  # bytes of rows per read
 
 
 def rows_at(scene: Scene, times: ArrayLike) -> Array:
-    """Return the rows (nt, nr) of a run at instants, linear between the stored ones.
+    """Return the rows (nt, nr) of a run at instants, linear between stored rows.
 
-    Of the two signs of Euler parameters that are the same rotation the nearer one counts.
+    Euler parameters take the sign nearer to those of the row before.
 
     Raises
     ------
@@ -38,20 +38,20 @@ def rows_at(scene: Scene, times: ArrayLike) -> Array:
         found[first:last] = scene.motion.rows(slice(low, high))[needed[first:last] - low]
         first = last
     a, b = found[np.searchsorted(needed, before)], found[np.searchsorted(needed, after)]
-    e = turned(scene.bodies)[:, None] + np.arange(4)
+    e = euler_columns(scene.bodies)[:, None] + np.arange(4)
     b[:, e] *= np.where((a[:, e] * b[:, e]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     return np.asarray((1.0 - share[:, None]) * a + share[:, None] * b)
 
 
-def turned(bodies: Sequence[Body]) -> Index:
-    """Return the first columns of all Euler parameters in a row."""
+def euler_columns(bodies: Sequence[Body]) -> Index:
+    """Return the first column of each body's Euler parameters in a row."""
     places = [np.array([body.place]) for body in bodies if body.place >= 0]
     places += [body.rings.places for body in bodies if body.rings is not None]
     return np.unique(np.concatenate([np.zeros(0, dtype=np.intp), *places])).astype(np.intp) + 3
 
 
 def vertices(body: Body, rows: Array, *, scale: float = 1.0) -> Array:
-    """Return where the vertices of a body are, (k, nv, 3) in the world, m.
+    """Return the world positions (k, nv, 3) of a body's vertices, m.
 
     Parameters
     ----------
@@ -64,16 +64,18 @@ def vertices(body: Body, rows: Array, *, scale: float = 1.0) -> Array:
         r, Q = _swept(body.rings, rows)
         v = body.rings.vertex_ring
         return np.asarray(r[:, v] + np.einsum("tvij,vj->tvi", Q[:, v, :, 1:], body.rings.yz))
-    return moved(body.place, body.positions, body.shapes, rows, scale)
+    return body_points(body.place, body.positions, body.shapes, rows, scale)
 
 
 def points(side: Side, rows: Array, *, scale: float = 1.0) -> Array:
-    """Return where a point is, (k, 3) in the world, m; see `vertices`."""
+    """Return the world positions (k, 3) of a point, m; see `vertices`."""
     phi = None if side.phi is None else np.asarray(side.phi).T[:, None]
-    return moved(side.place, side.u[None], phi, rows, scale)[:, 0]
+    return body_points(side.place, side.u[None], phi, rows, scale)[:, 0]
 
 
-def moved(place: int, x: Array, shapes: Array | None, rows: Array, scale: float = 1.0) -> Array:
+def body_points(
+    place: int, x: Array, shapes: Array | None, rows: Array, scale: float = 1.0
+) -> Array:
     """Return ``R + A(e) (x + scale phi p)`` (k, nv, 3) of points x (nv, 3), m."""
     u = np.broadcast_to(x, (len(rows), *x.shape))
     if place < 0:
@@ -87,12 +89,12 @@ def moved(place: int, x: Array, shapes: Array | None, rows: Array, scale: float 
 
 
 def section_axes(rings: Rings, rows: Array) -> Array:
-    """Return the axes of the section at the vertices of a beam, world, as columns (k, nv, 3, 3)."""
+    """Return section axes at the vertices of a beam in the world, as columns (k, nv, 3, 3)."""
     return np.asarray(_swept(rings, rows)[1][:, rings.vertex_ring])
 
 
 def _swept(rings: Rings, rows: Array) -> tuple[Array, Array]:
-    """Return the axis (k, nring, 3), m, and the axes of the section there."""
+    """Return axis points (k, nring, 3), m, and section axes at the rings of a beam."""
     node = rows[:, rings.places[:, None] + np.arange(7)]
     R, A = node[..., :3], rotation_matrices(node[..., 3:])
     own = rotation_matrices(rings.ends[..., 3:])
@@ -109,7 +111,7 @@ def _swept(rings: Rings, rows: Array) -> tuple[Array, Array]:
 
 
 def stresses(body: Body, rows: Array) -> Array | None:
-    """Return the stress (k, nv, 6) of the vertices, nan where unknown, Pa; None if it has none.
+    """Return the stress (k, nv, 6) of the vertices, Pa, nan where unknown; None without stress.
 
     ``sigma = static + sum_j Sigma_j p_j``; of exact beams the rows of the section times the
     resultants, which are linear along an element.
@@ -138,8 +140,8 @@ def _ring_stress(rings: Rings, rows: Array) -> Array | None:
     return np.asarray(np.einsum("vcj,tvj->tvc", rings.rows[rings.corner], p))
 
 
-def picked(body: Body, which: Index) -> Body:
-    """Return a body with some of its vertices, without triangles, lines and edges."""
+def select_vertices(body: Body, which: Index) -> Body:
+    """Return a body with a subset of its vertices, without triangles, lines and edges."""
 
     def some(values: Array | None) -> Array | None:
         return None if values is None else values[which]
@@ -176,8 +178,8 @@ def picked(body: Body, which: Index) -> Body:
     )
 
 
-def thickened(body: Body, least: float) -> Body:
-    """Return a beam or frame whose sections are at least that thick, m, so that they are seen."""
+def thicken_body(body: Body, least: float) -> Body:
+    """Return a beam or frame with sections of at least a thickness, m, for visibility."""
     rings = body.rings
     if rings is not None:
         yz = rings.yz * _factor(rings.yz, rings.vertex_ring, least)[:, None]
@@ -196,14 +198,14 @@ def thickened(body: Body, least: float) -> Body:
 
 
 def _means(x: Array, group: Index) -> Array:
-    """Return for each row of x (nv, 3) the mean over its group."""
+    """Return the mean of each row's group of x (nv, 3), one per row."""
     count = np.maximum(np.bincount(group), 1)
     means = np.stack([np.bincount(group, column) / count for column in x.T], axis=1)
     return np.asarray(means[group])
 
 
 def _factor(x: Array, group: Index, least: float) -> Array:
-    """Return the factor (nv,) that makes the extent of each group at least that large."""
+    """Return the factor (nv,) that enlarges each group to at least the thickness."""
     low = np.full((int(group.max()) + 1, x.shape[1]), np.inf)
     high = -low
     np.minimum.at(low, group, x)

@@ -1,1 +1,1 @@
-"""The model file: validated entries, built through the same constructors that Python code uses."""
+"""Model files: validated entries and the objects built from them."""

@@ -1,4 +1,4 @@
-"""The parts of the flexible bodies of a model file, without their modes."""
+"""Parts of the flexible bodies of a model file, without their modes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.schema.partial_validation import validate
 
 
 def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> dict[str, Part]:
-    """Return the part of each flexible body that has a mesh, by the name of the body.
+    """Return the parts of flexible bodies with a mesh, by body name.
 
     Parameters
     ----------

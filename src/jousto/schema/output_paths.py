@@ -1,4 +1,4 @@
-"""Where the command line writes: next to the input, never over it or over other data."""
+"""Output paths of the command line: next to the input, never over input or other data."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ WORDS = {
     MONITOR: "the record of a monitoring run",
 }
 
-# what may be in the way of a picture and is not to be lost
+# file types that a picture must not overwrite
 DATA = (*DOCUMENTS, ".h5", ".hdf5")
 
 
 def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") -> Path:
-    """Return where to write, next to the input by default, never over an input.
+    """Return the output path, next to the input by default, never over an input.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
 
 
 def worth_keeping(path: Path, kind: str) -> str:
-    """Return what a file holds that output of a kind must not replace, empty if nothing."""
+    """Return the kind of valuable content that output must not replace; empty if none."""
     if not path.is_file() or not path.stat().st_size:
         return ""
     if not kind:
@@ -74,7 +74,7 @@ def worth_keeping(path: Path, kind: str) -> str:
 
 
 def hdf5_format(path: Path) -> str:
-    """Return the format attribute of an HDF5 file, empty if it is none of jousto's."""
+    """Return the format attribute of an HDF5 file; empty for files of other programs."""
     if not is_hdf5(path):
         return ""
     import h5py

@@ -1,4 +1,4 @@
-"""Which entries of a model file are valid, and what is wrong with the others."""
+"""Validation of a model file that keeps valid entries beside invalid ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.schema.make.model import LISTS
 
 @dataclass(frozen=True, eq=False)
 class Valid:
-    """What is valid of a document.
+    """Valid entries of a document, with the problems of the others.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ class Valid:
 
 
 def validate(document: Document) -> Valid:
-    """Return what is valid of a document."""
+    """Return the valid entries of a document."""
     data = document.data
-    if "robots" in data:  # they bring bodies
+    if "robots" in data:  # robots add bodies
         data = {"bodies": [], **data}
     lists = {key: data[key] for key in LISTS if isinstance(data.get(key), list)}
     index = {key: list(range(len(lists.get(key, ())))) for key in LISTS}
@@ -51,7 +51,7 @@ def validate(document: Document) -> Valid:
         return Valid(ModelEntry.model_validate(data, context=classes), index)
     except ValidationError as error:
         problems = explain(error, document, classes)
-    # leave out what is wrong, so that references and the rest can be checked all the same
+    # leave out invalid entries, so that references and the rest can still be checked
     rest: dict[str, Any] = dict(data)
     broken: list[Any] = []
     left: list[tuple[Loc, Any]] = []
@@ -69,7 +69,7 @@ def validate(document: Document) -> Valid:
             if (of := classes.get(id(item))) is not None:
                 left.append(((key, place), of))
         else:
-            # whatever the section should have defined
+            # names that the invalid section would have defined
             broken.append((key, None))
             index[key] = []
             rest.pop(key, None)

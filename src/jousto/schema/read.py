@@ -1,4 +1,4 @@
-"""Model files: read, validate, build; everything that is wrong is reported at once."""
+"""Reading model files: parse, validate, build; all problems are reported at once."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from jousto.schema.variants import Variants
 if TYPE_CHECKING:
     from jousto.design.studies.outcomes.requirement import Requirement
 
-MODELS = (*DOCUMENTS, *SUFFIXES)  # endings of what `read_model` reads
+MODELS = (*DOCUMENTS, *SUFFIXES)  # suffixes of files that `read_model` reads
 PART_TYPES = ("beam", "members", "frame", "solid", "matrices", "reduced")
 
 
@@ -139,7 +139,7 @@ def read_model(
 def parse_model(
     text: str, *, name: str = "model", folder: Path | None = None, trust: bool = False
 ) -> ModelFile:
-    """Read a model from text, see `read_model`.
+    """Read a model from text; see `read_model`.
 
     Examples
     --------
@@ -203,7 +203,8 @@ def build_model(
         if name not in named
     )
     finish(document, [*valid.problems, *builder.found], [*unused, *builder.warnings])
-    builder.known.clear()  # sections refer to the builder: all entries would stay as garbage
+    # break reference cycles between sections and builder, which would keep all entries alive
+    builder.known.clear()
     assert mechanism is not None
     variants = Variants(build_model, whole, expanded.parameters, rigid, trust, expanded.idle)
     given = (mechanism, simulation, document.text, fatigue, monitor)
@@ -215,7 +216,7 @@ def build_model(
 
 @dataclass(frozen=True, eq=False)
 class PartFile:
-    """What a file says of one part.
+    """Content of a file with one part.
 
     Parameters
     ----------
@@ -256,7 +257,7 @@ def read_part(path: str | Path, name: str | None = None) -> Any:
 def read_part_file(
     path: str | Path, name: str | None = None, *, reduce: bool = True, **options: Any
 ) -> PartFile:
-    """Return the part of a file, how it is to be reduced, and its modes.
+    """Return the part of a file, its reduction settings, and its modes.
 
     Parameters
     ----------

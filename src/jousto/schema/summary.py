@@ -1,4 +1,4 @@
-"""What is in a model or a reduced part, as lines of names and values for people."""
+"""Content of a model or a reduced part as lines of names and values."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 Facts: TypeAlias = list[tuple[str, str]]
 
-FLAT = 1e-6  # thickness over size below which a surface is flat
+FLAT = 1e-6  # thickness / size below which a surface is flat
 
 
 def model_facts(file: ModelFile) -> Facts:
-    """Return what is in a model file."""
+    """Return lines on the content of a model file."""
     rows = mechanism_facts(file.mechanism)
     if file.fatigue is not None:
         rows += [(f"S-N curve {name}", str(curve)) for name, curve in file.fatigue.curves.items()]
@@ -46,7 +46,7 @@ def model_facts(file: ModelFile) -> Facts:
 
 
 def mechanism_facts(mechanism: Mechanism) -> Facts:
-    """Return what is in a mechanism."""
+    """Return lines on the content of a mechanism."""
     rows: Facts = []
     for body in mechanism.items:
         if not isinstance(body, RigidBody | FlexibleBody | BeamBody):
@@ -87,7 +87,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 
 
 def given(force: ForceElement) -> str:
-    """Return where a force acts, and what it was given besides: numbers, vectors and flags."""
+    """Return the place of a force and its other values: numbers, vectors and flags."""
     places: list[str] = []
     values: list[str] = []
     for key, kind in force.fields.items():
@@ -98,7 +98,7 @@ def given(force: ForceElement) -> str:
         elif (
             isinstance(value, Coordinate)
             and value.joint is None
-            and value.name.startswith(f"{force.name}.")  # made by Spring.between
+            and value.name.startswith(f"{force.name}.")  # coordinate created by Spring.between
         ):
             places.append(f"{value.a.label} to {value.b.label}")
         elif isinstance(value, Coordinate | BeamBody | FlexibleBody | RigidBody):
@@ -123,7 +123,7 @@ def given(force: ForceElement) -> str:
 
 
 def table_text(key: str, label: str, table: Table, units: tuple[str, str]) -> str:
-    """Return what a table of a force says: dry friction, or its points and their range."""
+    """Return the text on a force table: dry friction, or its points and their range."""
     x, y = np.asarray(table.times), np.asarray(table.values)
     if key == "damper_table" and len(x) == 2 and x[0] == -x[1] and y[0] == -y[1] >= 0.0:
         return f"dry friction {y[0]:.6g} {units[0]}, full from {x[1]:.6g} {units[1]}"
@@ -132,7 +132,7 @@ def table_text(key: str, label: str, table: Table, units: tuple[str, str]) -> st
 
 
 def mesh_facts(mesh: Mesh) -> Facts:
-    """Return what is in a mesh: lengths in mm, since it shows wrong units best."""
+    """Return lines on a mesh, lengths in mm: these show wrong units best."""
     low, high = mesh.bounds
     kinds: dict[str, int] = {}
     for block in mesh.cells:
@@ -157,7 +157,7 @@ def mesh_facts(mesh: Mesh) -> Facts:
 
 
 def set_text(mesh: Mesh, name: str, nodes: Any) -> str:
-    """Return how many nodes a set has, where it is and, if it is a surface, its form."""
+    """Return the text on a set: number of nodes, place, and the form of a surface."""
     from jousto.mesh.holes import cylinder_through
 
     if not len(nodes):
@@ -184,7 +184,7 @@ def _millimetres(x: Any) -> str:
 
 
 def _direction(e: Any) -> str:
-    """Return x, y or z, or the components, the largest positive."""
+    """Return x, y or z, or components with the largest one positive."""
     along = np.asarray(e) * np.sign(e[int(np.argmax(np.abs(e)))])
     parts = [round(float(a), 3) + 0.0 for a in along]
     if sorted(parts) == [0.0, 0.0, 1.0]:
@@ -193,7 +193,7 @@ def _direction(e: Any) -> str:
 
 
 def content_facts(part: ReducedPart) -> Facts:
-    """Return the mass integrals of a reduced part, and what its modes are for."""
+    """Return lines on the mass integrals of a reduced part and the purpose of its modes."""
     i = part.invariants
 
     def matrix(a: Any, unit: str) -> str:
@@ -217,7 +217,7 @@ def content_facts(part: ReducedPart) -> Facts:
         ("I8", f"its change with the modes, {matrix(i.I8, 'kg^0.5 m')}"),
         ("I9", f"with products of modes, {matrix(i.I9, '')}"),
     ]
-    # attachment modes and residual vectors respond to loads on masses that move: neither of both
+    # attachment modes and residual vectors respond to loads on masses that move
     text = part.provenance.get("method", "")
     mixed = any(word in text for word in ("residuals=", "inertia_relief=True"))
     mixed = (
@@ -232,8 +232,8 @@ def content_facts(part: ReducedPart) -> Facts:
 
 
 def part_facts(part: ReducedPart) -> Facts:
-    """Return what is in a reduced part."""
-    # without the numbers of nodes, except where they are all that names the interfaces
+    """Return lines on the content of a reduced part."""
+    # node numbers only where interfaces have no other names
     numbered = re.compile(r"n(ode)?\d+")
     sets = [s for s in part.node_sets if s in part.interfaces or not numbered.fullmatch(s)]
     frequencies = [f"{f:.6g}" for f in part.frequencies]

@@ -1,4 +1,4 @@
-"""Variants: the machines of a model file for other values of its parameters."""
+"""Variants: machines of a model file for other parameter values."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @described
 @dataclass(frozen=True, eq=False)
 class Variants:
-    """A model file as a function of its parameters; can be pickled.
+    """Model file as a function of its parameters; can be pickled.
 
     Parameters
     ----------
@@ -48,23 +48,23 @@ class Variants:
 
     @property
     def key(self) -> str:
-        """Hash of the text of the file, of every file that it names, and of how it is read."""
+        """Hash of the file's text, of every file it names, and of the reading options."""
         data = expand(self.document).document.data
         files = contents(data, self.document.folder, {})
-        from jousto.reduction.files.cache import key  # of studies alone: it loads much
+        from jousto.reduction.files.cache import key  # slow import, needed by studies only
 
         return key(self.document.text, files, self.rigid, self.trust)
 
     def parts(self, values: Mapping[str, float]) -> dict[str, Part]:
-        """Return the part of each flexible body that has a mesh, by the name of the body."""
-        from jousto.schema.bodies import parts_of  # it reads files, which makes variants
+        """Return the parts of flexible bodies with a mesh, by body name."""
+        from jousto.schema.bodies import parts_of  # late import: reading files creates variants
 
         return parts_of(self.document, values, self.trust)
 
     def make(
         self, values: Mapping[str, float], kept: dict[Any, Any]
     ) -> tuple[Mechanism, Any, tuple[Any, ...]]:
-        """Return the mechanism, how it is simulated, and what is to be checked for fatigue.
+        """Return mechanism, simulation settings and fatigue checks for parameter values.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class Variants:
 
 
 def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
-    """Return hashes of the files that texts in data name, and of those named in these, by path."""
+    """Return hashes, by path, of files that texts in data name, and of files named in these."""
     if isinstance(data, Mapping):
         data = list(data.values())
     if isinstance(data, list):
@@ -101,9 +101,9 @@ def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
             return found
         with path.open("rb") as file:
             found[name] = hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:  # too long for a name, or nothing that can be read
+    except OSError:  # no file name, or an unreadable file
         return found
     if path.suffix.lower() in DOCUMENTS:
-        with suppress(InputError):  # whoever reads it says what is wrong
+        with suppress(InputError):  # the reader of the file reports its problems
             contents(read_document(path).data, path.parent, found)
     return found

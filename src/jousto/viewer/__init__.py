@@ -1,1 +1,1 @@
-"""The viewer: a page in the browser, its server, pages that stand alone, and cells of notebooks."""
+"""Viewer: a page in the browser, its server, self-contained pages, notebook cells."""

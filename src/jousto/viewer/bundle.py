@@ -1,4 +1,4 @@
-"""The page itself: its script and style as they were built, and the HTML around them."""
+"""The page: built script and style, and the HTML around them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jousto.base.errors import InputError, Problem
 
 FOLDER = Path(__file__).parent / "page"
 JS, CSS = "viewer.js", "viewer.css"
-DATA = "jousto-data"  # the element that contains the data of a page that stands alone
+DATA = "jousto-data"  # id of the element with the data of a self-contained page
 
-# a notebook shows the page in a frame; whoever shows it needs the token of its address
+# notebooks show the page in a frame; its address contains the secret token
 FRAMED = "frame-ancestors 'self' http://localhost:* http://127.0.0.1:* vscode-webview:"
 PICTURES = "img-src data: blob:; media-src blob:; font-src data:"
-WASM = " 'wasm-unsafe-eval'"  # machines, not text that is made a script
+WASM = " 'wasm-unsafe-eval'"  # allows compiled WebAssembly, but no evaluation of text as script
 NOTHING_ELSE = "default-src 'none'; base-uri 'none'; form-action 'none'"
 
 
@@ -40,7 +40,7 @@ def read_bundle() -> dict[str, bytes]:
 
 
 def policy(socket: str) -> str:
-    """Return the content security policy of the page that a server serves.
+    """Return the content security policy of a served page.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def policy(socket: str) -> str:
 
 
 def served_page(title: str, query: str) -> str:
-    """Return the HTML of the page that a server serves; script and style need the token, too."""
+    """Return the HTML of a served page; requests for script and style carry the token."""
     token = urlencode({"token": parse_qs(query)["token"][0]})
     return _document(
         title,
@@ -69,9 +69,9 @@ def served_page(title: str, query: str) -> str:
 
 
 def standalone_page(title: str, data: bytes, *, runs: bool = False) -> str:
-    """Return the HTML of a page with everything in it.
+    """Return the HTML of a self-contained page.
 
-    Its policy allows its own script and style, by their hashes, and no connection.
+    Its content security policy allows its own script and style, by their hashes, and no connection.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def standalone_page(title: str, data: bytes, *, runs: bool = False) -> str:
     data : bytes
         Compressed container, see `jousto.viewer.standalone`.
     runs : bool
-        Whether WebAssembly in it may run.
+        Whether WebAssembly in the page may run.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def standalone_page(title: str, data: bytes, *, runs: bool = False) -> str:
         If the page was not built.
     """
     bundle = read_bundle()
-    # the end of an element must not occur within it; both spellings mean the same to JavaScript
+    # the end tag must not occur in the data; both spellings are equal in JavaScript
     script = bundle[JS].decode().replace("</script", "<\\/script").replace("<!--", "<\\!--")
     style = bundle[CSS].decode()
     allowed = "; ".join(

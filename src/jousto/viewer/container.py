@@ -1,4 +1,4 @@
-"""The container in which scenes and numbers travel to the page: a JSON header, then arrays.
+"""Container of scenes and numbers for the page: a JSON header, then arrays.
 
 ``JOV1``, the length of the header (4 bytes), the header (UTF-8, padded with spaces so that the
 arrays begin at a multiple of 8), the arrays. All numbers are little endian and in C order. Where
@@ -18,12 +18,12 @@ from jousto.base.errors import InputError, Problem
 
 MAGIC = b"JOV1"
 TYPES = {name: np.dtype(f"<{name}") for name in ("f8", "f4", "f2", "u4", "i4", "u2", "u1")}
-ALIGNED = 8  # bytes
+ALIGNED = 8  # alignment of arrays, bytes
 REFERENCE = {"at", "shape", "type"}
 
 
 def pack(header: Mapping[str, Any]) -> bytes:
-    """Return a header as bytes; arrays of NumPy in it follow it, each once.
+    """Return a header with NumPy arrays as bytes; each array is stored once.
 
     Arrays keep their type (f8, f4, f2, u4, i4, u2 or u1; other whole numbers become i4, logical
     ones u1). Numbers that are not finite become null, for JSON has none.
@@ -46,7 +46,7 @@ def pack(header: Mapping[str, Any]) -> bytes:
     """
     pieces: list[bytes] = []
     places: dict[int, dict[str, Any]] = {}
-    kept: list[np.ndarray[Any, Any]] = []  # so that no identity occurs twice
+    kept: list[np.ndarray[Any, Any]] = []  # references that keep array ids unique
     end = 0
 
     def written(value: Any) -> Any:
@@ -79,7 +79,7 @@ def pack(header: Mapping[str, Any]) -> bytes:
 
 
 def unpack(data: bytes) -> dict[str, Any]:
-    """Return the header of a container with its arrays, which read from `data`.
+    """Return the header of a container with its arrays as views of `data`.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def unpack(data: bytes) -> dict[str, Any]:
 
 
 def _plain(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Return an array as one of the types of the container."""
+    """Return an array converted to a type of the container."""
     if array.dtype.kind == "b":
         array = array.astype("u1")
     elif array.dtype.str[1:] not in TYPES:

@@ -1,7 +1,7 @@
-"""Worst places and ranges over a run: by proof where hot spots are sought, else at many instants.
+"""Places and ranges of extreme values over a run: exact for stress, else at many instants.
 
-The stress of the bodies comes from the run as in `hot_spots`; of runs so long that the coordinates
-of a body would fill the memory, evenly chosen instants are searched.
+Stress comes from the run as in `hot_spots`; for very long runs, whose coordinates would fill the
+memory, evenly spaced instants are searched.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
     from jousto.scene.scene import Body, Scene
     from jousto.simulation.results.solution import Solution
 
-MOST_NUMBERS = 32 << 20  # coordinates of a body that are searched
-INSTANTS = 200  # at which displacements are worked out
-BLOCK = 4 << 20  # displacements at a time
-APART = 0.04  # distance of worst places by the size of the largest body
+MOST_NUMBERS = 32 << 20  # largest number of modal coordinates in a search
+INSTANTS = 200  # instants at which displacements are computed
+BLOCK = 4 << 20  # displacements per block
+APART = 0.04  # smallest distance of two listed places, relative to the largest body
 
 
-def worst(
+def rank_places(
     scene: Scene, measure: str, count: int, fields: list[StressField] | None = None
 ) -> list[dict[str, Any]]:
-    """Return the worst places by a measure, the worst first.
+    """Return the places of the largest values of a measure, largest first.
 
     Each is `body`, `vertex`, `position` (world, at that time), `value`, `time` and `label`.
     `fields` are those of `stress_fields`, where several measures are asked for.
@@ -45,9 +45,9 @@ def worst(
         If nothing is known of it.
     """
     if measure == "damage":
-        return _damaged(scene, count)
+        return _damaged_places(scene, count)
     if measure == "displacement":
-        return _moved(scene, count)
+        return _displaced_places(scene, count)
     run = _run_of(scene, measure)
     spots = _spots(scene, measure, count, None, fields)
     places = {body.name: k for k, body in reversed([*enumerate(scene.bodies)])}
@@ -62,7 +62,7 @@ def worst(
 
 
 def extent(scene: Scene, measure: str) -> tuple[float, float]:
-    """Return the least and the largest value of a measure over bodies and instants.
+    """Return the smallest and largest value of a measure over bodies and instants.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def extent(scene: Scene, measure: str) -> tuple[float, float]:
             raise InputError(Problem("extent", f"{measure} is not known in this run"))
         return float(values.min()), float(values.max())
     if measure == "displacement":
-        found = _moved(scene, 1)
+        found = _displaced_places(scene, 1)
         return 0.0, found[0]["value"] if found else 0.0
     if scene.run is None:
         return _still(scene, measure)
@@ -100,7 +100,7 @@ def _run_of(scene: Scene, measure: str) -> Solution:
 
 
 def stress_fields(scene: Scene) -> list[StressField]:
-    """Return the stress of all bodies of a scene that have one, none without a run."""
+    """Return the stress fields of all bodies of a scene; empty without a run."""
     if scene.run is None:
         return []
     shown = {body.name for body in scene.bodies}
@@ -123,7 +123,7 @@ def _spots(
 
 
 def _field(run: Solution, name: str) -> StressField:
-    """Return the stress of a body, in the axes of the part as it is shown."""
+    """Return the stress field of a body in the displayed axes of the part."""
     beams = {beam.name for beam in run.beams}
     if name in beams or run.nt * run.coordinates(name, slice(0, 1)).shape[1] <= MOST_NUMBERS:
         return stress_field(run, name, frame="site" if name in beams else "body")
@@ -136,7 +136,7 @@ def _field(run: Solution, name: str) -> StressField:
 
 
 def _vertex(body: Body, node: int, position: Array) -> int:
-    """Return the vertex of a node, the nearest one where it has none."""
+    """Return the vertex of a node, or the nearest vertex."""
     x = np.asarray(body.positions)
     away = np.linalg.norm(x - position, axis=1)
     if body.nodes is not None and node >= 0:
@@ -158,7 +158,7 @@ def _still(scene: Scene, measure: str) -> tuple[float, float]:
 # -- damage and displacement ----------------------------------------------------------------
 
 
-def _damaged(scene: Scene, count: int) -> list[dict[str, Any]]:
+def _damaged_places(scene: Scene, count: int) -> list[dict[str, Any]]:
     places = [
         (float(body.damage[v]), k, int(v))
         for k, body in enumerate(scene.bodies)
@@ -168,8 +168,8 @@ def _damaged(scene: Scene, count: int) -> list[dict[str, Any]]:
     return _listed(scene, places, None, count)
 
 
-def _moved(scene: Scene, count: int) -> list[dict[str, Any]]:
-    """Return where bodies are deformed most, at instants spread over the run."""
+def _displaced_places(scene: Scene, count: int) -> list[dict[str, Any]]:
+    """Return the places of largest displacement at instants spread over the run."""
     if scene.motion is None:
         return []
     nt = len(scene.motion.times)

@@ -1,4 +1,4 @@
-"""Files that are shown: whether another run has taken the place of one, and what is in them now."""
+"""Detection of changed files behind a page, and their new content."""
 
 from __future__ import annotations
 
@@ -15,35 +15,35 @@ if TYPE_CHECKING:
 
 
 class Renewed(InputError):
-    """What is shown has changed: the page has to be loaded again."""
+    """Exception: the content has changed, and the page must reload."""
 
 
 class Watched:
-    """The files behind a page.
+    """Files behind a page.
 
     Parameters
     ----------
     files : sequence of path
-        What is shown of files.
+        Displayed objects by file.
     make : callable
         Returns the scenes of everything that is shown, from the files as they are.
     """
 
     def __init__(self, files: Sequence[Path], make: Callable[[], list[Scene]]) -> None:
         self._make = make
-        self._known = {file: (stamp(file), mark(file)) for file in files}
+        self._known = {file: (write_stamp(file), content_mark(file)) for file in files}
         self._changed: Path | None = None
 
     def changed(self) -> Path | None:
-        """Return a file that contains something else than it did, None if there is none.
+        """Return a file whose content has changed; None if there is none.
 
-        A file that cannot be read now, as it is just being written, has not changed yet.
+        An unreadable file, for example one being written, counts as unchanged.
         """
         for file, (seen, known) in self._known.items():
-            now = stamp(file)
+            now = write_stamp(file)
             if now == seen:
                 continue
-            found = mark(file)
+            found = content_mark(file)
             if found is None:
                 continue
             if found != known:
@@ -52,21 +52,21 @@ class Watched:
         return None
 
     def scenes(self) -> list[Scene]:
-        """Return what is in the files now.
+        """Return the scenes of the files' present content.
 
         Raises
         ------
         JoustoError
             If that cannot be shown.
         """
-        found = {file: (stamp(file), mark(file)) for file in self._known}
+        found = {file: (write_stamp(file), content_mark(file)) for file in self._known}
         scenes = self._make()
         self._known = found
         return scenes
 
 
-def stamp(file: Path) -> tuple[int, ...] | None:
-    """Return what changes whenever a file is written; None if it is gone."""
+def write_stamp(file: Path) -> tuple[int, ...] | None:
+    """Return a value that changes at each write to a file; None if it does not exist."""
     try:
         about = file.stat()
     except OSError:
@@ -74,12 +74,12 @@ def stamp(file: Path) -> tuple[int, ...] | None:
     return about.st_mtime_ns, about.st_size, about.st_ino
 
 
-def mark(file: Path) -> Any:
-    """Return what tells contents of a file apart: of results their run; None if it is not whole."""
+def content_mark(file: Path) -> Any:
+    """Return the identity of a file's content (of results: the run); None if incomplete."""
     kind = hdf5_format(file)
     if kind != RESULTS:
         broken = kind == DAMAGED or (file.suffix.lower() in (".h5", ".hdf5") and not kind)
-        return None if broken else stamp(file)
+        return None if broken else write_stamp(file)
     from jousto.simulation.results.validate import open_results
 
     try:
@@ -89,14 +89,12 @@ def mark(file: Path) -> Any:
         return None
 
 
-def unended(run: Solution | None) -> str:
-    """Return a sentence on a run that has no end, because it still goes on or was killed."""
+def unfinished_note(run: Solution | None) -> str:
+    """Return a sentence on an unfinished or killed run; empty for a complete one."""
     if run is None or run.complete:
         return ""
     last = float(run.time[-1]) if run.nt else 0.0
-    text = (
-        f"{run.where}: the run has no end, it still goes on or was killed; the {run.nt} instants "
-    )
+    text = f"{run.where}: the run is unfinished: still running or killed; the {run.nt} instants "
     text += f"up to {last:.6g} s are shown"
     try:
         about = Path(run.where).stat()
@@ -111,8 +109,8 @@ def unended(run: Solution | None) -> str:
     return text
 
 
-def alike(scenes: Sequence[Scene]) -> None:
-    """Check that scenes can be drawn over one another.
+def check_comparable(scenes: Sequence[Scene]) -> None:
+    """Raise InputError if scenes cannot be overlaid.
 
     Raises
     ------
@@ -123,5 +121,5 @@ def alike(scenes: Sequence[Scene]) -> None:
     kinds = [scene.what for scene in scenes]
     if len(set(kinds)) > 1:
         named = [f"'{scene.title}' is {words.get(scene.what, scene.what)}" for scene in scenes]
-        message = f"{', '.join(named)}: only things of one kind are drawn over one another"
+        message = f"{', '.join(named)}: only objects of one kind can be overlaid"
         raise InputError(Problem("view", message))

@@ -1,4 +1,4 @@
-"""The instants that the page shows of a run: those of a window, of long ones evenly chosen."""
+"""Frames: the instants of a run that the page shows, thinned evenly."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jousto.base.errors import InputError, Problem, count
 
 MOST_FRAMES = 20_000
 LARGEST = 8 << 20  # bytes of an answer with rows
-NUMBER = 4  # bytes of a number of a row that is sent
+NUMBER = 4  # bytes of a transmitted number
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Frames:
     Attributes
     ----------
     first, every, number : int
-        Of the stored instants.
+        First index, stride and number of the stored instants.
     """
 
     first: int
@@ -29,12 +29,12 @@ class Frames:
     number: int
 
     @classmethod
-    def of(cls, first: int, stop: int, most: int = MOST_FRAMES) -> Frames:
-        """Return the instants from one to before another, evenly chosen if there are too many.
+    def thinned(cls, first: int, stop: int, most: int = MOST_FRAMES) -> Frames:
+        """Return the frames of an index range, thinned evenly to the limit.
 
         Examples
         --------
-        >>> Frames.of(100, 200, most=30)
+        >>> Frames.thinned(100, 200, most=30)
         Frames(first=100, every=4, number=25)
         """
         every = max(1, -(-(stop - first) // most))
@@ -42,7 +42,7 @@ class Frames:
 
     @classmethod
     def within(cls, times: Array, start: float, end: float) -> Frames:
-        """Return the instants of a window and those beside it, so that all of it can be drawn.
+        """Return the frames of a time window with one neighbour on each side.
 
         Raises
         ------
@@ -58,19 +58,19 @@ class Frames:
         if start > times[-1] or end < times[0]:
             message = f"{start:g} to {end:g} s is outside the run, {times[0]:g} to {times[-1]:g} s"
             raise InputError(Problem("window", message))
-        return cls.of(first, stop)
+        return cls.thinned(first, stop)
 
     def rows_of_all(self) -> slice:
-        """Return which stored instants all of the frames are."""
+        """Return the stored indices of all frames."""
         return slice(self.first, self.first + (self.number - 1) * self.every + 1, self.every)
 
     def rows(self, first: int, number: int, every: int, width: int) -> slice:
-        """Return which stored instants some of the frames are.
+        """Return the stored indices of some frames.
 
         Parameters
         ----------
         first, number, every : int
-            Of the frames: one in `every` from number `first`.
+            Selected frames: one in `every` from number `first`.
         width : int
             Numbers of a row.
 
@@ -93,7 +93,7 @@ class Frames:
 
 
 def nearest(times: Array, time: float) -> int:
-    """Return the number of the instant that is nearest to a time."""
+    """Return the index of the instant nearest to a time."""
     after = int(np.clip(np.searchsorted(times, time), 1, max(len(times) - 1, 1)))
     if after >= len(times):
         return len(times) - 1
@@ -101,10 +101,10 @@ def nearest(times: Array, time: float) -> int:
 
 
 def thinned(values: Array, most: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the instants (m,) that a plot of series (k, nt) needs, at most about `most`.
+    """Return about `most` instants (m,) that preserve the plot of series (k, nt).
 
-    In each of equal spans of time those with the least and the largest value of every series stay,
-    so that no peak is lost; the first and the last instant stay, too.
+    Each of equal time spans keeps the minimum and the maximum of every series, so that no peak is
+    lost; the first and the last instant are kept as well.
 
     Examples
     --------
@@ -118,7 +118,7 @@ def thinned(values: Array, most: int) -> np.ndarray[tuple[int], np.dtype[np.intp
     spans = max(1, most // (2 * max(k, 1)))
     edges = np.linspace(0, nt, spans + 1).astype(np.intp)
     size = int(np.diff(edges).max())
-    # equal spans: the last number of a shorter one is repeated
+    # equal spans: repeat the last number of a shorter one
     at = np.minimum(edges[:-1, None] + np.arange(size), edges[1:, None] - 1)
     kept = [np.array([0, nt - 1])]
     for series in values:

@@ -1,4 +1,4 @@
-"""What bodies are coloured by and plotted: the page's names, those of criteria, units."""
+"""Measures for colours and plots: names on the page, stress criteria, units."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ CRITERIA = {
     "principal-min": "principal-3",
     **{name: name for name in ("s11", "s22", "s33", "s12", "s23", "s13")},
 }
-"""Criteria of stress by the names of the page."""
+"""Stress criteria by their names on the page."""
 SHIFTS = ("ux", "uy", "uz")
 NUMBERED = (*CRITERIA, "displacement", *SHIFTS, "x", "y", "z", "damage")
-"""What has a history at a point."""
+"""Measures with a history at a point."""
 
 
 def unit_of(name: str) -> str:

@@ -1,6 +1,6 @@
-"""How things show themselves in cells of notebooks: a table, a small picture, the call to see more.
+"""HTML of objects in notebook cells: a table, a small picture, and useful calls.
 
-The things know nothing of this: IPython finds the functions by the names of their types.
+IPython finds the functions by type name; the classes themselves have no code for notebooks.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from jousto.simulation.results.solution import Solution
 
 MOST = 16  # rows of a table
-DRAWN = 50_000  # elements of what is drawn for a cell
+DRAWN = 50_000  # largest number of elements drawn in a cell
 CELL = "text-align: left; vertical-align: top; padding: 1px 12px 1px 0"
 COLOURS = {"ok": "#2e7d32", "note": "inherit", "warn": "#b26a00", "fail": "#c62828"}
 
@@ -32,7 +32,7 @@ Rows = Iterable[tuple[str, ...]]
 
 
 def register(shell: Any = None) -> None:
-    """Let IPython show jousto's objects; does nothing where there is no IPython.
+    """Register jousto's objects with IPython; no effect without IPython.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def register(shell: Any = None) -> None:
 
 
 def solution(run: Solution) -> str:
-    """Return a run as HTML: how it went and its sensors."""
+    """Return a run as HTML: statistics and sensors."""
     time = run.time
     facts = [
         ("instants", f"{run.nt}, {time[0]:g} to {time[-1]:g} s" if run.nt else "none"),
@@ -66,7 +66,7 @@ def solution(run: Solution) -> str:
 
 
 def mechanism(thing: Mechanism) -> str:
-    """Return a mechanism as HTML: what it consists of."""
+    """Return a mechanism as HTML: its content."""
     from jousto.schema.summary import mechanism_facts
 
     body = table(mechanism_facts(thing))
@@ -74,7 +74,7 @@ def mechanism(thing: Mechanism) -> str:
 
 
 def part(thing: Part) -> str:
-    """Return a part as HTML: its size, mass and sets, and a picture."""
+    """Return a part as HTML: size, mass, sets and a picture."""
     x = thing.nodes
     size = " x ".join(f"{1e3 * a:.5g}" for a in x.max(axis=0) - x.min(axis=0))
     sets = (f"{name} ({len(members)})" for name, members in thing.node_sets.items())
@@ -86,12 +86,12 @@ def part(thing: Part) -> str:
         ("sets", ", ".join(list(sets)[:MOST])),
     ]
     return cell(
-        f"part {thing.name}", beside(table(facts), picture(thing)), "jo.view(part) shows it"
+        f"part {thing.name}", side_by_side(table(facts), picture(thing)), "jo.view(part) shows it"
     )
 
 
 def reduced_part(thing: ReducedPart) -> str:
-    """Return a reduced part as HTML: its modes, where it comes from, a picture of the first."""
+    """Return a reduced part as HTML: modes, origin, picture of the first mode."""
     from jousto.schema.summary import part_facts
 
     shares = thing.static_shares
@@ -104,11 +104,11 @@ def reduced_part(thing: ReducedPart) -> str:
         "jo.view(part) shows its modes; jo.certificate.certify(full, part) compares them with the "
         "full model"
     )
-    return cell(f"reduced part {thing.name}", beside(body, picture(thing)), hint)
+    return cell(f"reduced part {thing.name}", side_by_side(body, picture(thing)), hint)
 
 
 def certificate(thing: Certificate) -> str:
-    """Return a certificate as HTML: its checks, those that are not fine with their advice."""
+    """Return a certificate as HTML: its checks, with advice for those not passed."""
     rows = []
     for check in thing.checks:
         limit = f" ({check.limit})" if check.limit else ""
@@ -121,7 +121,7 @@ def certificate(thing: Certificate) -> str:
 
 
 def damage_field(thing: DamageField) -> str:
-    """Return damage as HTML: the worst places."""
+    """Return damage as HTML: the most damaged places."""
     rows = []
     for place in thing.worst(MOST):
         damage, life, safety = thing.at(place)
@@ -136,7 +136,7 @@ def damage_field(thing: DamageField) -> str:
 
 
 def monitor(thing: Monitor) -> str:
-    """Return a monitor as HTML: what it watches."""
+    """Return a monitor as HTML: part, gauges, hot spots and limits."""
     curve = "none, so no damage" if thing.sn is None else str(thing.sn)
     facts = [
         ("channels", ", ".join(thing.channels[:MOST])),
@@ -157,10 +157,12 @@ def monitor(thing: Monitor) -> str:
 
 
 def mesh(thing: Mesh) -> str:
-    """Return a mesh as HTML: size and quality, and a picture."""
+    """Return a mesh as HTML: size, quality and a picture."""
     from jousto.schema.summary import mesh_facts
 
-    return cell("mesh", beside(table(mesh_facts(thing)), picture(thing)), "jo.view(mesh) shows it")
+    return cell(
+        "mesh", side_by_side(table(mesh_facts(thing)), picture(thing)), "jo.view(mesh) shows it"
+    )
 
 
 SHOWN: dict[str, Callable[[Any], str]] = {
@@ -168,19 +170,19 @@ SHOWN: dict[str, Callable[[Any], str]] = {
     "mechanism.mechanism.Mechanism": mechanism,
     "parts.part.Part": part,
     "reduction.reduced.ReducedPart": reduced_part,
-    "reduction.certificate.certificate.Certificate": certificate,
+    "certificate.certificate.Certificate": certificate,
     "fatigue.miner.damage_field.DamageField": damage_field,
     "measurement.monitor.monitor.Monitor": monitor,
     "mesh.mesh.Mesh": mesh,
 }
-"""Functions by the places of types below ``jousto``."""
+"""HTML functions by the module paths of types below ``jousto``."""
 
 
 # -- pieces of HTML -------------------------------------------------------------------------
 
 
 def cell(title: str, body: str, hint: str = "") -> str:
-    """Return the HTML of a thing: its title, what is in it, and what to call next."""
+    """Return the HTML of an object: title, content and useful calls."""
     more = f'<div style="opacity: 0.7">{html.escape(hint)}</div>' if hint else ""
     return f"<div><strong>{html.escape(title)}</strong>{body}{more}</div>"
 
@@ -188,7 +190,7 @@ def cell(title: str, body: str, hint: str = "") -> str:
 def table(
     rows: Rows, head: tuple[str, ...] = (), *, most: int = MOST, colours: Iterable[str] = ()
 ) -> str:
-    """Return rows of text as a table, of many the first ones; rows without a value are left out."""
+    """Return rows of text as a table, long ones cut; rows without value are left out."""
     lines = [row for row in rows if any(row[1:])]
     if not lines:
         return ""
@@ -208,14 +210,14 @@ def _cells(row: tuple[str, ...], kind: str) -> str:
     return "".join(f'<{kind} style="{CELL}">{html.escape(text)}</{kind}>' for text in row)
 
 
-def beside(left: str, right: str) -> str:
-    """Return two pieces of HTML beside one another, below one another where it is narrow."""
+def side_by_side(left: str, right: str) -> str:
+    """Return two pieces of HTML side by side, stacked in narrow cells."""
     style = "display: flex; flex-wrap: wrap; gap: 1em; align-items: flex-start"
     return f'<div style="{style}"><div>{left}</div>{right}</div>' if right else left
 
 
 def picture(thing: Mesh | Part | ReducedPart) -> str:
-    """Return a small picture of a mesh or a part as HTML, empty where there is nothing to draw."""
+    """Return a small picture of a mesh or a part as HTML; empty if there is no shape."""
     from jousto.base.errors import JoustoError
     from jousto.output.scenes.draw import draw
 
@@ -225,6 +227,6 @@ def picture(thing: Mesh | Part | ReducedPart) -> str:
         try:
             data = draw(thing, Path(folder) / "thing.png").read_bytes()
         except JoustoError:
-            return ""  # matrices have no shape
+            return ""  # parts given by matrices have no shape
     source = f"data:image/png;base64,{base64.b64encode(data).decode()}"
     return f'<img alt="" style="width: 20em; max-width: 100%" src="{source}">'

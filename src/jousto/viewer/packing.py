@@ -1,8 +1,8 @@
-"""A scene as the header of a container: which numbers are sent, and with how many digits.
+"""Scene as the header of a container, with the precision of each array.
 
-A server sends mode shapes and modal stress as half floats, each mode with a scale of its own: they
-have 3 digits, enough for a picture. Numbers that are shown come from the scene itself. A page that
-stands alone gets 5 digits of the largest value of each mode, for it has nothing else.
+A server sends mode shapes and modal stress as half floats with a scale for each mode: 3 digits,
+enough for a picture. Displayed numbers come from the scene itself. A self-contained page contains 5
+digits, relative to the largest value of each mode.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ TYPES = {
     "real": "f8",
     "imag": "f8",
 }
-"""Types of the arrays by their names; the page relies on them."""
-PLAIN = ("up", "gravity", "u", "frame", "axis")  # short ones, as lists
+"""Array types by field name; the page relies on them."""
+PLAIN = ("up", "gravity", "u", "frame", "axis")  # short arrays that are sent as lists
 MODAL = {"shapes": "shape_scale", "stress": "stress_scale"}
-"""What has one array for each mode, and the name of its factors."""
-STEPS = 65536.0  # by which modes are rounded in a page that stands alone
+"""Arrays with one entry per mode, and the names of their scale factors."""
+STEPS = 65536.0  # quantisation levels of modes in a self-contained page
 
 
 def scene_header(scene: Scene, frames: Frames | None, *, half: bool) -> dict[str, Any]:
@@ -79,11 +79,11 @@ def scene_header(scene: Scene, frames: Frames | None, *, half: bool) -> dict[str
 
 
 OWN = {"bodies", "still", "box", "motion", "run"}
-"""Fields of a scene that are packed in their own way, or not at all."""
+"""Fields of a scene that are packed separately or left out."""
 
 
 def frames_header(times: Array, frames: Frames | None) -> dict[str, Any]:
-    """Return the times of the frames, and how many stored instants stand for one frame."""
+    """Return the times of the frames and the number of stored instants per frame."""
     if frames is None:
         return {"frames": np.zeros(0), "thinned": 1}
     chosen = times[frames.first :: frames.every][: frames.number]
@@ -104,7 +104,7 @@ def body_header(body: Body, *, half: bool) -> dict[str, Any]:
 
 
 def plain(name: str, value: Any) -> Any:
-    """Return a value of a scene as the header has it."""
+    """Return a value of a scene in the form of the header."""
     if value is None or isinstance(value, str | bool | int | float):
         return value
     if name in TYPES:
@@ -124,7 +124,7 @@ def plain(name: str, value: Any) -> Any:
 
 
 def scaled(modes: Array) -> tuple[np.ndarray[Any, Any], list[float]]:
-    """Return arrays (n, ...) as half floats, and the factor of each.
+    """Return arrays (n, ...) as half floats with a scale factor each.
 
     Examples
     --------
@@ -135,13 +135,13 @@ def scaled(modes: Array) -> tuple[np.ndarray[Any, Any], list[float]]:
     largest = np.array([float(np.abs(one).max(initial=0.0)) for one in modes])
     scales = np.where(largest > 0.0, largest, 1.0)
     halves = np.empty(modes.shape, dtype=np.float16)
-    for j, scale in enumerate(scales):  # one after the other, a copy of all would be large
+    for j, scale in enumerate(scales):  # one mode after the other: a copy of all would be large
         halves[j] = modes[j] / scale
     return halves, scales.tolist()
 
 
 def rounded(modes: Array) -> tuple[np.ndarray[Any, Any], list[float]]:
-    """Return arrays (n, ...) as floats of 16 bits, which compress well, and the factor of each.
+    """Return arrays (n, ...) rounded to 16 bits (which compress well) with a scale factor each.
 
     The error is up to 2^-17, 8e-6 of the largest value of the array.
 

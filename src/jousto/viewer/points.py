@@ -1,4 +1,4 @@
-"""Position, deformation and stress at a point of a body over rows of a run, in double precision.
+"""Position, displacement and stress at a point of a body over rows, in double precision.
 
 Bodies: ``x = R + A(e) (x0 + sum_j phi_j p_j)`` and ``sigma = static + sum_j Sigma_j p_j``; swept
 beams between the poses of the ends of their elements (`jousto.scene.values_at_rows`).
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A vertex of a body, and which columns of a row it depends on.
+    """Vertex of a body with the row columns that it depends on.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Point:
 
     @cached_property
     def columns(self) -> slice:
-        """The columns of a row that are needed."""
+        """Row columns that the point depends on."""
         body, rings = self.body, self.body.rings
         if rings is not None:
             i, j = self._element(rings)
@@ -53,7 +53,7 @@ class Point:
         return i, i + 1
 
     def displacements(self, rows: Array) -> Array:
-        """Return the deformation (k, 3) in the body's frame, m; of swept beams zero.
+        """Return the displacement (k, 3) in the body frame, m; zero for swept beams.
 
         Parameters
         ----------
@@ -67,7 +67,7 @@ class Point:
         return np.asarray(rows[:, 7:] @ shapes)
 
     def positions(self, rows: Array) -> Array:
-        """Return where it is (k, 3) in the world, m; see `displacements`."""
+        """Return the world position (k, 3), m."""
         body = self.body
         if body.rings is not None:
             return self._swept(body.rings, rows)
@@ -78,7 +78,7 @@ class Point:
         return np.asarray(rows[:, :3] + np.einsum("tij,tj->ti", A, local))
 
     def stresses(self, rows: Array) -> Array | None:
-        """Return the stress (k, 6), Pa, in the axes of the body; None where it is not known."""
+        """Return the stress (k, 6), Pa, in the axes of the body; None where unknown."""
         body, v = self.body, self.vertex
         if body.known is not None and not body.known[v]:
             return None
@@ -130,7 +130,7 @@ class Point:
 
 
 def rows_of(scene: Scene, point: Point, instants: slice) -> Array:
-    """Return the `columns` of a point at stored instants; of a file only these are read."""
+    """Return the `columns` of a point at stored instants; only these are read from a file."""
     assert scene.motion is not None
     if point.body.place < 0 and point.body.rings is None:
         return np.zeros((len(range(*instants.indices(len(scene.motion.times)))), 0))

@@ -1,4 +1,4 @@
-"""Answers to the questions of the page, worked out from the opened things in double precision.
+"""Answers to requests of the page, computed from the opened objects in double precision.
 
 Of a run only the columns and instants that a question needs are read from its file.
 """
@@ -15,32 +15,32 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.recovery.fields.criteria import evaluate, principal_values
 from jousto.simulation.results.dataframes import component_units
-from jousto.viewer.extremes import extent, worst
-from jousto.viewer.file_watch import Renewed, Watched, unended
+from jousto.viewer.extremes import extent, rank_places
+from jousto.viewer.file_watch import Renewed, Watched, unfinished_note
 from jousto.viewer.frames import Frames, nearest, thinned
 from jousto.viewer.measures import CRITERIA, NUMBERED, SHIFTS, unit_of
 from jousto.viewer.packing import frames_header, scene_header
 from jousto.viewer.points import Point, rows_of
-from jousto.viewer.requests import Asked
+from jousto.viewer.requests import Request
 
 if TYPE_CHECKING:
     from jousto.scene.scene import Body, Scene
 
-MOST_POINTS = 20_000  # of a plot
-MOST_COUNT = 100  # worst places
-BLOCK = 16 << 20  # bytes of rows that are read at a time
-WINDOWS = 64  # pages whose window is remembered
+MOST_POINTS = 20_000  # points of a plot
+MOST_COUNT = 100  # extreme places in an answer
+BLOCK = 16 << 20  # bytes of rows per read
+WINDOWS = 64  # number of pages whose window is remembered
 
 
 class Answers:
-    """What answers for one or more scenes that are shown over one another.
+    """Answers for one or several overlaid scenes.
 
     Parameters
     ----------
     scenes : sequence of Scene
         The first one, and those that it is compared with.
     titles : sequence of str, optional
-        Their names where there are several.
+        Names of the scenes if there are several.
     page : callable, optional
         Returns all of it as one page.
     watched : Watched, optional
@@ -58,9 +58,10 @@ class Answers:
         self.titles = list(titles) or [scene.title for scene in scenes]
         self._page, self._watched = page, watched
         self._said, self._one = "", threading.Lock()
-        self._made, self._shown = 0, dict[int, int]()  # how often anew; that which a page has
+        # version of the content, and the version that each page shows
+        self._made, self._shown = 0, dict[int, int]()
         self._windows: dict[tuple[int, int], Frames] = {}
-        self._known: dict[tuple[Any, ...], dict[str, Any]] = {}  # what takes long, by what it is
+        self._known: dict[tuple[Any, ...], dict[str, Any]] = {}  # cache of slow answers by request
 
     @property
     def title(self) -> str:
@@ -68,7 +69,7 @@ class Answers:
         return " and ".join(self.titles)
 
     def page(self) -> bytes:
-        """Return all of it as one page."""
+        """Return the self-contained page of all scenes."""
         if self._page is None:
             raise InputError(Problem("page", "this cannot be saved as a page of its own"))
         return self._page()
@@ -83,10 +84,10 @@ class Answers:
         Renewed
             If it shows what is no longer in its files.
         """
-        asked = Asked(request)
+        asked = Request(request)
         with self._one:
             self._renew(asked, request.get("ask") == "scene")
-        known: dict[str, Callable[[Asked, int], dict[str, Any]]] = {
+        known: dict[str, Callable[[Request, int], dict[str, Any]]] = {
             "scene": self._scene,
             "rows": self._rows,
             "window": self._window,
@@ -104,25 +105,25 @@ class Answers:
 
     # -- frames -----------------------------------------------------------------------------
 
-    def _frames(self, asked: Asked, run: int) -> Frames | None:
+    def _frames(self, asked: Request, run: int) -> Frames | None:
         motion = self.scenes[run].motion
         if motion is None:
             return None
         page = asked.whole("page", 1 << 62, default=0)
-        return self._windows.get((page, run), Frames.of(0, len(motion.times)))
+        return self._windows.get((page, run), Frames.thinned(0, len(motion.times)))
 
-    def _scene(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _scene(self, asked: Request, run: int) -> dict[str, Any]:
         header = scene_header(self.scenes[run], self._frames(asked, run), half=True)
         if len(self.scenes) > 1:
             header["runs"] = self.titles
-        if note := unended(self.scenes[run].run):
+        if note := unfinished_note(self.scenes[run].run):
             header["note"] = note
         return header
 
-    def _window(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _window(self, asked: Request, run: int) -> dict[str, Any]:
         motion = self.scenes[run].motion
         if motion is None:
-            raise InputError(Problem("window", "nothing moves here"))
+            raise InputError(Problem("window", "this scene has no motion"))
         start, end = asked.number("start"), asked.number("end")
         frames = Frames.within(motion.times, start, end)
         while len(self._windows) >= WINDOWS:
@@ -130,7 +131,7 @@ class Answers:
         self._windows[asked.whole("page", 1 << 62, default=0), run] = frames
         return {"kind": "window", "window": [start, end]} | frames_header(motion.times, frames)
 
-    def _rows(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _rows(self, asked: Request, run: int) -> dict[str, Any]:
         scene, frames = self.scenes[run], self._frames(asked, run)
         width = len(scene.still)
         if scene.motion is None or frames is None:
@@ -149,8 +150,8 @@ class Answers:
             "rows": np.asarray(rows, dtype=np.float32),
         }
 
-    def _renew(self, asked: Asked, begins: bool) -> None:
-        """Open what has been written anew; a page that shows what was before has to know."""
+    def _renew(self, asked: Request, begins: bool) -> None:
+        """Reopen changed files; raise Renewed for a page with the old content."""
         page = asked.whole("page", 1 << 62, default=0)
         if self._watched is not None and (file := self._watched.changed()) is not None:
             try:
@@ -169,12 +170,12 @@ class Answers:
 
     # -- points -----------------------------------------------------------------------------
 
-    def _point(self, asked: Asked, run: int) -> Point:
+    def _point(self, asked: Request, run: int) -> Point:
         bodies = self.scenes[run].bodies
         body = bodies[asked.whole("body", len(bodies))]
         return Point(body, asked.whole("vertex", len(body.positions)))
 
-    def _probe(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _probe(self, asked: Request, run: int) -> dict[str, Any]:
         scene, point = self.scenes[run], self._point(asked, run)
         time, motion = asked.number("time"), scene.motion
         if motion is None:
@@ -185,7 +186,7 @@ class Answers:
             time = float(motion.times[k])
         return {"kind": "probe", "time": time} | values_at(point, row, scene)
 
-    def _history(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _history(self, asked: Request, run: int) -> dict[str, Any]:
         scene, point = self.scenes[run], self._point(asked, run)
         names = asked.names("of")
         for name in names:
@@ -193,7 +194,7 @@ class Answers:
                 hint = suggest(name, NUMBERED)
                 raise InputError(Problem("history", f"there is no {name!r}{hint}"))
         if scene.motion is None:
-            raise InputError(Problem("history", "nothing moves here, so there is no history"))
+            raise InputError(Problem("history", "this scene has no motion and no history"))
         times = scene.motion.times
         series = np.empty((len(names), len(times)))
         step = max(1, BLOCK // (8 * max(1, point.columns.stop - point.columns.start)))
@@ -204,7 +205,7 @@ class Answers:
         units = [unit_of(name) for name in names]
         return plotted(times, series, units, names, self._most(asked))
 
-    def _sensor(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _sensor(self, asked: Request, run: int) -> dict[str, Any]:
         source = self.scenes[run].run
         if source is None:
             raise InputError(Problem("sensor", "sensors have values in a run only"))
@@ -223,21 +224,21 @@ class Answers:
             labels += [f"{name} {part}" for part in parts] if len(parts) > 1 else [name]
         return plotted(source.time, np.concatenate(series), units, labels, self._most(asked))
 
-    def _most(self, asked: Asked) -> int:
+    def _most(self, asked: Request) -> int:
         return asked.whole("most", MOST_POINTS + 1, least=2, default=4000)
 
     # -- over the run -----------------------------------------------------------------------
 
-    def _worst(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _worst(self, asked: Request, run: int) -> dict[str, Any]:
         scene, measure = self.scenes[run], self._measure(asked, run)
         count = asked.whole("count", MOST_COUNT + 1, least=1, default=5)
         key = ("worst", run, measure, count)
         if key not in self._known:
-            found = worst(scene, measure, count)
+            found = rank_places(scene, measure, count)
             self._known[key] = {"kind": "worst", "measure": measure, "worst": found}
         return self._known[key]
 
-    def _extent(self, asked: Asked, run: int) -> dict[str, Any]:
+    def _extent(self, asked: Request, run: int) -> dict[str, Any]:
         measure = self._measure(asked, run)
         key = ("extent", run, measure)
         if key not in self._known:
@@ -245,7 +246,7 @@ class Answers:
             self._known[key] = {"kind": "extent", "measure": measure, "low": low, "high": high}
         return self._known[key]
 
-    def _measure(self, asked: Asked, run: int) -> str:
+    def _measure(self, asked: Request, run: int) -> str:
         name, known = asked.name("measure"), self.scenes[run].measures
         if name not in known:
             found = f"{', '.join(known)}" if known else "none"
@@ -256,7 +257,7 @@ class Answers:
 
 
 def values_at(point: Point, row: Array, scene: Scene) -> dict[str, Any]:
-    """Return what is known at a point at one instant."""
+    """Return the values at a point and an instant."""
     body, v = point.body, point.vertex
     stress = point.stresses(row)
     damage = None if body.damage is None else float(body.damage[v])
@@ -274,13 +275,13 @@ def values_at(point: Point, row: Array, scene: Scene) -> dict[str, Any]:
 
 
 def life_of(body: Body, vertex: int) -> float | None:
-    """Return the life at a vertex, s; None where it is not known or without end."""
+    """Return the life at a vertex, s; None if unknown or infinite."""
     life = body.life
     return None if life is None or not np.isfinite(life[vertex]) else float(life[vertex])
 
 
 def series_of(point: Point, rows: Array, names: Sequence[str]) -> Array:
-    """Return values (k, nt) at a point by their names; nan where they are not known."""
+    """Return values (k, nt) at a point by their names; nan where unknown."""
     found = np.full((len(names), len(rows)), np.nan)
     stress = point.stresses(rows) if set(names) & CRITERIA.keys() else None
     for k, name in enumerate(names):
@@ -301,7 +302,7 @@ def series_of(point: Point, rows: Array, names: Sequence[str]) -> Array:
 def plotted(
     times: Array, series: Array, units: Sequence[str], labels: Sequence[str], most: int
 ) -> dict[str, Any]:
-    """Return the header of curves (k, nt) over time; minima and maxima stay."""
+    """Return the header of curves (k, nt) over time, thinned with minima and maxima kept."""
     kept = thinned(series, most)
     return {
         "kind": "history",

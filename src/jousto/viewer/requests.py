@@ -1,4 +1,4 @@
-"""What a page may ask: the values of a request, each of its kind."""
+"""Values of requests of the page, with checks of their types."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ MOST_NAMES = 64  # sensors or measures in a request
 LONGEST_NAME = 1000
 
 
-class Asked:
-    """The values of a request; a wrong one is an `InputError` that names it.
+class Request:
+    """Values of a request; a wrong one raises InputError with its name.
 
     Examples
     --------
@@ -32,7 +32,7 @@ class Asked:
         self._given = given
 
     def whole(self, name: str, below: int, *, least: int = 0, default: int | None = None) -> int:
-        """Return a whole number from `least` to below another one."""
+        """Return a whole number in [least, below)."""
         value = self._given.get(name, default)
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value < below:
             span = f"from {least} to {below - 1}" if below > least else "of which there is none"
@@ -57,7 +57,7 @@ class Asked:
         value = self._given.get(name)
         if not isinstance(value, list) or len(value) != 3:
             raise _wrong(name, value, "three numbers")
-        return np.array([Asked({name: x}).number(name) for x in value])
+        return np.array([Request({name: x}).number(name) for x in value])
 
     def name(self, name: str) -> str:
         """Return a text."""

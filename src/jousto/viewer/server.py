@@ -1,8 +1,8 @@
-"""The server of the page: on this computer alone, for whoever knows the token of its address.
+"""HTTP and WebSocket server of the page: on this computer only, with a secret token.
 
-It listens on the loopback address, answers only requests that name it (Host), come from its own
-page (Origin) and know the token, and serves nothing but the page and the opened thing. Answers are
-computed by threads, so that a slow one stops neither the pictures nor other pages.
+The server listens on the loopback address, answers only requests with its name (Host), from its own
+page (Origin) and with the token, and serves nothing but the page and the opened objects. Threads
+compute the answers, so that a slow one stops neither pictures nor other pages.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from jousto.viewer.file_watch import Renewed
 HOST = "127.0.0.1"
 LONGEST = 1 << 20  # bytes of a request
 CLIENTS = 32  # pages at once
-AT_ONCE = 4  # requests of a page that are worked on; further ones wait
-SLOW = ("worst", "extent", "history", "sensor")  # questions that may read all of a run
+AT_ONCE = 4  # concurrent requests of a page; others wait
+SLOW = ("worst", "extent", "history", "sensor")  # requests that may read a whole run
 SAFE = {
     "Cache-Control": "no-store",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -43,20 +43,20 @@ SAFE = {
 }
 LOG = logging.getLogger(__name__)
 LOG.addHandler(logging.NullHandler())
-LOG.propagate = False  # a refused request is no message to the user
+LOG.propagate = False  # refused requests are not shown to the user
 
 
 class Desk(Protocol):
-    """What answers the questions of the page."""
+    """Protocol: answers to the requests of a page."""
 
     @property
     def title(self) -> str:
         """Title of the page."""
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Return the header of an answer, with arrays; called by a thread of the server.
+        """Return the header of an answer with arrays; called in a thread of the server.
 
-        ``request["page"]`` is the number of the page that asks.
+        ``request["page"]`` is the number of the requesting page.
 
         Raises
         ------
@@ -65,18 +65,18 @@ class Desk(Protocol):
         """
 
     def page(self) -> bytes:
-        """Return all of it as one page that stands alone."""
+        """Return the self-contained page."""
 
 
 class Server:
-    """Serves the page of a desk until it is closed.
+    """Server of the page of a desk until `close`.
 
     Parameters
     ----------
     desk : Desk
-        What answers.
+        Source of the answers.
     port : int
-        Where it listens; 0 for any free port.
+        Port of the server; 0 for any free port.
 
     Raises
     ------
@@ -91,7 +91,7 @@ class Server:
         self._clients: set[_Client] = set()
         self._newest: bytes | None = None
         self._pages = 0
-        # a question that reads all of a run does not stop those that read an instant
+        # separate threads: slow requests must not block those of one instant
         self._threads = {slow: ThreadPoolExecutor(1, "jousto-viewer") for slow in (False, True)}
         self._loop = asyncio.new_event_loop()
         self._closed = threading.Event()
@@ -108,32 +108,32 @@ class Server:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """Port of the server."""
         return self._port
 
     @property
     def address(self) -> str:
-        """Address of the page with the token; whoever knows it sees the page."""
+        """Address of the page with the token; anyone with it can see the page."""
         return f"http://{HOST}:{self._port}/?token={self._token}"
 
     @property
     def running(self) -> bool:
-        """Whether it was not closed yet."""
+        """Whether the server is open."""
         return not self._closed.is_set()
 
     def open(self) -> bool:
-        """Open the page in the browser, return whether there is one."""
+        """Open the page in the browser; return whether a browser exists."""
         return webbrowser.open(self.address)
 
     def push(self, data: bytes) -> None:
-        """Send to all pages; one that is slow gets only the newest. For any thread."""
+        """Send to all pages; a slow page gets the newest message only. Thread-safe."""
         if self.running:
             self._loop.call_soon_threadsafe(self._offer, data)
 
     def wait(self) -> None:
-        """Wait until it is closed; Ctrl-C closes it."""
+        """Wait until the server is closed; Ctrl-C closes it."""
         try:
-            # a wait without an end does not hear Ctrl-C on Windows
+            # an unlimited wait ignores Ctrl-C on Windows
             while not self._closed.wait(0.2):
                 pass
         except KeyboardInterrupt:
@@ -142,7 +142,7 @@ class Server:
             self.close()
 
     def close(self) -> None:
-        """End it; its pages keep what they have loaded. May be called more than once."""
+        """Close the server; open pages keep their data. Further calls have no effect."""
         if not self._closed.is_set():
             self._closed.set()
             self._loop.call_soon_threadsafe(self._end)
@@ -186,8 +186,8 @@ class Server:
         await listening.wait_closed()
 
     async def _page(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Answer a request for a file; None lets a page connect."""
-        method = getattr(request, "method", "GET")  # before websockets 16 others never come here
+        """Return the response to a request for a file; None accepts a WebSocket."""
+        method = getattr(request, "method", "GET")  # websockets before version 16 accepts GET only
         if method != "GET":
             text = "" if method == "HEAD" else f"{method} is not allowed here, GET alone."
             return _response(HTTPStatus.METHOD_NOT_ALLOWED, text, more={"Allow": "GET"})
@@ -214,7 +214,7 @@ class Server:
         return _response(HTTPStatus.NOT_FOUND, "There is nothing at this address.")
 
     def _refusal(self, request: Request) -> tuple[HTTPStatus, str] | None:
-        """Return why a request is not answered, None if it is."""
+        """Return the reason to refuse a request; None accepts it."""
         hosts = (f"{HOST}:{self._port}", f"localhost:{self._port}")
         given, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         if len(given) != 1 or given[0] not in hosts:
@@ -280,7 +280,7 @@ class Server:
 
 
 class _Client:
-    """One page: its questions in their order, and the newest of what is pushed."""
+    """One page: its requests in order, and the newest pushed message."""
 
     def __init__(
         self, connection: ServerConnection, answer: Callable[[str | bytes, int], Any], number: int
@@ -290,12 +290,13 @@ class _Client:
         self.fresh = asyncio.Event()
 
     async def serve(self) -> None:
-        """Answer until the page goes."""
+        """Answer requests until the page disconnects."""
         room = asyncio.Semaphore(AT_ONCE)
         tasks = {asyncio.ensure_future(self._pushed())}
         try:
             async for message in self.connection:
-                await room.acquire()  # a page that does not read its answers gets no more
+                # back-pressure: a page that does not read its answers gets no further ones
+                await room.acquire()
                 task = asyncio.ensure_future(self._reply(message, room))
                 tasks.add(task)
                 task.add_done_callback(tasks.discard)
@@ -314,7 +315,7 @@ class _Client:
             room.release()
 
     def offer(self, data: bytes) -> None:
-        """Keep the newest state for this page; one that was not sent is dropped."""
+        """Store the newest message for this page; an unsent older one is dropped."""
         self.newest = data
         self.fresh.set()
 
@@ -331,12 +332,12 @@ class _Client:
 
 
 def unexpected(error: BaseException) -> str:
-    """Return a sentence on an error that nobody foresaw."""
+    """Return a sentence on an unexpected exception."""
     return f"This failed unexpectedly ({type(error).__name__}: {error}); please report it."
 
 
 def _request(text: str | bytes) -> dict[str, Any]:
-    """Return the request of a message.
+    """Return the request in a message.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A page in one file: opened from disk or sent by mail, with no reference to anything outside."""
+"""Self-contained page in one file, without references to other files or the network."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.base.errors import InputError, JoustoError, Problem
 from jousto.base.files import written
 from jousto.viewer.bundle import standalone_page
 from jousto.viewer.container import pack
-from jousto.viewer.extremes import stress_fields, worst
+from jousto.viewer.extremes import rank_places, stress_fields
 from jousto.viewer.frames import Frames, thinned
 from jousto.viewer.packing import scene_header
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from jousto.base.arrays import Array
     from jousto.scene.scene import Motion, Scene
 
-Places = dict[str, list[dict[str, Any]]]  # worst places by measure
+Places = dict[str, list[dict[str, Any]]]  # extreme places by measure
 
 FRAMES = 400  # instants in a page
-WORST = 10  # places for each measure
+WORST = 10  # extreme places per measure
 POINTS = 2000  # instants of a sensor
 ENDINGS = (".html", ".htm")
-LARGEST = 512 << 20  # bytes of what a browser unpacks
+LARGEST = 512 << 20  # bytes of unpacked data that browsers handle
 
 
 def write_page(
@@ -79,11 +79,11 @@ def page(scenes: Sequence[Scene], *, frames: int = FRAMES, titles: Sequence[str]
 
 
 def contents(scene: Scene, frames: int) -> dict[str, Any]:
-    """Return what the page needs of a scene: its instants, sensors and worst places."""
+    """Return the data of a scene for the page: frames, sensors and extreme places."""
     places = _worst(scene)
     time, rows, chosen = np.zeros(0), np.zeros((0, len(scene.still))), None
     if scene.motion is not None:
-        chosen = Frames.of(0, len(scene.motion.times), most=max(2, frames))
+        chosen = Frames.thinned(0, len(scene.motion.times), most=max(2, frames))
         time, rows = _instants(scene.motion, chosen, places)
     header = scene_header(scene, chosen, half=False)
     if chosen is not None:
@@ -98,7 +98,7 @@ def contents(scene: Scene, frames: int) -> dict[str, Any]:
 
 
 def _instants(motion: Motion, chosen: Frames, places: Places) -> tuple[Array, Array]:
-    """Return times (m,) and rows (m, width): the chosen instants and those of the worst places."""
+    """Return times (m,) and rows (m, width) of the frames and the extreme places."""
     time = np.asarray(motion.times, dtype=np.float64)
     every = np.arange(len(time))[chosen.rows_of_all()]
     worst_times = [x["time"] for found in places.values() for x in found if x["time"] is not None]
@@ -115,7 +115,7 @@ def _sensors(scene: Scene) -> dict[str, Any]:
     if run is None or not run.sensors:
         return {"time": np.zeros(0), "values": {}}
     series = {name: np.asarray(run[name]).reshape(run.nt, -1).T for name in run.sensors}
-    # one set of instants for all of them
+    # common instants for all sensors
     kept = thinned(np.concatenate(list(series.values())), POINTS)
     return {
         "time": run.time[kept],
@@ -128,7 +128,7 @@ def _worst(scene: Scene) -> Places:
     fields = stress_fields(scene)
     for measure in scene.measures:
         try:
-            found[measure] = worst(scene, measure, WORST, fields)
+            found[measure] = rank_places(scene, measure, WORST, fields)
         except JoustoError:
-            continue  # of models and parts there are none
+            continue  # models and parts have none
     return found

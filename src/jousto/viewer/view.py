@@ -1,4 +1,4 @@
-"""view: a run, a machine or a part in the browser, in a cell of a notebook, or as one file."""
+"""Function `view`: a run, a machine or a part in the browser, a notebook cell, or a file."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from jousto.simulation.modes.linear import MechanismModes
     from jousto.simulation.results.solution import Solution
 
-HEIGHT = 560  # pixels of a cell
-MOST = 4  # things over one another
+HEIGHT = 560  # height of a notebook cell, pixels
+MOST = 4  # overlaid objects
 
 
 class View:
-    """A page that shows something: its address, its end, and the page as a file.
+    """Page with its address, its server, and its form as a file.
 
-    Made by `view`. It ends with `close`, or with the program.
+    Result of `view`; ends with `close`, or with the program.
     """
 
     def __init__(self, answers: Answers, *, port: int = 0, embed: bool = False) -> None:
@@ -47,7 +47,7 @@ class View:
 
     @property
     def address(self) -> str:
-        """Address of the page on this computer; whoever knows it sees the page.
+        """Address of the page on this computer; anyone with it can see the page.
 
         Raises
         ------
@@ -60,25 +60,25 @@ class View:
 
     @property
     def running(self) -> bool:
-        """Whether pages can still ask it."""
+        """Whether the server answers requests."""
         return self._server is None or self._server.running
 
     def open(self) -> bool:
-        """Open the page in the browser; return whether there is one."""
+        """Open the page in the browser; return whether a browser exists."""
         return self._server is not None and self._server.open()
 
     def wait(self) -> None:
-        """Wait until it is closed or Ctrl-C is pressed: at the end of a script."""
+        """Wait until the page is closed or Ctrl-C: for the end of a script."""
         if self._server is not None:
             self._server.wait()
 
     def close(self) -> None:
-        """End it; an open page keeps what it has loaded."""
+        """Close the server; an open page keeps its data."""
         if self._server is not None:
             self._server.close()
 
     def save(self, path: str | Path, *, frames: int = FRAMES) -> Path:
-        """Write the page as one file, which needs no jousto and no network, and return its path.
+        """Write the page as one self-contained file and return its path.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class View:
         return write_page(scenes, path, frames=frames, titles=titles)
 
     def _repr_html_(self) -> str:
-        """Return the page for the cell of a notebook."""
+        """Return the page as HTML of a notebook cell."""
         style = f"width: 100%; height: {HEIGHT}px; border: 0"
         if self._server is None:
             content = html.escape(self._answers.page().decode())
@@ -121,12 +121,12 @@ def view(
     port: int = 0,
     embed: bool = False,
 ) -> View:
-    """Show something that can be turned, played and asked: a page in the browser.
+    """Show an object on a page in the browser, with rotation, playback and queries.
 
-    Parts, machines and runs are drawn with their shapes, deformation and stress
-    (``x = R + A (x0 + sum phi_j p_j)``, ``sigma = sum Sigma_j p_j``); numbers on the page are
-    worked out in double precision from the run. The page comes from a server on this computer; its
-    address contains a random token, without which it does not answer.
+    Parts, machines and runs are drawn with their shapes, deformation and stress (``x = R + A (x0 +
+    sum phi_j p_j)``, ``sigma = sum Sigma_j p_j``); displayed numbers are computed in double
+    precision from the run. A server on this computer provides the page; it answers only requests
+    with the random token of its address.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def view(
         A run, a mechanism or compiled model, a part, reduced part or mesh, modes of a machine, or
         the path of results, a model, a reduced part or a mesh.
     *others : objects or paths
-        To compare it with, drawn over it; up to three.
+        Up to three objects that are overlaid for comparison.
     open : bool
         Open the browser. In a notebook the page is shown in the cell instead.
     damage : DamageField or sequence of these, optional
@@ -142,10 +142,10 @@ def view(
     modes : bool
         Show the modes of vibration of the machine about its rest position.
     port : int
-        Where the server listens, 0 for any free port.
+        Port of the server, 0 for any free port.
     embed : bool
-        In a notebook, put all of it into the cell, without a server: for notebooks that are sent
-        or run elsewhere.
+        In a notebook, put all of the page into the cell, without a server: for notebooks that are
+        sent or run elsewhere.
 
     Returns
     -------
@@ -180,18 +180,18 @@ def view(
 
 
 def answers_of(things: Sequence[Any], *, frames: int = FRAMES, **how: Any) -> Answers:
-    """Return what answers for things or files, see `scenes_of`."""
+    """Return the answers for objects or files; see `scenes_of`."""
     paths = [Path(thing) for thing in things if isinstance(thing, str | Path)]
 
     def anew() -> list[Scene]:
         if how.get("damage"):
-            message = "the damage is that of the run before; end the command and give it again"
+            message = "the damage belongs to the previous run; restart the command"
             raise InputError(Problem("view", message))
         return scenes_of(things, **how)
 
     watched = Watched(paths, anew)
     scenes = scenes_of(things, **how)
-    titles = distinct(names_of(things, scenes))
+    titles = number_titles(names_of(things, scenes))
 
     def whole() -> bytes:
         return page(made.scenes, frames=frames, titles=titles)
@@ -201,7 +201,7 @@ def answers_of(things: Sequence[Any], *, frames: int = FRAMES, **how: Any) -> An
 
 
 def names_of(things: Sequence[Any], scenes: Sequence[Scene]) -> list[str]:
-    """Return how things are told apart: by their files, else by their titles."""
+    """Return distinct names of objects: file names, else titles."""
     if len(things) == 1:
         return [scenes[0].title]
     found, files = [], []
@@ -210,15 +210,15 @@ def names_of(things: Sequence[Any], scenes: Sequence[Scene]) -> list[str]:
         where = str(thing) if isinstance(thing, str | Path) else run.where if run else ""
         files.append(where if where and Path(where).is_file() else "")
         found.append(Path(where).name if files[-1] else scene.title)
-    # files of one name in several folders
+    # equal file names in several folders
     return [
         file if file and found.count(name) > 1 else name
         for file, name in zip(files, found, strict=True)
     ]
 
 
-def distinct(titles: Sequence[str]) -> list[str]:
-    """Return titles of which equal ones are numbered.
+def number_titles(titles: Sequence[str]) -> list[str]:
+    """Return titles, equal ones numbered.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What can be seen: objects, and files by what is in them."""
+"""Objects and files that the viewer can show."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.schema.file.document import is_hdf5
 from jousto.schema.output_paths import DAMAGED, REDUCED_PART, RESULTS, hdf5_format
 from jousto.schema.read import MODELS, ModelFile, read_model
 from jousto.simulation.results.solution import load
-from jousto.viewer.file_watch import alike
+from jousto.viewer.file_watch import check_comparable
 
 if TYPE_CHECKING:
     from jousto.scene.scene import Scene
@@ -31,7 +31,7 @@ def scenes_of(
     modes: bool = False,
     trust: bool = False,
 ) -> list[Scene]:
-    """Return the scenes of things and files, the first one first.
+    """Return the scenes of objects and files, the first one first.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ def scenes_of(
         if modes:
             opened = modes_of(opened)
         found.append(make_scene(opened, damage=fields if k == 0 else ()))
-    alike(found)
+    check_comparable(found)
     return found
 
 
 def read(path: Path, *, trust: bool = False) -> Any:
-    """Return what is in a file.
+    """Return the object in a file.
 
     Raises
     ------
@@ -92,9 +92,9 @@ def read(path: Path, *, trust: bool = False) -> Any:
     if kind == REDUCED_PART or suffix in SID:
         return ReducedPart.load(path)
     if not kind and suffix in HDF5 and not is_hdf5(path):
-        raise InputError(Problem(str(path), "is no HDF5 file, whatever its name says"))
+        raise InputError(Problem(str(path), "is no HDF5 file, in spite of its suffix"))
     if kind or suffix in HDF5:
-        message = "shows nothing: it contains neither results nor a reduced part"
+        message = "contains neither results nor a reduced part"
         raise InputError(Problem(str(path), message))
     if suffix in MODELS:
         return read_model(path, trust=trust)
@@ -102,7 +102,7 @@ def read(path: Path, *, trust: bool = False) -> Any:
 
     if not (is_mesh(path) or is_cad(path) or begins_as_mesh(path) or not path.stat().st_size):
         message = (
-            f"is of no kind that is shown; known: results and reduced parts {' '.join(HDF5)}, "
+            f"cannot be shown; known: results and reduced parts {' '.join(HDF5)}, "
             f"models {' '.join(MODELS)}, meshes {' '.join(MESHES)}"
         )
         raise InputError(Problem(str(path), message))
@@ -110,7 +110,7 @@ def read(path: Path, *, trust: bool = False) -> Any:
 
 
 def modes_of(thing: Any) -> Any:
-    """Return the modes of vibration of a mechanism or a compiled model about its rest position.
+    """Return the modes of vibration of a mechanism or a compiled model about its equilibrium.
 
     Raises
     ------
@@ -127,6 +127,6 @@ def modes_of(thing: Any) -> Any:
         thing = compile(thing)
     if not isinstance(thing, Model):
         if isinstance(thing, ReducedPart):
-            return thing  # which shows its modes anyway
+            return thing  # reduced parts and results of modes are shown with their modes
         raise InputError(Problem("modes", "are those of a machine: name a model file"))
     return modes(thing, equilibrium(thing))

@@ -1,4 +1,4 @@
-"""A page in which a machine runs: the engine as WebAssembly in one file, without a server."""
+"""Page with a running machine: the engine as WebAssembly in one file, without server."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ def write_running(
     ranges: Mapping[str, tuple[float, float]] | None = None,
     named: Sequence[Named] = (),
 ) -> Path:
-    """Write a compiled model as a page in which it runs, opened from disk.
+    """Write a compiled model as a self-contained page in which it runs.
 
     Parameters
     ----------
     model : Model
-        From `compile`.
+        Model from `compile`.
     path : path
         Ends with .html.
     solver : Solver, optional
         Method of fixed step; None is that which `simulate` chooses for 10 s.
     state : State, optional
-        Where it starts; None is the initial state of the model.
+        Initial state; None is that of the model.
     ranges : dict of str to (float, float), optional
         Ranges of inputs in SI; others follow from what they act on.
     named : sequence of Named
@@ -72,7 +72,7 @@ def write_running(
 
 
 def contents(made: Program, scene: Scene, inputs: tuple[InputRange, ...]) -> dict[str, Any]:
-    """Return what the page needs: the scene at the start, the module, and what belongs together."""
+    """Return the data of the page: initial scene, WebAssembly module, ports."""
     model = made.model
     header = scene_header(_without_resultants(scene, model.nq), None, half=False)
     header["inputs"] = inputs_header(inputs, {})
@@ -102,7 +102,7 @@ def contents(made: Program, scene: Scene, inputs: tuple[InputRange, ...]) -> dic
 
 
 def _without_resultants(scene: Scene, nq: int) -> Scene:
-    """Return a scene whose rows are positions alone: the page does not know forces in beams."""
+    """Return a scene with rows of positions only: the page does not compute beam resultants."""
     bodies: tuple[Body, ...] = tuple(
         body if body.rings is None else replace(body, rings=replace(body.rings, forces=-1))
         for body in scene.bodies

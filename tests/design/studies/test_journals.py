@@ -162,7 +162,7 @@ def test_a_refused_study_leaves_no_empty_journal(tmp_path: Path) -> None:
     path = tmp_path / "t.h5"
     forces().run(X, path=path)
     other = jo.study(machines.pushed, FORCES, "peak(way)", **RUN)
-    with pytest.raises(jo.InputError, match="holds another study"):
+    with pytest.raises(jo.InputError, match="contains another study"):
         other.run(X, path=path)
     assert [p.name for p in tmp_path.iterdir()] == ["t.h5"]
     with warnings.catch_warnings():

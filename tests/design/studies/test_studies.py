@@ -381,11 +381,11 @@ def test_a_file_of_another_study_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "t.h5"
     forces().run(X, path=path)
     other = jo.study(machines.pushed, FORCES, "peak(way)", **RUN)
-    with pytest.raises(jo.InputError, match="holds another study"):
+    with pytest.raises(jo.InputError, match="contains another study"):
         other.run(X, path=path)
     lines = tmp_path / "u.jsonl"
     forces().run(X, path=lines)
-    with pytest.raises(jo.InputError, match="holds another study .outcomes differ"):
+    with pytest.raises(jo.InputError, match="contains another study .outcomes differ"):
         other.run(X, path=lines)
     lines.write_text("hello\n")
     with pytest.raises(jo.InputError, match="is not the journal of a study"):
@@ -437,7 +437,7 @@ def test_what_functions_hold_makes_another_study(
     first = study(1.0).run(x, path=tmp_path / name)
     same = study(1.0)
     assert same.run(x, path=tmp_path / name).y == first.y and same.counts["runs"] == 0
-    with pytest.raises(jo.InputError, match=f"holds another study .{place} differ"):
+    with pytest.raises(jo.InputError, match=f"contains another study .{place} differ"):
         study(5.0).run(x, path=tmp_path / name)
 
 
@@ -533,7 +533,7 @@ def test_what_cannot_travel_is_refused() -> None:
             return machines.pushed(mass)
 
     study = jo.study(guarded, FORCES, "last(way)", **RUN)
-    with pytest.raises(jo.InputError, match="cannot go to another process"):
+    with pytest.raises(jo.InputError, match="cannot be sent to another process"):
         study.run(X, workers=2, how="processes")
 
 

@@ -225,6 +225,6 @@ def test_what_does_not_fit_is_told():
         observer(loads=[two]).load(memory)
     with pytest.raises(jo.InputError, match=r"'state' has shape \(6,\), must be \(5,\)"):
         observer(loads=[jo.twin.UnknownLoad("end", "fz", rate=30.0, size=3.0)]).load(memory)
-    with pytest.raises(jo.InputError, match="holds no 'clock'"):
+    with pytest.raises(jo.InputError, match="has no 'clock'"):
         one.load({"state": np.zeros(3)})
     assert one.time == 0.0

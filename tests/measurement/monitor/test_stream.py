@@ -188,7 +188,7 @@ def test_reading_goes_on_from_any_block():
         before = [next(blocks) for _ in range(stop)]
         place = Place.from_numbers(first.place.numbers())
         again = Stream(io.BytesIO(data), "data.csv")
-        again.go_on(place)
+        again.continue_at(place)
         after = list(again.blocks())
         for a, b in zip(whole, before + after, strict=True):
             np.testing.assert_array_equal(a.time, b.time)

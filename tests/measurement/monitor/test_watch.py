@@ -185,7 +185,7 @@ def test_wrong_data_are_told(tmp_path, text, options, sentence):
 def test_wrong_set_ups_are_told():
     with pytest.raises(jo.InputError, match="needs an S-N curve"):
         monitor(limits=AlarmLimits(life=10.0))
-    with pytest.raises(jo.InputError, match="was MPa meant"):
+    with pytest.raises(jo.InputError, match="was it meant in MPa"):
         AlarmLimits(stress=200.0)
     with pytest.raises(jo.InputError, match="signed-von-mises"):
         monitor(criterion="signed-von-mise")

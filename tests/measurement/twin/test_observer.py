@@ -463,7 +463,7 @@ def test_loads_that_nothing_sees() -> None:
     part = cantilever(1)
     B = rows(part, PLACES)
     side = np.zeros((part.n, 1))
-    with pytest.raises(jo.InputError, match=r"not seen by the channels.*wind.a1"):
+    with pytest.raises(jo.InputError, match=r"not observable by the channels.*wind.a1"):
         jo.twin.Observer(
             part, B, loads=[jo.twin.UnknownLoad("wind", pattern=side, rate=1.0)], step=1e-3
         )

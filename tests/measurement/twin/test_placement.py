@@ -71,7 +71,7 @@ def test_trajectory_weighs_the_modes_by_their_motion(rng: np.random.Generator) -
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"count": 2}, "2 gauges cannot tell 3 modes apart"),
+        ({"count": 2}, "2 gauges cannot distinguish 3 modes"),
         ({"criterion": "A"}, "criterion is 'A', must be 'D' or 'I'"),
         ({"criterion": "I"}, "needs hot="),
         ({"separation": 0.1}, "need positions="),

@@ -124,9 +124,9 @@ def test_a_dead_gauge_is_estimated_without(rng: np.random.Generator) -> None:
 
 def test_fewer_gauges_than_modes() -> None:
     B = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
-    with pytest.raises(jo.InputError, match=r"2 gauges tell 2 of 3 modes apart.*give prior="):
+    with pytest.raises(jo.InputError, match=r"2 gauges distinguish 2 of 3 modes.*give prior="):
         jo.twin.Reconstruction(B)
-    with pytest.warns(jo.JoustoWarning, match="the prior alone decides the other 1 combination"):
+    with pytest.warns(jo.JoustoWarning, match="the prior alone determines the other 1 combination"):
         twin = jo.twin.Reconstruction(B, prior=1e-4)
     # what is not seen keeps the prior's spread: (1, 0, -1)
     direction = np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0)
@@ -136,7 +136,7 @@ def test_fewer_gauges_than_modes() -> None:
 
 def test_collinear_gauges_are_named() -> None:
     B = np.array([[1.0, 2.0], [2.0, 4.0], [-1.0, -2.0]])
-    with pytest.raises(jo.InputError, match=r"3 gauges tell 1 of 2 modes apart; 'b' and 'a', "):
+    with pytest.raises(jo.InputError, match=r"3 gauges distinguish 1 of 2 modes; 'b' and 'a', "):
         jo.twin.Reconstruction(B, names=("a", "b", "c"))
 
 

@@ -23,7 +23,7 @@ from jousto.viewer import server as server_module
 from jousto.viewer.container import pack, unpack
 from jousto.viewer.live.live import Live, live
 from jousto.viewer.live.session import LiveDesk
-from jousto.viewer.live.sources import Opened
+from jousto.viewer.live.sources import OpenedMachine
 
 PATIENCE = 60.0  # s, for machines that are busy
 
@@ -327,7 +327,9 @@ def test_damage_grows_as_in_a_run_of_the_same_steps() -> None:
     solver = jo.GeneralizedAlpha(step=1e-3)
     machine = LiveMachine(model, solver)
     runner = Runner(machine, speed=0, playing=False)
-    desk = LiveDesk(Opened(model, solver), runner, step=None, ranges={}, record=Path("no.h5"))
+    desk = LiveDesk(
+        OpenedMachine(model, solver), runner, step=None, ranges={}, record=Path("no.h5")
+    )
     grown = []
     for _ in range(30):
         runner.step()

@@ -24,12 +24,12 @@ export class Arrows {
     private radius: number,
   ) {}
 
-  /** Sensors that are drawn as arrows. */
+  /** Sensors drawn as arrows. */
   get wanted(): Sensor[] {
     return this.scene.sensors.filter((sensor) => sensor.arrow && sensor.side && sensor.columns?.length === 3);
   }
 
-  /** Take the course of a sensor: its components at instants. */
+  /** Set the history of a sensor: its components at instants. */
   take(name: string, time: ArrayLike<number>, components: ArrayLike<number>[]): void {
     const sensor = this.scene.sensors.findIndex((one) => one.name === name);
     const { arrow, columns } = this.scene.sensors[sensor] ?? {};
@@ -42,7 +42,7 @@ export class Arrows {
     this.largest.set(arrow, most);
   }
 
-  /** The arrows at an instant. */
+  /** Arrows at an instant. */
   at(row: ArrayLike<number>, time: number, amplification: number): Arrow[] {
     const out: Arrow[] = [];
     for (const { sensor, time: times, values } of this.courses) {

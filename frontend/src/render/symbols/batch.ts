@@ -1,4 +1,4 @@
-/** All symbols' pieces of one shape, drawn at once; also a trace of them behind bodies. */
+/** All pieces of one shape in one draw call, faint where bodies hide them. */
 
 import * as THREE from "three";
 import { LIGHT } from "../shader";
@@ -9,7 +9,7 @@ import { COILS, makeShape } from "./glyphs";
 const PLACE = /* glsl */ `
 #ifdef COIL
 const float TURNS = float(${COILS});
-// position: share of the wire, then cosine and sine around it
+// position: place along the wire, cosine and sine around it
 void bend(out vec3 x, out vec3 n, mat4 M) {
   float R = length(M[0].xyz), L = length(M[2].xyz);
   float angle = 6.2831853 * TURNS * position.x;
@@ -25,7 +25,7 @@ void bend(out vec3 x, out vec3 n, mat4 M) {
 #else
 void bend(out vec3 x, out vec3 n, mat4 M) {
   x = (M * vec4(position, 1.0)).xyz;
-  // stretched: the inverse transpose, whose columns are those of M over their squares
+  // normal matrix of a scaled rotation: columns of M over their squared lengths
   n = M[0].xyz * (normal.x / dot(M[0], M[0])) + M[1].xyz * (normal.y / dot(M[1], M[1])) + M[2].xyz * (normal.z / dot(M[2], M[2]));
 }
 #endif
@@ -89,7 +89,7 @@ void main() {
 
 export class Batch {
   readonly solid: THREE.InstancedMesh;
-  /** What bodies hide, faintly. */
+  /** Faint pieces behind bodies. */
   readonly hidden: THREE.InstancedMesh;
   readonly pick: THREE.InstancedMesh;
   private tints: THREE.InstancedBufferAttribute;

@@ -1,4 +1,4 @@
-/** Unit shapes of which symbols consist; a matrix places and stretches each. */
+/** Unit shapes of symbols, placed and scaled by matrices. */
 
 import * as THREE from "three";
 
@@ -31,7 +31,7 @@ function gear(): THREE.BufferGeometry {
   return new THREE.ExtrudeGeometry(outline, { depth: 1, bevelEnabled: false, curveSegments: 10 }).translate(0, 0, -0.5);
 }
 
-/** Places along the wire and around it; the shader bends it. */
+/** Coordinates along and around the wire; the shader bends it to a coil. */
 function coil(): THREE.BufferGeometry {
   const along = 20 * COILS, around = 8;
   const at: number[] = [], index: number[] = [];
@@ -51,7 +51,7 @@ function coil(): THREE.BufferGeometry {
   return geometry;
 }
 
-/** Three quarters of a ring, with a head. */
+/** Three quarters of a ring with an arrow head. */
 function turn(): THREE.BufferGeometry {
   const bow = new THREE.TorusGeometry(1, 0.06, 10, 40, 1.5 * Math.PI);
   const head = new THREE.ConeGeometry(0.17, 0.42, 16).translate(0, 0.12, 0).rotateZ(Math.PI / 2).translate(0, -1, 0).rotateZ(0);

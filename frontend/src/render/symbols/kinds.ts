@@ -1,21 +1,21 @@
-/** What each kind of joint, force, sensor and support looks like. */
+/** Shapes of each kind of joint, force, sensor and support. */
 
 import * as THREE from "three";
 import type { Shape } from "./glyphs";
 
-/** Where a symbol is now: its points, and the axes of its first body. */
+/** Placement of a symbol: its points and the axes of its first body. */
 export interface Situation {
   points: THREE.Vector3[];
-  /** Unit axis of the symbol, world; z of its first body where it has none. */
+  /** Unit axis of the symbol, world; z of its first body by default. */
   axis: THREE.Vector3;
-  /** Two more unit axes across it. */
+  /** Two further unit axes perpendicular to it. */
   across: THREE.Vector3;
   third: THREE.Vector3;
   up: THREE.Vector3;
   size: number;
 }
 
-/** Adds a piece: shape, origin, three columns of its matrix and colour. */
+/** Draw function of a piece: shape, origin, three matrix columns, colour. */
 export type Draw = (
   shape: Shape,
   origin: THREE.Vector3,
@@ -32,14 +32,14 @@ type Kind = (at: Situation, draw: Draw) => void;
 const times = (v: THREE.Vector3, f: number): THREE.Vector3 => v.clone().multiplyScalar(f);
 const plus = (v: THREE.Vector3, w: THREE.Vector3, f = 1): THREE.Vector3 => v.clone().addScaledVector(w, f);
 
-/** A round piece along a direction. */
+/** Rotationally symmetric piece along a direction. */
 function bar(draw: Draw, shape: Shape, from: THREE.Vector3, along: THREE.Vector3, length: number, radius: number, colour: Tint, across?: THREE.Vector3): void {
   const x = across ?? normalTo(along);
   const y = along.clone().cross(x);
   draw(shape, from, times(x, radius), times(y, radius), times(along, length), colour);
 }
 
-/** A unit vector across another. */
+/** Unit vector perpendicular to a vector. */
 export function normalTo(v: THREE.Vector3): THREE.Vector3 {
   const other = Math.abs(v.x) < 0.7 ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, 1, 0);
   return other.addScaledVector(v, -other.dot(v)).normalize();
@@ -52,7 +52,7 @@ function brick(draw: Draw, s: Situation, at: THREE.Vector3, x: number, y: number
   draw("box", at, times(s.across, x), times(s.third, y), times(s.axis, z), colour);
 }
 
-/** A piece about the axis through a point, centred there. */
+/** Piece along the axis, centred at the point. */
 function pin(draw: Draw, s: Situation, radius: number, length: number, colour: Tint, axis = s.axis): void {
   bar(draw, "cylinder", plus(s.points[0], axis, -0.5 * length), axis, length, radius, colour);
 }
@@ -60,7 +60,7 @@ function pin(draw: Draw, s: Situation, radius: number, length: number, colour: T
 const ring = (draw: Draw, s: Situation, radius: number, thick: number, colour: Tint): void =>
   draw("ring", s.points[0], times(s.across, radius), times(s.third, radius), times(s.axis, thick), colour);
 
-/** From the first to the last point: start, unit direction and length. */
+/** Segment from the first to the last point: start, unit direction and length. */
 function span(s: Situation): { a: THREE.Vector3; along: THREE.Vector3; length: number } {
   const a = s.points[0], b = s.points[s.points.length - 1];
   const along = b.clone().sub(a);
@@ -149,7 +149,7 @@ const cable: Kind = (s, draw) => {
 };
 
 const gear: Kind = (s, draw) => {
-  // two markers for each of the coupled angles: wheels turn about the first of them
+  // two markers per coupled angle: wheels turn about the first one
   const centres = s.points.length >= 4 ? [s.points[0], s.points[2]] : s.points.slice(0, 2);
   for (const point of centres) {
     draw("gear", point, times(s.across, 1.3 * s.size), times(s.third, 1.3 * s.size), times(s.axis, 0.5 * s.size), "joint");
@@ -178,7 +178,7 @@ const rosette: Kind = (s, draw) => {
   }
 };
 
-/** A straight arrow; of a moment it has two heads. */
+/** Straight arrow; moments have two heads. */
 export function arrow(draw: Draw, from: THREE.Vector3, along: THREE.Vector3, length: number, radius: number, colour: Tint, heads = 1): void {
   const head = Math.min(4.4 * radius, 0.45 * length);
   bar(draw, "cylinder", from, along, Math.max(length - head, 1e-12), radius, colour);
@@ -221,12 +221,12 @@ const torsion: Kind = (s, draw) => {
   bar(draw, "coil", plus(s.points[0], s.axis, -0.7 * s.size), s.axis, 1.4 * s.size, 0.6 * s.size, "force");
 };
 
-/** The same load at many points. */
+/** Equal loads at many points. */
 const many: Kind = (s, draw) => {
   for (const point of s.points) arrow(draw, point, s.axis, 2.4 * s.size, 0.1 * s.size, "force");
 };
 
-/** Along a path: a thin line through its points, and the arrow at the first. */
+/** Moving load: a thin line along its path, an arrow at the first point. */
 const moving: Kind = (s, draw) => {
   for (let i = 0; i + 1 < s.points.length; i++) {
     const along = s.points[i + 1].clone().sub(s.points[i]);
@@ -270,5 +270,5 @@ const GROUPS: [Kind, string[]][] = [
 
 const KINDS = new Map(GROUPS.flatMap(([kind, names]) => names.map((name) => [name, kind] as const)));
 
-/** What a kind of a group looks like; those without a symbol of their own are dots. */
+/** Shape of a kind in a group; dots for kinds without a symbol. */
 export const kindOf = (name: string, group: string): Kind => KINDS.get(name) ?? (group === "sensor" ? point : dot);

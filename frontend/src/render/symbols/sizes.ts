@@ -1,4 +1,4 @@
-/** How large symbols are: by the machine, and by how near others are on the same body. */
+/** Sizes of symbols from the machine's size and the distance to other symbols on the same body. */
 
 import { sidePosition } from "../../motion/pose";
 import type { Scene, Symbol, Vec3 } from "../../protocol";
@@ -8,14 +8,14 @@ const SHARE = 0.25; // at most, by the distance to the next one: rings are 1.5 s
 const LEAST = 0.1; // by the usual one, where only one other is near: two may be meant to be at one place
 const SAME = 1e-9; // by the radius of the machine: at one place, but for rounding
 
-/** Distances to the two next joints, and the number of the next one. */
+/** Distances to the two nearest joints, and the index of the nearest one. */
 interface Near {
   next: number;
   second: number;
   which: number;
 }
 
-/** Sizes of the symbols of a scene, m; distances along forces are those of a row. */
+/** Sizes of the symbols of a scene, m; lengths of forces are those of a row. */
 export function sizesOf(scene: Scene, row: ArrayLike<number>, radius: number): number[] {
   const usual = USUAL * radius;
   const near = nextOnBodies(scene.symbols, SAME * radius);
@@ -26,18 +26,18 @@ export function sizesOf(scene: Scene, row: ArrayLike<number>, radius: number): n
     const most = span > SAME * radius ? Math.max(SHARE * span, LEAST * usual) : usual;
     return Math.min(usual, most, SHARE * second, Math.max(SHARE * next, LEAST * usual));
   });
-  // the last one of a chain as the one before
+  // the last symbol of a chain has the size of the one before
   return sizes.map((size, i) => Math.min(size, scene.symbols[i].size === null ? (sizes[near[i].which] ?? size) : size));
 }
 
-/** Distance of the ends of a symbol. */
+/** Distance between the ends of a symbol. */
 function lengthOf(symbol: Symbol, row: ArrayLike<number>): number {
   if (symbol.sides.length < 2) return 0;
   const [a, b] = [symbol.sides[0], symbol.sides[symbol.sides.length - 1]].map((side) => [...sidePosition(side, row)]);
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/** For each symbol the distances to the two next joints that hold the same body elsewhere. */
+/** Distances of each symbol to the two nearest joints at other points of the same body. */
 function nextOnBodies(symbols: readonly Symbol[], same: number): Near[] {
   const out = symbols.map((): Near => ({ next: Infinity, second: Infinity, which: -1 }));
   const bodies = new Map<number, { symbol: number; u: Vec3; joint: boolean }[]>();
@@ -48,7 +48,7 @@ function nextOnBodies(symbols: readonly Symbol[], same: number): Near[] {
     }
   });
   for (const points of bodies.values()) {
-    // along the longest side: what is further there than the second one found is not looked at
+    // sweep along the longest side: stop beyond the second nearest joint
     const spread = [0, 1, 2].map((k) => bounds(points, k)).map(([low, high]) => high - low);
     const k = spread.indexOf(Math.max(...spread));
     points.sort((a, b) => a.u[k] - b.u[k]);

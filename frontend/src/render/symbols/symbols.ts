@@ -1,4 +1,4 @@
-/** The symbols of a run: joints, forces, sensors and supports, placed by a row. */
+/** Symbols of a run: joints, forces, sensors and supports, placed by a row. */
 
 import * as THREE from "three";
 import { matrix, product, turn } from "../../math/rotation";
@@ -29,11 +29,11 @@ const TINTS: Record<Tint, THREE.Color> = {
 
 const TRIAD = [raw("#d64b45"), raw("#4da352"), raw("#4577d6")];
 
-/** An arrow of a sensor, at a point, world. */
+/** Arrow of a sensor at a world point. */
 export interface Arrow {
   at: THREE.Vector3;
   value: THREE.Vector3;
-  /** Length of the largest one of its kind, m, a unit of value. */
+  /** Length of the largest arrow of its kind, m, per unit of value. */
   scale: number;
   kind: "force" | "moment" | "velocity" | "acceleration";
   sensor: number;
@@ -64,7 +64,7 @@ export class Symbols {
     this.capacity = 4 * (points + scene.symbols.length) + 6 * scene.markers.length + 4 * scene.sensors.length + 16;
   }
 
-  /** Place all of them; `shown` says of which bodies symbols are hidden. */
+  /** Place all symbols; `shown` determines the hidden ones. */
   update(row: ArrayLike<number>, state: Readonly<State>, arrows: Arrow[]): void {
     for (const batch of this.batches.values()) batch.begin();
     const gone = this.gone(state);
@@ -91,7 +91,7 @@ export class Symbols {
     for (const batch of this.batches.values()) batch.end();
   }
 
-  /** Whether what stands on the body at a place is hidden with it; null if none is. */
+  /** Whether symbols on the body at a place are hidden with it; null if nothing is hidden. */
   private gone(state: Readonly<State>): ((place: number) => boolean) | null {
     const { isolated, looks } = state;
     if (isolated === null && !Object.values(looks).some((look) => look.hidden)) return null;
@@ -102,7 +102,7 @@ export class Symbols {
       seen.add(body.place);
       for (const place of body.rings?.places.data ?? []) seen.add(place);
     });
-    // what stands on the ground alone goes where one body is shown alone
+    // ground symbols are hidden when a single body is shown
     if (isolated === null) seen.add(-1);
     else if (!this.scene.bodies.some((body, i) => body.place < 0 && isolated === key(this.run, i))) seen.delete(-1);
     const known = new Set(this.scene.bodies.flatMap((body) => [body.place, ...(body.rings?.places.data ?? [])]));
@@ -118,7 +118,7 @@ export class Symbols {
     const axis = new THREE.Vector3(point[0], point[1], point[2]);
     if (axis.lengthSq() > 0) axis.normalize();
     else axis.copy(up);
-    // across: as the first body turns, so that the eye sees it turn
+    // cross axis fixed to the first body, so that its rotation is visible
     const first = Math.abs(x) < 0.7 * Math.hypot(x, y, z) ? 1 : 0;
     turn(A, first, 1 - first, 0, point);
     const across = new THREE.Vector3(point[0], point[1], point[2]);
@@ -169,7 +169,7 @@ export class Symbols {
   }
 }
 
-/** Tag of what is not found under the mouse. */
+/** Tag of objects outside the picking picture. */
 export const NOTHING = 0xfffffffe;
 
 const placed = new THREE.Matrix4();

@@ -1,4 +1,4 @@
-"""Designs that several methods found for one problem, side by side."""
+"""Designs by several optimisation methods for one problem, side by side."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from jousto.design.optimisation.optimum import Optimum
 @described
 @dataclass(frozen=True, eq=False)
 class Comparison(Tabular):
-    """What several methods found for one problem.
+    """Optima of one problem by several methods.
 
     Parameters
     ----------
     optima : sequence of Optimum
-        From `optimise`, each of another method, with the same parameters.
+        Results of `optimise` by different methods, with the same parameters.
 
     Raises
     ------
@@ -44,7 +44,7 @@ class Comparison(Tabular):
 
     @property
     def table(self) -> list[tuple[str, ...]]:
-        """Rows of what is compared, a column for each method; the first row is their names.
+        """Rows of the comparison, one column for each method; the first row has the method names.
 
         The excess is the cost above that of the cheapest design that keeps its limits.
         """

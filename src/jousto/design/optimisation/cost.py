@@ -1,4 +1,4 @@
-"""What a design of a model file costs: a mass, another outcome without a run, or arithmetic."""
+"""Cost of a design of a model file: mass, another outcome without a run, or arithmetic."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Price = Callable[[Mapping[str, float], Mapping[str, Part]], float]
 
 
 def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
-    """Return what a text says shall be least, for the parameters by name and the parts.
+    """Return the cost function (parameter values, parts) that a text describes.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
 
         return arithmetic
     if outcome.needs_run:
-        message = "needs a run at every design; what is least must follow from the dimensions"
+        message = "needs a run at every design; the cost must follow from the dimensions"
         raise InputError(Trouble(where, message))
     wanted = study(file, list(every), outcome, t_end=1.0)
     if isinstance(outcome, Mass):
@@ -61,7 +61,7 @@ def read_price(text: str, file: Any, every: Sequence[Parameter]) -> Price:
 
 
 def _moves(file: Any, own: Sequence[str]) -> bool:
-    """Return whether the mass of other bodies may depend on parameters: as the file says it."""
+    """Return whether the masses of bodies without a part may depend on parameters."""
     data = file.variants.document.data
     others = [body for body in data.get("bodies", ()) if body.get("name") not in own]
     parts = [data.get("parts", {}).get(body.get("part")) for body in others]

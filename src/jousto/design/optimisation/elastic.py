@@ -1,4 +1,4 @@
-"""What a flexible body is to a static analysis: stiffness, supports, stress."""
+"""Static model of a flexible body: stiffness, supports and stress."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ class Elastic:
     points: Array | None = None
 
     @classmethod
-    def of(cls, name: str, part: Part) -> Elastic:
-        """Return the free body of a part."""
+    def from_part(cls, name: str, part: Part) -> Elastic:
+        """Return the static model of an unsupported part."""
         R = part.rigid_modes()
-        # the six degrees of freedom whose rigid motions differ most hold the body
+        # hold the six degrees of freedom whose rigid motions are most independent
         _, _, order = sl.qr(R.T, mode="economic", pivoting=True)
         held = np.sort(order[: R.shape[1]]).astype(np.intp)
         stress = part.stress if isinstance(part.stress, StressOperator) else None
@@ -83,20 +83,20 @@ class Elastic:
         )
 
     def solve(self, f: Array) -> Array:
-        """Return the displacements (ndof, nc) under loads (ndof, nc); those held are zero."""
+        """Return the displacements (ndof, nc) under loads (ndof, nc); supported ones are zero."""
         z = np.zeros(f.shape)
         z[self._free] = self._factor(f[self._free])
         return z
 
     def unbalance(self, f: Array) -> float:
-        """Return the resultant of loads (ndof, nc) in relation to their size, the worst."""
+        """Return the largest ratio of the resultant of loads (ndof, nc) to their size."""
         if not self.rigid.shape[1]:
             return 0.0
         size = np.abs(self.rigid).T @ np.abs(f)
         return float((np.abs(self.rigid.T @ f) / np.where(size > 0, size, 1.0)).max(initial=0.0))
 
     def node(self, name: str) -> int:
-        """Return the number of a named node.
+        """Return the index of a node from its name.
 
         Raises
         ------
@@ -112,12 +112,12 @@ class Elastic:
 @described
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """How a body deforms in a run: ``z(t) = shapes y(t)``.
+    """Deformation of a body in a run: ``z(t) = shapes y(t)``.
 
     Parameters
     ----------
     body : int
-        Which of the bodies of the problem.
+        Index of the body in the problem.
     case : str
         Load case; empty if there is one only.
     time : (nt,) array
@@ -136,7 +136,7 @@ class Motion:
 @described
 @dataclass(frozen=True, eq=False)
 class EquivalentLoad:
-    """Static loads that deform a body as a motion does, and how they change with the design.
+    """Static loads that cause the deformation of a run, and their derivatives by the design.
 
     ``f(t; x) = K z(t) = columns y(t; x)``, with y linear in the parameters x.
 
@@ -160,7 +160,7 @@ class EquivalentLoad:
     slopes: Array | None = None
 
     def coordinates(self, x: Array, instants: NDArray[np.intp]) -> Array:
-        """Return y (nc, ni) for a design at some of the instants."""
+        """Return the coordinates y (nc, ni) of a design at some instants."""
         y = self.values[:, instants]
         if self.slopes is not None:
             y = y + np.tensordot(x - self.at, self.slopes[:, :, instants], axes=(0, 0))

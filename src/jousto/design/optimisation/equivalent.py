@@ -1,4 +1,4 @@
-"""Equivalent static loads of a run, for static analyses by any means."""
+"""Equivalent static loads of a run, for static analyses with other programs."""
 
 from __future__ import annotations
 
@@ -23,25 +23,24 @@ def equivalent_loads(
     *,
     part: Part | None = None,
 ) -> Array:
-    """Return the nodal loads that deform a body at rest as it is deformed in a run.
+    """Return the nodal loads that cause the deformation of a run in a body at rest.
 
     ``f(t) = K Phi p(t)`` with the stiffness K of the part, its modes Phi and the modal coordinates
     p of the run (W. S. Choi, G. J. Park, *Comput. Methods Appl. Mech. Eng.* 191 (2002) 2077-2094).
-    They are all that acts on the body in motion, reactions, inertia and damping included, as far as
-    its modes hold it. A free body is in balance under them: held at any six degrees of freedom
-    that fix it without constraint, it has no reactions, and the deformation and stress of the run
-    but for a rigid motion.
+    The loads contain reactions, inertia and damping, as far as the modes represent them. On a free
+    body they are in balance: with any six degrees of freedom supported statically, the reactions
+    vanish, and the body has the deformation and stress of the run apart from a rigid motion.
 
     Parameters
     ----------
     run : Solution
-        With the body in it.
+        Results that contain the body.
     body : FlexibleBody
         The body.
     times : (nt,) array_like, optional
         Instants in s, between the stored ones interpolated; None takes all stored ones.
     part : Part, optional
-        From which the body was reduced; None takes what the reduction remembers.
+        Part from which the body was reduced; None takes the data that the reduction stored.
 
     Returns
     -------
@@ -83,7 +82,7 @@ def equivalent_loads(
     if part is None:
         problems.add(
             where,
-            "does not remember its part (it was read from a file or is very large): give part=...",
+            "does not contain its part (it was read from a file or is very large): give part=...",
         )
     elif not np.array_equal(part.nodes, body.reduced.nodes[: len(part.nodes)]):
         problems.add(where, f"was not reduced from part '{part.name}': its nodes are others")

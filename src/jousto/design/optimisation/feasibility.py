@@ -1,4 +1,4 @@
-"""Whether any design within the bounds keeps all limits, and which limits conflict if none does."""
+"""Search for a design within all limits, and the conflicting limits if there is none."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from jousto.design.optimisation.problem import Kept, Problem
 from jousto.design.optimisation.slopes import differences
 
 ROUNDS, STEP = 10, 1e-5
-"""Searches one after the other, and the step, as a share of the spans, at which they end."""
+"""Maximum number of searches, and the step at which they end, as a share of the bounds' spans."""
 WEIGHT = 1e-3
-"""Multiplier, of the largest, below which a limit takes no part in a conflict."""
+"""Share of the largest multiplier below which a limit is no part of a conflict."""
 
 
 @dataclass(frozen=True, eq=False)
 class Nearest:
-    """The design that exceeds the limits least.
+    """Design with the smallest violation of its limits.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Nearest:
 
     @property
     def message(self) -> str:
-        """What follows for whoever looks for a design."""
+        """Return the sentence that explains the conflict and its remedy."""
         if self.ratio <= 1.0 + ACTIVE:
             return "; a design that meets all limits is near, start there: "
         return (
@@ -50,10 +50,10 @@ class Nearest:
 
 
 def nearest(problem: Problem, x: Array, screen: float, size: float) -> Nearest:
-    """Return the design from which no step lowers the largest ratio: ``min t``, ``r_i <= t``.
+    """Return the design that minimises the largest ratio: ``min t``, ``r_i <= t``.
 
-    By SLSQP with slopes from runs. There ``sum m_i grad r_i`` is zero but for bounds, with
-    ``m >= 0`` and ``sum m_i = 1``: limits with m above 0 conflict.
+    Solved by SLSQP with derivatives from runs. At the solution ``sum m_i grad r_i`` is zero apart
+    from bounds, with ``m >= 0`` and ``sum m_i = 1``: limits with m above 0 conflict.
     """
     span = problem.high - problem.low
     for _ in range(ROUNDS):
@@ -85,7 +85,7 @@ def nearest(problem: Problem, x: Array, screen: float, size: float) -> Nearest:
 
 
 def _lowered(problem: Problem, x: Array, kept: list[Kept], size: float) -> Array:
-    """Return the design with the least largest ratio of some rows."""
+    """Return the design with the smallest largest ratio of the selected rows."""
     span = problem.high - problem.low
 
     def design(w: Array) -> Array:

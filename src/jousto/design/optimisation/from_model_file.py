@@ -1,4 +1,4 @@
-"""Problems of model files: limits in text become those of an optimisation."""
+"""Optimisation problems of model files: limits in text become `Limit` objects."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ WHERE = "optimise"
 
 
 class FileProblem(MachineProblem):
-    """A model file whose parameters with bounds are to be optimised; see `file_problem`."""
+    """Optimisation of a model file by its parameters with bounds; see `file_problem`."""
 
     def frequencies(self, x: Array) -> Array:
-        """Return all natural frequencies at the start, Hz, as the outcome of a study."""
+        """Return the natural frequencies at the start, Hz, as outcome ``frequency`` counts them."""
         machine = next(iter(self.machines(x).values()))
         return np.asarray(modes(compile(machine)).frequencies)
 
@@ -49,21 +49,21 @@ def file_problem(
     parameters: Sequence[Parameter] | None = None,
     t_end: float | None = None,
 ) -> FileProblem:
-    """Return the optimisation of a model file, whose parameters with bounds are the design.
+    """Return the optimisation problem of a model file: its parameters with bounds are the design.
 
     Parameters
     ----------
     file : ModelFile
-        From `read_model`.
+        Model file from `read_model`.
     limits : sequence of str, optional
         ``"stress(boom) <= 160 MPa"``, ``"deflection(boom, end, start) <= 20 mm"``,
         ``"frequency(1) >= 5 Hz"``, ``"life(boom) >= 1000 h"`` or damage of a check; those of the
         file if not given. Bounds are numbers: they do not follow the design.
     cost : str
-        What shall be least: ``"mass"`` of everything that moves, ``"mass(boom)"``, another outcome
+        Cost to minimise: ``"mass"`` of everything that moves, ``"mass(boom)"``, another outcome
         that needs no run, or arithmetic of parameters, ``"2 * width + height"``.
     parameters : sequence of Parameter, optional
-        Instead of those of the file; only those with bounds are varied.
+        Parameters instead of those of the file; only those with bounds are varied.
     t_end : float, optional
         End of the runs, s; before that of the file.
 
@@ -107,7 +107,7 @@ def file_problem(
         raise InputError(Trouble(WHERE, message))
     end = t_end if file.simulation is None or t_end is not None else file.simulation.t_end
     if end is None:
-        message = "how long to simulate? give t_end, or simulation: {t_end: ...} in the file"
+        message = "no end time: give t_end, or simulation: {t_end: ...} in the file"
         raise InputError(Trouble(WHERE, message))
     fixed = {p.name: p.value for p in every if p.bounds is None}
     given = [limits] if isinstance(limits, str) else limits
@@ -178,7 +178,7 @@ def _limit(
 def _life(
     one: Requirement, outcome: Damage, known: Mapping[str, Quantity], file: Any, end: float
 ) -> Limit:
-    """Return the limit of a life or a damage, of a check of the file."""
+    """Return the limit on life or damage of a fatigue check in the file."""
     where = f"limit {one.text!r}"
     checks = () if file.fatigue is None else file.fatigue.checks
     check = next((c for c in checks if outcome.check_name in (c.name, c.body)), None)
@@ -188,7 +188,7 @@ def _life(
     others = set(check.options) - {"criterion", "mean", "required"}
     if check.residue != "repeat" or others:
         what = f"{', '.join(sorted(others))}" if others else f"residue {check.residue}"
-        message = f"an optimisation counts with residue repeat and a curve as it is, not {what}"
+        message = f"an optimisation supports residue repeat and a plain S-N curve only, not {what}"
         raise InputError(Trouble(where, message))
     repeats = one.value(known, "s") / end if outcome.life else 1.0 / one.value(known, "1")
     options = {k: v for k, v in check.options.items() if k != "required"}

@@ -1,6 +1,6 @@
 """Limits of an optimisation: stress, displacement, life and frequency.
 
-A limit says how far its values are from it: a ratio of 1 is at the limit.
+The ratio of a value to its limit is 1 at the limit.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from jousto.materials.strength.sn import SN
 from jousto.recovery.fields.criteria import check_criterion, evaluate
 
 LEAST = 1e-30
-"""Damage of a place without cycles, so that its root can be taken."""
+"""Damage of a place without cycles: positive, so that its root has a derivative."""
 
 
 class Criteria(Field[Any, Any]):
-    """A criterion, such as "von-mises" or "s11"."""
+    """Type of fields: a stress criterion such as "von-mises" or "s11"."""
 
     form = "text"
     noun = "str or Plane"
@@ -43,13 +43,13 @@ class Criteria(Field[Any, Any]):
 
 
 class Places(Field[Any, "tuple[str, ...] | None"]):
-    """Names of places of the part's stress; None for all."""
+    """Type of fields: names of stress places of the part; None for all."""
 
     form = "texts"
     noun = "sequence of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the names as a tuple."""
         found = (value,) if isinstance(value, str) else value
         found = tuple(found) if isinstance(found, Iterable) else ()
         if not found or not all(isinstance(word, str) for word in found):
@@ -58,27 +58,27 @@ class Places(Field[Any, "tuple[str, ...] | None"]):
 
 
 class Limit(Declared, section="limits"):
-    """Base of all limits."""
+    """Base class of all limits."""
 
     kind = "limit"
 
     @property
     def label(self) -> str:
-        """What is limited."""
+        """Limited quantity, for messages."""
         raise NotImplementedError
 
 
 class BodyLimit(Limit):
-    """Base of limits of one body, which follow from its displacements."""
+    """Base class of limits on one body that follow from its displacements."""
 
     body: Text = field("Name of the body")
 
     def places(self, body: Elastic) -> tuple[str, ...]:
-        """Return the names of the places."""
+        """Return the names of the limited places."""
         raise NotImplementedError
 
     def rows(self, body: Elastic, shapes: Array) -> Array:
-        """Return what displacements (ndof, nc) cause at the places, (places, components, nc)."""
+        """Return the limited quantity (places, components, nc) for displacements (ndof, nc)."""
         raise NotImplementedError
 
     def ratios(self, rows: Array, y: Array) -> Array:
@@ -87,12 +87,12 @@ class BodyLimit(Limit):
 
 
 class PlacesLimit(BodyLimit):
-    """Base of limits of the stress at places."""
+    """Base class of limits on the stress at places."""
 
     sites: Places = field("Places of the part's stress; all if None", default=None, kw_only=True)
 
     def places(self, body: Elastic) -> tuple[str, ...]:
-        """Return the names of the places."""
+        """Return the names of the limited places."""
         return self.sites or tuple(stress_of(body).sites)
 
     def rows(self, body: Elastic, shapes: Array) -> Array:
@@ -103,7 +103,7 @@ class PlacesLimit(BodyLimit):
 
 
 class StressLimit(PlacesLimit, tag="stress"):
-    """Limit: ``|stress| <= maximum`` at every instant.
+    """Limit on stress: ``|stress| <= maximum`` at every instant.
 
     Examples
     --------
@@ -120,7 +120,7 @@ class StressLimit(PlacesLimit, tag="stress"):
 
     @property
     def label(self) -> str:
-        """What is limited."""
+        """Limited quantity, for messages."""
         return f"{self.criterion} of {self.body}"
 
     def ratios(self, rows: Array, y: Array) -> Array:
@@ -130,17 +130,18 @@ class StressLimit(PlacesLimit, tag="stress"):
 
 
 class Place(Field["str | None", "str | None"]):
-    """The name of a node, or None."""
+    """Type of fields: the name of a node, or None."""
 
     form = "text"
     noun = "str"
 
 
 class DisplacementLimit(BodyLimit, tag="displacement"):
-    """Limit: the elastic displacement of a node at every instant.
+    """Limit on the elastic displacement of a node at every instant.
 
-    ``|n . u| <= maximum`` along a direction n, else ``|u| <= maximum``. A body without supports
-    needs a node that its displacement is seen from: the foot of a boom, say.
+    n . u| <= maximum`` along|``|n . u| <= maximum`` along a direction n, else ``|u| <= maximum``.
+    For a body without supports the displacement is relative to a node, for example the foot of a
+    boom.
     """
 
     maximum: Positive = field("Largest displacement", unit="m")
@@ -152,11 +153,11 @@ class DisplacementLimit(BodyLimit, tag="displacement"):
 
     @property
     def label(self) -> str:
-        """What is limited."""
+        """Limited quantity, for messages."""
         return f"displacement of {self.body}.{self.node}"
 
     def places(self, body: Elastic) -> tuple[str, ...]:
-        """Return the name of the place."""
+        """Return the name of the node in a tuple."""
         return (self.node,)
 
     def rows(self, body: Elastic, shapes: Array) -> Array:
@@ -181,7 +182,7 @@ class DisplacementLimit(BodyLimit, tag="displacement"):
 
 
 class Mean(AnyField):
-    """A correction for mean stress, or None."""
+    """Type of fields: a mean-stress correction, or None."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the correction."""
@@ -191,7 +192,7 @@ class Mean(AnyField):
 
 
 class LifeLimit(PlacesLimit, tag="life"):
-    """Limit: the part survives so many runs.
+    """Limit on life: the part endures a number of repeated runs.
 
     ``(D repeats)^(1/k) <= 1`` with the damage D of one run, rainflow-counted, and the slope k of
     the S-N curve: the root grows with the load as a stress does.
@@ -210,7 +211,7 @@ class LifeLimit(PlacesLimit, tag="life"):
 
     @property
     def label(self) -> str:
-        """What is limited."""
+        """Limited quantity, for messages."""
         return f"life of {self.body}"
 
     def ratios(self, rows: Array, y: Array) -> Array:
@@ -223,7 +224,7 @@ class LifeLimit(PlacesLimit, tag="life"):
 
 
 class FrequencyLimit(Limit, tag="frequency", by_value=True):
-    """Limit: a natural frequency of the machine at its start is at least so high."""
+    """Lower limit on a natural frequency of the machine at its start."""
 
     minimum: Positive = field("Lowest frequency", unit="Hz")
     mode: Whole = field(
@@ -232,11 +233,11 @@ class FrequencyLimit(Limit, tag="frequency", by_value=True):
 
     @property
     def label(self) -> str:
-        """What is limited."""
+        """Limited quantity, for messages."""
         return f"frequency {self.mode}"
 
     def ratio(self, frequencies: Array) -> float:
-        """Return minimum / frequency, of the frequencies in Hz."""
+        """Return minimum / frequency from the natural frequencies, Hz."""
         if len(frequencies) < self.mode:
             message = f"there is no mode {self.mode}: the machine has {len(frequencies)}"
             raise InputError(Problem("frequency limit", message))
@@ -250,7 +251,7 @@ class FrequencyLimit(Limit, tag="frequency", by_value=True):
 
 
 def stress_of(body: Elastic) -> Any:
-    """Return the stress operator of a body.
+    """Return the stress operator (6 ns, ndof) of a body.
 
     Raises
     ------
@@ -263,7 +264,7 @@ def stress_of(body: Elastic) -> Any:
 
 
 def carried(body: Elastic, node: str, shapes: Array) -> Array:
-    """Return the rigid motion (ndof, nc) that moves a node as `shapes` (ndof, nc) do.
+    """Return the rigid motion (ndof, nc) that follows one node of `shapes` (ndof, nc).
 
     Raises
     ------

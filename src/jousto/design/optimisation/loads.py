@@ -1,4 +1,4 @@
-"""Equivalent static loads of a motion, and the limits of a design under them.
+"""Equivalent static loads of a motion, and the ratios of limits under them.
 
 ``f(t) = K z(t)`` loads a body at rest so that it deforms as it does in motion (W. S. Choi,
 G. J. Park, Comput. Methods Appl. Mech. Eng. 191 (2002) 2077-2094).
@@ -19,13 +19,13 @@ from jousto.design.optimisation.limits import BodyLimit, LifeLimit
 from jousto.design.optimisation.problem import Kept, Place, Problem
 
 Table = list[tuple[BodyLimit, int, Array]]
-"""Ratios (places, columns) of each limit in each motion."""
+"""Ratios value / limit (places, columns) of each limit in each motion."""
 
 
 def classical(
     x: Array, bodies: Sequence[Elastic], motions: Sequence[Motion]
 ) -> list[EquivalentLoad]:
-    """Return the equivalent static loads of order 0: constant while the design changes."""
+    """Return the equivalent static loads of order 0: constant over the design."""
     return [
         EquivalentLoad(m, x, np.asarray(bodies[m.body].K @ m.shapes), m.coordinates)
         for m in motions
@@ -33,7 +33,7 @@ def classical(
 
 
 def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]:
-    """Return the equivalent static loads with their slopes, ``df/dx = d(K z)/dx``.
+    """Return the equivalent static loads of order 1 with their slopes ``df/dx = d(K z)/dx``.
 
     Central differences over two runs for each parameter. The idea of loads that follow the design
     to first order is that of M. Stolpe and N. Pollini for nonlinear statics (2023).
@@ -78,7 +78,7 @@ def first_order(problem: Problem, x: Array, size: float) -> list[EquivalentLoad]
 
 
 def sides(problem: Problem, x: Array, i: int, size: float) -> tuple[Array, Array]:
-    """Return the designs on both sides of x in one parameter, within its bounds."""
+    """Return the designs on both sides of x along one parameter, within its bounds."""
     h = size * (problem.high[i] - problem.low[i])
     up, down = x.copy(), x.copy()
     up[i] = min(x[i] + h, problem.high[i])
@@ -93,7 +93,7 @@ def _same_instants(found: int, wanted: int) -> None:
 
 
 def _finite(limit: BodyLimit, ratios: Array) -> Array:
-    """Return the ratios of a limit, or raise InputError if they are no numbers."""
+    """Return the ratios of a limit, or raise InputError if they are not finite."""
     if not np.all(np.isfinite(ratios)):
         message = "has values that are not finite: look at the motion, forces and functions"
         raise InputError(Trouble(f"limit on {limit.label}", message))
@@ -102,14 +102,14 @@ def _finite(limit: BodyLimit, ratios: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Deformed:
-    """A body and how it deforms: ``z(t) = shapes y(t)``.
+    """Static model of a body with its deformation ``z(t) = shapes y(t)``.
 
     Parameters
     ----------
     body : Elastic
     shapes : (ndof, nc) array
     count : int
-        Of instants.
+        Number of instants.
     coordinates : function
         Returns y (nc, ni) at some instants.
     """
@@ -123,7 +123,7 @@ class Deformed:
 def deformed(
     problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None
 ) -> list[Deformed]:
-    """Return the bodies of a design under equivalent loads, or of None in its motion."""
+    """Return the deformed bodies of a design under equivalent loads, or (None) in its motion."""
     bodies = problem.bodies(x)
     if loads is None:
         return [
@@ -145,7 +145,7 @@ def deformed(
 
 
 def table_of(problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None) -> Table:
-    """Return the ratios of all limits at all instants, see `deformed`."""
+    """Return the ratios of all limits at all instants."""
     table: Table = []
     for k, one in enumerate(deformed(problem, x, loads)):
         y = one.coordinates(np.arange(one.count))
@@ -156,13 +156,13 @@ def table_of(problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None 
 
 
 def limits_of(problem: Problem, body: Elastic) -> list[BodyLimit]:
-    """Return the limits of one body."""
+    """Return the limits on one body."""
     limits = [limit for limit in problem.limits if isinstance(limit, BodyLimit)]
     return [limit for limit in limits if limit.body == body.name]
 
 
 def screened(table: Table, share: float, most: int = 400) -> list[Kept]:
-    """Return the rows whose ratio is at least a share of the largest of their limit and motion.
+    """Return the rows whose ratio is at least a given share of the largest of their limit.
 
     At most `most` of each, the largest first; ties by place, then instant.
     """
@@ -186,7 +186,7 @@ def ratios_of(
     kept: Sequence[Kept],
     loads: Sequence[EquivalentLoad] | None = None,
 ) -> Array:
-    """Return the ratios of the kept rows, see `deformed`."""
+    """Return the ratios of the kept rows in one array."""
     bodies = deformed(problem, x, loads)
     found = [problem.fixed(x)]
     for row in kept:
@@ -200,7 +200,7 @@ def ratios_of(
 
 
 def labels(problem: Problem, x: Array, kept: Sequence[Kept]) -> list[Place]:
-    """Return what each of the kept rows is."""
+    """Return the `Place` of each kept row."""
     bodies, motions = problem.bodies(x), problem.motions(x)
     found = [Place(name) for name in problem.fixed_labels]
     for one in kept:

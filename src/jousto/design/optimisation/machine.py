@@ -1,4 +1,4 @@
-"""Machines of flexible bodies whose dimensions are parameters."""
+"""Optimisation problems of machines with flexible bodies of variable dimensions."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ Machines = Mechanism | Mapping[str, Mechanism]
 
 
 class MachineProblem(Problem):
-    """Optimise the dimensions of flexible bodies for the stresses of their motion.
+    """Optimisation of the dimensions of flexible bodies for the stresses of their motion.
 
     Parameters
     ----------
     parameters : sequence of Parameter
-        With bounds; their values are the start.
+        Parameters with bounds; their values are the start.
     parts : function
         Returns the `Part` of each body that changes or is limited, by the name of the body, for
         the parameters by name. Statics ask for nothing else.
@@ -47,7 +47,7 @@ class MachineProblem(Problem):
     solver, output_step
         As for `simulate`; with a solver of fixed step the runs change smoothly with the parameters.
     state : State or function, optional
-        Where runs start, or a function of the model that finds it:
+        Initial state of the runs, or a function of the model that returns it:
         `jo.simulation.vibration_free_state`, `jo.equilibrium`.
     cost : function, optional
         Returns what shall be least, for the parameters by name and the parts. The mass of the
@@ -91,7 +91,7 @@ class MachineProblem(Problem):
         self._parts: dict[bytes, Mapping[str, Part]] = {}
 
     def parts(self, x: Array) -> Mapping[str, Part]:
-        """Return the part of each body.
+        """Return the part of each body for a design.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class MachineProblem(Problem):
         return self._parts[key]
 
     def machines(self, x: Array) -> dict[str, Mechanism]:
-        """Return the mechanism of each load case.
+        """Return the mechanism of each load case for a design.
 
         Raises
         ------
@@ -126,12 +126,12 @@ class MachineProblem(Problem):
         return dict(cases)
 
     def cost(self, x: Array) -> float:
-        """Return what shall be least."""
+        """Return the cost of a design."""
         return float(self._cost(self.values(x), self.parts(x)))
 
     def elastic(self, x: Array) -> tuple[Elastic, ...]:
-        """Return the bodies, free in space."""
-        return tuple(Elastic.of(name, part) for name, part in self.parts(x).items())
+        """Return the unsupported static models of the flexible bodies."""
+        return tuple(Elastic.from_part(name, part) for name, part in self.parts(x).items())
 
     def frequencies(self, x: Array) -> Array:
         """Return the natural frequencies of the first load case at its start, Hz."""
@@ -140,7 +140,7 @@ class MachineProblem(Problem):
         return np.asarray(f[f > 1e-6 * f.max(initial=0.0)])
 
     def solutions(self, values: Mapping[str, float]) -> dict[str, Solution]:
-        """Return the run of each load case, by its name, empty if there is one only.
+        """Return the run of each load case by name (empty name if there is only one).
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class MachineProblem(Problem):
         return simulate(model, self._t_end, **self._settings.given(model))
 
     def run(self, x: Array) -> tuple[Motion, ...]:
-        """Run all load cases."""
+        """Run all load cases and return the deformations."""
         found = []
         for case, machine in self.machines(x).items():
             run = self._simulated(machine)
@@ -181,7 +181,7 @@ def mass(values: Mapping[str, float], parts: Mapping[str, Part]) -> float:
 
 
 def shapes_of(body: Any, part: Part) -> Array:
-    """Return the displacements (ndof, n) of the modes of a body on the degrees of freedom.
+    """Return the mode displacements (ndof, n) of a body at its degrees of freedom.
 
     Raises
     ------

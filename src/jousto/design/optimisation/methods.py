@@ -1,4 +1,4 @@
-"""Optimisation by equivalent static loads, and directly by the runs themselves."""
+"""Optimisation methods: equivalent static loads, and direct optimisation of the runs."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from jousto.design.optimisation.problem import Kept, Problem
 from jousto.design.optimisation.slopes import Function, differences
 
 SMALL = 1e-5
-"""Step of central differences where only statics are computed, share of the span."""
+"""Step of central differences of statics, as a share of the span of the bounds."""
 
 FEASIBLE = 1e-5
-"""How far a ratio may be above 1."""
+"""Tolerance of ratios above 1."""
 
 AHEAD, NEAR = 6, 0.02
-"""Most cycles of order 0 before those of order 1, and the excess of a limit that calls for them."""
+"""Maximum number of order-0 cycles before order 1, and the limit excess that requires them."""
 
 PENALTY = 10.0
-"""Cost, of the cost at the start, of a limit exceeded by its own size, where none is feasible."""
+"""Penalty on a ratio above 1, in costs of the initial design, if no design is feasible."""
 
 
 def solve(
     problem: Problem, x: Array, ratios: Function, slopes: Function, low: Array, high: Array
 ) -> Array:
-    """Return the least cost between bounds where all ratios are at most 1; SLSQP.
+    """Minimise the cost between bounds with all ratios at most 1 by SLSQP; return the design.
 
-    Where no design keeps all limits, that which exceeds them least at its cost.
+    If no design keeps all limits, the result is the design of least violation.
     """
     span, scale = problem.high - problem.low, abs(problem.cost(x)) or 1.0
 
@@ -64,10 +64,10 @@ def solve(
             "jac": lambda u: -slopes(design(u)) * span,
         },
     )
-    # a search that ends early at a design within the limits is a step, too
+    # a search that stops early at a feasible design is a valid step as well
     if np.max(ratios(design(found.x)), initial=0.0) <= 1.0 + FEASIBLE:
         return np.clip(design(found.x), low, high)
-    # one more variable: how far limits may be exceeded
+    # one more variable: the common relaxation of all limits
     over = float(max(np.max(ratios(x), initial=1.0) - 1.0, 0.0))
     relaxed: Any = minimize(  # type: ignore[call-overload]
         lambda w: cost(w[:-1]) + PENALTY * w[-1],
@@ -88,12 +88,12 @@ def solve(
 
 
 def largest(table: esl.Table, fixed: Array) -> float:
-    """Return the largest ratio of a table and of limits that need no run."""
+    """Return the largest ratio of a table and of the limits without a run."""
     return float(np.max([np.max(r) for _, _, r in table] + list(fixed), initial=0.0))
 
 
 def change(old: Sequence[EquivalentLoad], new: Sequence[EquivalentLoad]) -> float:
-    """Return ``sum |f_new - f_old| / sum |f_old|`` over bodies and instants."""
+    """Return the relative change of loads ``sum |f_new - f_old| / sum |f_old|``."""
     total, moved = 0.0, 0.0
     for a, b in zip(old, new, strict=True):
         f, g = a.columns @ a.values, b.columns @ b.values
@@ -104,7 +104,7 @@ def change(old: Sequence[EquivalentLoad], new: Sequence[EquivalentLoad]) -> floa
     return moved / total if total else 0.0
 
 
-def by_loads(
+def optimise_by_loads(
     problem: Problem,
     order: int,
     start: Array,
@@ -116,7 +116,7 @@ def by_loads(
     size: float,
     report: Callable[[Cycle], None] | None,
 ) -> Optimum:
-    """Optimise by equivalent static loads; see `optimise`."""
+    """Optimise by equivalent static loads of order 0 or 1; see `optimise`."""
     span = problem.high - problem.low
     x, radius = start.copy(), trust
     history: list[Cycle] = []
@@ -127,7 +127,7 @@ def by_loads(
         plain = esl.classical(x, problem.bodies(x), problem.motions(x))
         table = esl.table_of(problem, x)
         ratio = largest(table, problem.fixed(x))
-        # constant loads find a design within the limits from anywhere, slopes the optimum near it
+        # order 0 finds a feasible design from any start, order 1 the optimum near it
         ahead = order == 1 and len(history) < AHEAD and ratio > 1.0 + NEAR
         loads = esl.first_order(problem, x, size) if order and not ahead else plain
         kept = esl.screened(table, screen)
@@ -167,10 +167,12 @@ def by_loads(
         else:
             radius = min(1.5 * radius, 1.0)
         x, last, old = new, step, plain
-    return finished(problem, f"esl, order {order}", x, converged, message, history, screen, size)
+    return make_optimum(
+        problem, f"esl, order {order}", x, converged, message, history, screen, size
+    )
 
 
-def directly(
+def optimise_directly(
     problem: Problem,
     start: Array,
     *,
@@ -180,7 +182,7 @@ def directly(
     size: float,
     report: Callable[[Cycle], None] | None,
 ) -> Optimum:
-    """Optimise the transient itself; see `optimise`."""
+    """Optimise by runs of every trial design; see `optimise`."""
     span = problem.high - problem.low
     x, history = start.copy(), list[Cycle]()
     converged, message = False, f"not converged in {cycles} rounds"
@@ -206,10 +208,10 @@ def directly(
             converged, message = True, f"converged in {len(history)} rounds"
             break
         x = new
-    return finished(problem, "direct", x, converged, message, history, screen, size)
+    return make_optimum(problem, "direct", x, converged, message, history, screen, size)
 
 
-def finished(
+def make_optimum(
     problem: Problem,
     method: str,
     x: Array,
@@ -219,7 +221,7 @@ def finished(
     screen: float,
     size: float,
 ) -> Optimum:
-    """Return the report of a design, judged by its motion."""
+    """Return the `Optimum` of a design, with the ratios of its own motion."""
     span = problem.high - problem.low
     table = esl.table_of(problem, x)
     ratio = largest(table, problem.fixed(x))

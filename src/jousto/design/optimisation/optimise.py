@@ -1,4 +1,4 @@
-"""Optimise: the least cost within limits of stress, displacement, life and frequency."""
+"""Function `optimise`: least cost within limits of stress, displacement, life and frequency."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from scipy.stats import qmc
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import JoustoError, Problems
-from jousto.design.optimisation.methods import by_loads, directly
+from jousto.design.optimisation.methods import optimise_by_loads, optimise_directly
 from jousto.design.optimisation.optimum import Cycle, Optimum
 from jousto.design.optimisation.problem import Problem
 
 SAME = 1e-3
-"""Of the least cost: costs that are one optimum."""
+"""Relative difference of costs within which optima count as equal."""
 
 
 @explained
@@ -37,21 +37,20 @@ def optimise(
     """Find the parameters of least cost that keep all limits at all instants of the motion.
 
     With equivalent static loads ``f(t) = K z(t)`` each cycle runs the machine once (order 0), or
-    once and twice for each parameter (order 1), and then optimises statics alone. Order 0, the
-    classical method, freezes the loads: where it ends is in general not an optimum of the moving
-    machine (M. Stolpe, A. Verbart, S. Rojas-Labanda, Struct. Multidisc. Optim. 58 (2018) 139-154).
-    Order 1 lets the loads follow the design to first order within a trust region: where it ends
-    the conditions of an optimum hold. From a start that exceeds limits it takes a few cycles of
-    order 0 first.
+    once and twice for each parameter (order 1), and then optimises a static problem. Order 0, the
+    classical method, keeps the loads constant: its result is in general not an optimum of the
+    moving machine (M. Stolpe, A. Verbart, S. Rojas-Labanda, Struct. Multidisc. Optim. 58 (2018)
+    139-154). Order 1 linearises the loads in the design within a trust region: its result meets the
+    optimality conditions. From an infeasible start it takes a few cycles of order 0 first.
 
     Parameters
     ----------
     problem : Problem
-        Such as `MachineProblem`.
+        Problem, such as a `MachineProblem`.
     method : {"esl", "direct"}
         Equivalent static loads, or the transient itself by SLSQP with slopes from runs.
     order : {0, 1}
-        Of equivalent static loads.
+        Order of the equivalent static loads.
     tolerance : float
         Largest step, as a share of the span of each parameter, that ends.
     cycles : int
@@ -66,10 +65,10 @@ def optimise(
     report : function, optional
         Is called with each `Cycle`.
     starts : int
-        How many: the values of the parameters, then points of a Latin hypercube in their bounds.
+        Number of starts: the parameter values, then points of a Latin hypercube in their bounds.
         Each ends at an optimum near it; the best is returned, and its message has the spread.
     seed : int
-        Of the hypercube.
+        Seed of the hypercube.
 
     Returns
     -------
@@ -93,8 +92,7 @@ def optimise(
     )
     radius = (0.2 if order else 1.0) if trust is None else trust
     problems.number(where, "trust", radius, "", "above 0 and up to 1", lambda v: 0.0 < v <= 1.0)
-    whole = "a whole number, at least 1"
-    problems.number(where, "starts", starts, "", whole, lambda v: v >= 1 and v == int(v))
+    problems.whole(where, "starts", starts)
     if cycles < 1:
         problems.add(where, f"cycles is {cycles}, must be 1 or more")
     problems.raise_if_any()
@@ -104,8 +102,8 @@ def optimise(
 
     def found(start: Array) -> Optimum:
         if method == "direct":
-            return directly(problem, start, **common)
-        return by_loads(problem, order, start, trust=radius, **common)
+            return optimise_directly(problem, start, **common)
+        return optimise_by_loads(problem, order, start, trust=radius, **common)
 
     first = found(problem.start)
     if starts == 1:
@@ -121,9 +119,9 @@ def optimise(
 
 
 def best(optima: Sequence[Optimum], failed: int) -> Optimum:
-    """Return the cheapest of optima that keep their limits, with the spread of all in its message.
+    """Return the cheapest feasible optimum; its message states the spread of all costs.
 
-    Where none keeps them, that which exceeds them least.
+    If no optimum is feasible, the one with the smallest violation is returned.
     """
     kept = [one for one in optima if one.kept]
     ended = [one for one in kept if one.converged] or kept

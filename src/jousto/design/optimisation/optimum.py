@@ -1,4 +1,4 @@
-"""What an optimisation found, and how well it meets the conditions of an optimum."""
+"""Result of an optimisation, and its residual of the optimality conditions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.base.object_repr import described
 from jousto.design.optimisation.problem import Place
 
 ACTIVE = 1e-3
-"""Distance of a ratio from 1 within which its row counts as active."""
+"""Distance from 1 within which a ratio counts as active."""
 
 
 @described
@@ -49,7 +49,7 @@ class Cycle:
 @described
 @dataclass(frozen=True, eq=False)
 class Optimum(Tabular):
-    """A design, how it was found and what bounds it.
+    """Optimal design with its history, active limits and multipliers.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Optimum(Tabular):
     message : str
         Why it ended.
     active : tuple of (Place, float)
-        What bounds the design, with its multiplier: how much the cost, relative to itself, grows
+        Active rows with their multipliers: how much the cost, relative to itself, grows
         if that limit is lowered by 1 in relation to itself.
     kkt : float
         Residual of the conditions of Karush, Kuhn and Tucker in motion: the part of the gradient
@@ -74,7 +74,7 @@ class Optimum(Tabular):
         Runs of the machine.
     history : tuple of Cycle
     others : tuple of Optimum
-        What other starts found, in their order.
+        Optima of the other starts, in their order.
     """
 
     method: str
@@ -91,17 +91,17 @@ class Optimum(Tabular):
 
     @property
     def instants(self) -> int:
-        """Number of instants at which limits are active.
+        """Number of instants with active limits.
 
-        As many as there are parameters explain the gradient of any cost: then a small KKT residual
-        says little.
+        If their number reaches that of the parameters, they explain the gradient of any cost, and a
+        small KKT residual is no evidence of an optimum.
         """
         times = {(p.case, p.time) for p, _ in self.active if not np.isnan(p.time)}
         return len(times)
 
     @property
     def kept(self) -> bool:
-        """Whether the design keeps its limits, within 1e-3 of them."""
+        """Whether all ratios are below 1 + 1e-3."""
         return self.ratio <= 1.0 + ACTIVE
 
     def _facts(self) -> str:
@@ -138,19 +138,19 @@ class Optimum(Tabular):
 def multipliers(
     gradient: Array, ratios: Array, slopes: Array, at_low: Array, at_high: Array
 ) -> tuple[float, dict[int, float]]:
-    """Return the KKT residual and the multipliers of the rows, by their numbers.
+    """Return the KKT residual and the multipliers of the rows by row number.
 
     ``|grad c + sum m_j grad r_j - m_low + m_high| / |grad c|`` with the best ``m >= 0``.
 
     Parameters
     ----------
     gradient : (nd,) array
-        Of the cost.
+        Derivatives of the cost.
     ratios : (m,) array
     slopes : (m, nd) array
-        Of the ratios.
+        Derivatives of the ratios.
     at_low, at_high : (nd,) bool array
-        Which parameters are at a bound.
+        Masks of the parameters at a bound.
     """
     near = np.flatnonzero(ratios >= 1.0 - ACTIVE)
     unit = np.eye(len(gradient))

@@ -1,4 +1,4 @@
-"""What an optimisation needs to know of a machine: cost, motion and limits of a design."""
+"""Interface of optimisation problems: cost, motion and limits of a design."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from jousto.design.studies.parameters.parameter import Parameter
 
 @described
 class Problem(ABC):
-    """Find the parameters x that make the cost least while all limits hold at all instants.
+    """Base class: minimise the cost over parameters x with all limits kept at all instants.
 
     Parameters
     ----------
     parameters : sequence of Parameter
-        With bounds; their values are the start.
+        Parameters with bounds; their values are the start.
     limits : sequence of Limit
 
     Raises
@@ -61,7 +61,7 @@ class Problem(ABC):
         return f"{count(len(self.names), 'parameter')}, {count(len(self.limits), 'limit')}"
 
     def check(self) -> None:
-        """Raise InputError if a limit names a body that is not there."""
+        """Raise InputError if a limit names a body that does not exist."""
         problems = Problems()
         known = {body.name for body in self.bodies(self.start)}
         for limit in self.limits:
@@ -73,23 +73,23 @@ class Problem(ABC):
         problems.raise_if_any()
 
     def values(self, x: Array) -> dict[str, float]:
-        """Return the parameters by name."""
+        """Return the parameter values by name."""
         return dict(zip(self.names, map(float, x), strict=True))
 
     @abstractmethod
     def cost(self, x: Array) -> float:
-        """Return what shall be least, such as the mass."""
+        """Return the cost of a design, such as its mass."""
 
     @abstractmethod
     def elastic(self, x: Array) -> tuple[Elastic, ...]:
-        """Make the static models of the flexible bodies; no run is needed."""
+        """Return the static models of the flexible bodies; needs no run."""
 
     @abstractmethod
     def run(self, x: Array) -> tuple[Motion, ...]:
-        """Run the machine and return the deformation of each flexible body in each load case."""
+        """Run the machine and return the deformation of each flexible body by load case."""
 
     def bodies(self, x: Array) -> tuple[Elastic, ...]:
-        """Return the static models of a design, those of the last designs from memory."""
+        """Return the static models of a design from a small cache."""
         key = x.tobytes()
         if key not in self._elastic:
             self._elastic[key] = self.elastic(x)
@@ -97,7 +97,7 @@ class Problem(ABC):
         return self._elastic[key]
 
     def motions(self, x: Array) -> tuple[Motion, ...]:
-        """Return the motions of a design, those of the last designs from memory."""
+        """Return the deformations of a design from a small cache."""
         key = x.tobytes()
         if key not in self._motions:
             self._motions[key] = self.run(x)
@@ -106,11 +106,11 @@ class Problem(ABC):
         return self._motions[key]
 
     def frequencies(self, x: Array) -> Array:
-        """Return the natural frequencies, Hz, ascending, without motions that have no stiffness."""
+        """Return the natural frequencies, Hz, ascending, without rigid-body modes."""
         raise NotImplementedError
 
     def fixed(self, x: Array) -> Array:
-        """Return the ratios of the limits that need no run."""
+        """Return the ratios of limits that need no run."""
         limits = [limit for limit in self.limits if isinstance(limit, FrequencyLimit)]
         key = x.tobytes()
         if limits and key not in self._frequencies:
@@ -123,12 +123,12 @@ class Problem(ABC):
 
     @property
     def fixed_labels(self) -> tuple[str, ...]:
-        """Names of `fixed`."""
+        """Labels of the rows of `fixed`."""
         return tuple(limit.label for limit in self.limits if isinstance(limit, FrequencyLimit))
 
 
 def forget(memory: dict[bytes, Any], nd: int) -> None:
-    """Keep the designs of one central difference."""
+    """Limit the cache to the designs of one central difference."""
     while len(memory) > 2 * nd + 2:
         del memory[next(iter(memory))]
 
@@ -136,12 +136,12 @@ def forget(memory: dict[bytes, Any], nd: int) -> None:
 @described
 @dataclass(frozen=True, eq=False)
 class Place:
-    """One row of the limits: where, of which limit, in which motion, at which instant.
+    """One row of the ratios: place, limit, motion and instant.
 
     Attributes
     ----------
     limit : str
-        What is limited.
+        Limited quantity.
     place : str
         Site or node; empty for limits of the whole machine.
     case : str
@@ -165,7 +165,7 @@ class Place:
 @described
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """The rows of one limit in one motion that an optimisation looks at.
+    """Rows of one limit in one motion that the optimisation includes.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class Kept:
     instants : (ni,) int array
         The instants of the columns; None for limits of whole runs.
     count : int
-        Of instants in the run.
+        Number of instants in the run.
     """
 
     limit: BodyLimit

@@ -1,4 +1,4 @@
-"""Slopes of functions of a design by differences within its bounds."""
+"""Derivatives of functions of a design by differences within its bounds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Function = Callable[[Array], Array]
 
 
 def differences(problem: Problem, function: Function, x: Array, size: float) -> Array:
-    """Return the slopes (m, nd) of a function by differences, central but at bounds."""
+    """Return the derivatives (m, nd) of a function: central differences, one-sided at bounds."""
     columns = []
     for i in range(len(x)):
         up, down = esl.sides(problem, x, i, size)

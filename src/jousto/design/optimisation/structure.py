@@ -1,4 +1,4 @@
-"""Linear structures under forces that are known functions of time."""
+"""Optimisation problems of linear structures under given forces over time."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ GAUSS = np.polynomial.legendre.leggauss(5)
 
 
 class StructureProblem(Problem):
-    """Optimise a supported linear structure, ``M z'' + K z = F(t)`` with modal damping.
+    """Optimisation of a supported linear structure, ``M z'' + K z = F(t)``, modal damping.
 
-    It starts at rest. The motion is exact for forces that are polynomials of degree 4 between
-    instants, whatever the frequencies of the modes: each mode by its exponential, the force by its
-    polynomial through the five points of Gauss' rule. Without mass it is ``K z = F(t)``.
+    The structure starts at rest. The motion is exact for forces that are polynomials of degree 4
+    between instants, at any natural frequencies: exponential of each mode, polynomial of the force
+    through five Gauss points. Without mass the response is ``K z = F(t)``.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class StructureProblem(Problem):
     cost : function
         Returns what shall be least, for the parameters by name.
     limits : sequence of Limit
-        Their body is "structure", its nodes "1" .. "n", one for each degree of freedom.
+        Limits on body "structure" with nodes "1" .. "n", one for each degree of freedom.
     damping : float
         Ratio of all modes, below 1.
     stress : function, optional
@@ -108,7 +108,7 @@ class StructureProblem(Problem):
         x, _ = GAUSS
         h = t[1]
         share = 0.5 * (1.0 + x)
-        # column j: the powers of share in the polynomial that is 1 at point j and 0 at the others
+        # column j: coefficients of the Lagrange polynomial of point j in powers of the share
         self._powers = np.linalg.inv(np.vander(share, increasing=True))
         points = (t[:-1, None] + h * share).ravel()
         F = _forces(force, points)
@@ -119,7 +119,7 @@ class StructureProblem(Problem):
         self._operator(self.start)
 
     def matrices(self, x: Array) -> tuple[Array | None, Array]:
-        """Return M, or None without mass, and K (n, n).
+        """Return mass (or None) and stiffness matrix (n, n) of a design.
 
         Raises
         ------
@@ -141,7 +141,7 @@ class StructureProblem(Problem):
         return found[0], found[1]
 
     def _operator(self, x: Array) -> StressOperator | None:
-        """Return the stress of the members.
+        """Return the stress operator of the members.
 
         Raises
         ------
@@ -164,11 +164,11 @@ class StructureProblem(Problem):
         return StressOperator(tuple(map(str, made)), places, axes, matrix)
 
     def cost(self, x: Array) -> float:
-        """Return what shall be least."""
+        """Return the cost of a design."""
         return float(self._cost(self.values(x)))
 
     def elastic(self, x: Array) -> tuple[Elastic, ...]:
-        """Return the structure."""
+        """Return the static model of the structure."""
         K = sp.csr_array(self.matrices(x)[1])
         names = {str(i + 1): i for i in range(self._size)}
         held, rigid = np.zeros(0, dtype=np.intp), np.zeros((self._size, 0))
@@ -200,7 +200,7 @@ class StructureProblem(Problem):
         return (phi * [math.factorial(k) for k in range(n)]) @ self._powers
 
     def run(self, x: Array) -> tuple[Motion, ...]:
-        """Return the motion, mode by mode, or statics without mass."""
+        """Return the motion by modal superposition, or the static response without mass."""
         M, K = self.matrices(x)
         if M is None:
             assert self._still is not None
@@ -219,7 +219,7 @@ class StructureProblem(Problem):
 
 
 def _forces(force: Callable[[Array], Array], time: Array) -> Array:
-    """Return the forces (n, nt).
+    """Return the nodal forces (n, nt).
 
     Raises
     ------
@@ -234,7 +234,7 @@ def _forces(force: Callable[[Array], Array], time: Array) -> Array:
 
 
 def _modes(M: Array, K: Array) -> tuple[Array, Array]:
-    """Return the squares of the circular frequencies and the mass-normalised modes.
+    """Return squared circular frequencies, rad2/s2, and mass-normalised modes.
 
     Raises
     ------

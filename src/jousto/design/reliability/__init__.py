@@ -1,1 +1,1 @@
-"""Reliability: how probable it is that a limit state is violated, and design for a target."""
+"""Reliability: probability that a limit state is violated, and design for a target."""

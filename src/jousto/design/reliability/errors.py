@@ -1,4 +1,4 @@
-"""What goes wrong in a reliability analysis, beyond wrong input."""
+"""Exceptions of reliability analyses."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jousto.base.errors import JoustoError
 
 
 class LimitStateError(JoustoError):
-    """A limit state failed, or gave no number, at some values of its variables.
+    """Exception: a limit state failed or is not finite at some values of its variables.
 
     Attributes
     ----------
@@ -23,14 +23,14 @@ class LimitStateError(JoustoError):
 
 
 class DesignPointError(JoustoError):
-    """No design point was found.
+    """Exception: the search for a design point failed.
 
     Attributes
     ----------
     u : (n,) array
         The last point, standard normal.
     history : list of tuple
-        What was tried: as in the result.
+        Iterations, with the columns of the result's history.
     """
 
     def __init__(self, message: str, u: Array, history: Sequence[tuple[float, ...]] = ()) -> None:

@@ -1,4 +1,4 @@
-"""FORM: the most probable point of failure, and the probability of what lies beyond its tangent."""
+"""First-order reliability method (FORM): design point, and the probability of its tangent."""
 
 from __future__ import annotations
 
@@ -12,32 +12,32 @@ from scipy.special import ndtr
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import Problems, count
+from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.frozen_dict import Frozen
 from jousto.base.object_repr import described
 from jousto.design.reliability.errors import DesignPointError, LimitStateError
 from jousto.design.reliability.inputs.random import Affine, Random
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.inputs.transform import Transformation
-from jousto.design.reliability.limit import LimitState, Values, shown
+from jousto.design.reliability.limit import LimitState, Values, format_values
 
 ARMIJO = 0.1
 HALVINGS = 12
-ROUNDING = 1e-10  # of a merit, of differences with small steps
-PENALTY = 2.0  # times the least that makes the step a descent
+ROUNDING = 1e-10  # rounding error of merit functions with difference gradients, relative
+PENALTY = 2.0  # safety factor on the smallest penalty that makes the step a descent direction
 FAR = 8.0
-MOVE = 1e-3  # of a deviation, in differences of a transformation by its moments
+MOVE = 1e-3  # step of central differences by the moments, in standard deviations
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class FormResult:
-    """Reliability index, design point and what matters for them.
+    """Reliability index, design point, importance factors and sensitivities.
 
     Attributes
     ----------
     name : str
-        Of the limit state.
+        Name of the limit state.
     beta : float
         Distance of the limit surface from the origin of standard normal space; negative if the
         medians fail.
@@ -54,11 +54,11 @@ class FormResult:
     iterations, calls, gradients : int
         Steps, calls of the limit state (with those of differences) and of its given gradient.
     method : str
-        That which found it.
+        Method that found the design point.
     history : (iterations + 1, 4) array
         Calls, beta, limit state and residual before each step and at the end.
     limit : LimitState
-        Of which it is.
+        Analysed limit state.
     variables : Transformation
         The random variables.
     fixed : dict of float
@@ -85,15 +85,15 @@ class FormResult:
         work = count(self.calls, "call") + (
             f" and {count(self.gradients, 'gradient')}" if self.gradients else ""
         )
-        return f"beta {self.beta:.6g}, Pf {self.probability:.4g} at {shown(self.x)}; {work}"
+        return f"beta {self.beta:.6g}, Pf {self.probability:.4g} at {format_values(self.x)}; {work}"
 
     @cached_property
     def importance(self) -> Mapping[str, float]:
         """Share of each variable in the variance of the linearised limit state.
 
-        ``alpha_i^2`` of independent variables; of others the squares of the unit vector along
-        ``alpha J^-1 D``, J being dx/du and D the deviations of the normal variables that replace x
-        at the design point.
+        ``alpha_i^2`` for independent variables; for others the squares of the unit vector along
+        ``alpha J^-1 D``, with J = dx/du and the deviations D of the equivalent normal variables at
+        the design point.
         """
         J = self.variables.jacobian(self.u)
         gamma = np.linalg.solve(J.T, self.alpha) * np.sqrt(np.sum(J * J, axis=1))
@@ -102,36 +102,40 @@ class FormResult:
 
     @cached_property
     def by_mean(self) -> Mapping[str, float]:
-        """Derivatives of beta by the mean of each variable, its deviation being the same.
+        """Derivatives of beta by the mean of each variable at constant standard deviation.
 
-        Lognormal, Weibull and gamma variables stay in their family. Empty for variables whose
-        moments are no parameters: conditional ones and joint distributions.
+        Lognormal, Weibull and gamma variables keep their family. Empty for conditional variables
+        and joint distributions, whose moments are no parameters.
         """
         return Frozen(self._moments(0))
 
     @cached_property
     def by_deviation(self) -> Mapping[str, float]:
-        """Derivatives of beta by the deviation of each variable, its mean being the same."""
+        """Derivatives of beta by the standard deviation of each variable at constant mean."""
         return Frozen(self._moments(1))
 
     def _moments(self, which: int) -> dict[str, float]:
         slope = np.linalg.solve(self.variables.jacobian(self.u).T, self.gradient)
         size = float(np.linalg.norm(self.gradient))
-        moves = moved_by_moments(self.variables, self.u, which)
+        moves = moment_derivatives(self.variables, self.u, which)
         return {name: float(slope @ dx) / size for name, dx in moves.items()}
 
 
-def moved_by_moments(variables: Transformation, u: Array, which: int) -> dict[str, Array]:
-    """Return ``dx/dmean`` (which 0) or ``dx/ddeviation`` (1) of a point u, by variable."""
+def moment_derivatives(variables: Transformation, u: Array, which: int) -> dict[str, Array]:
+    """Return ``dx/dmean`` (which 0) or ``dx/ddeviation`` (1) at point u, by variable."""
     x = variables.to_x(u) if variables.randoms else u
-    return {one.name: moved_by(variables, u, x, one, which) for one in variables.randoms}
+    return {one.name: moment_derivative(variables, u, x, one, which) for one in variables.randoms}
 
 
-def moved_by(
+def moment_derivative(
     variables: Transformation, u: Array, x: Array, one: Random, which: int, *, tied: bool = False
 ) -> Array:
-    """Return dx by mean (0) or deviation (1) of one variable; tied to the mean as it is kept."""
-    if isinstance(one.law, Affine):  # it moves alone, and so does no correlation
+    """Return ``dx`` by the mean (0) or deviation (1) of one variable.
+
+    `tied`: a change of the mean also changes the deviation of variables with constant
+    coefficient of variation.
+    """
+    if isinstance(one.law, Affine):  # closed form; correlations do not change
         out = np.zeros(len(u))
         i = variables.names.index(one.name)
         y = (x[i] - one.mean) / one.deviation
@@ -159,7 +163,7 @@ def form(
     iterations: int = 100,
     far: float = FAR,
 ) -> FormResult:
-    """Return the reliability index and design point of a limit state: first-order reliability.
+    """Return reliability index and design point of a limit state by first-order reliability.
 
     ``beta = min |u|`` with ``g(u) = 0``, u being independent standard normal variables. The method
     of Hasofer, Lind, Rackwitz and Fiessler, hlrf, takes the nearest point of the tangent,
@@ -175,14 +179,14 @@ def form(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables; a sequence is of independent ones.
     method : {"sqp", "hlrf"}
-        See above.
+        Method, see above.
     start : dict of float, optional
         Values where to begin; None takes the medians.
     tolerance : float
         Distance, in standard normal space, to the limit surface and across to its normal through
         the origin.
     iterations : int
-        At most.
+        Largest number of iterations.
     far : float
         Largest beta that counts as a probability.
 
@@ -222,24 +226,39 @@ def form(
     if abs(found.beta) > far:
         message = (
             f"{space.counted.where}: its design point is at beta = {found.beta:.4g}, beyond "
-            f"{far:g}: probabilities of {ndtr(-abs(found.beta)):.1g} say nothing of real things; a "
-            "larger far accepts it"
+            f"{far:g}: probabilities of {ndtr(-abs(found.beta)):.1g} have no practical "
+            "meaning; give a larger far= to accept it"
         )
         raise DesignPointError(message, found.u, [tuple(row) for row in found.history.tolist()])
     return found
 
 
+def form_result(where: str, limit: Any, variables: Any, **options: Any) -> FormResult:
+    """Return the given FORM result, or that of a limit state, its variables and options.
+
+    Raises
+    ------
+    InputError
+        If variables or options are given beside a FORM result.
+    """
+    if not isinstance(limit, FormResult):
+        return form(limit, variables, **options)
+    if variables is not None or options:
+        message = "a result of form contains its variables; leave variables out"
+        raise InputError(Problem(where, message))
+    return limit
+
+
 def check_iteration(problems: Problems, where: str, tolerance: float, iterations: int) -> None:
-    """Note a tolerance or a number of iterations that is none."""
+    """Add problems of a tolerance that is not positive and of a wrong number of iterations."""
     problems.positive(where, "tolerance", tolerance, "")
-    whole = "a whole number, at least 1"
-    problems.number(where, "iterations", iterations, "", whole, lambda x: x >= 1 and x == int(x))
+    problems.whole(where, "iterations", iterations)
 
 
 def design_point(
     space: Space, u: Array, method: str, tolerance: float, iterations: int, far: float
 ) -> FormResult:
-    """Return the design point by steps of quadratic programs with line search."""
+    """Return the design point by sequential quadratic programming with line search."""
     rows: list[tuple[float, ...]] = []
     used, B, c = method, np.eye(space.n), 0.0
     edge = max(2.0 * far, 2.0 * float(np.linalg.norm(u)))
@@ -257,18 +276,18 @@ def design_point(
             return _result(space, beta, alpha, slope, rows, used)
         if k == iterations:
             break
-        # the quadratic program: nearest point of the tangent in the metric B
+        # quadratic program: nearest point of the tangent in the metric B
         solved = np.linalg.solve(B, np.stack([u, slope], axis=1))
         lam = (g - float(slope @ solved[:, 0])) / float(slope @ solved[:, 1])
         d = -(solved[:, 0] + lam * solved[:, 1])
         longest = edge / max(float(np.linalg.norm(u + d)), 1e-300)
-        if longest < 1.0:  # a nearly flat limit state points to nowhere
+        if longest < 1.0:  # limit the step: a nearly flat limit state has its tangent very far away
             d = longest * (u + d) - u
         c = max(c if used == "sqp" else 0.0, PENALTY * abs(lam))
         if used == "hlrf" and abs(g) > tolerance * size:
             c = max(c, PENALTY * 0.5 * float((u + d) @ (u + d)) / abs(g))
         slack = ROUNDING if used == "sqp" else 0.0
-        moved = _along(space, u, g, d, c, float(u @ d) - c * abs(g), slack)
+        moved = _search_merit(space, u, g, d, c, float(u @ d) - c * abs(g), slack)
         if moved is None:
             if residual <= space.blur:
                 return _result(space, beta, alpha, slope, rows, used)
@@ -285,38 +304,68 @@ def design_point(
 
 
 def slope_at(space: Space, u: Array, g: float, rows: list[tuple[float, ...]]) -> Array:
-    """Return the gradient at a point or say that there is none."""
+    """Return the gradient ``dg/du`` at a point; raise DesignPointError if it is zero."""
     slope = space.gradient(u, g)
     if not np.linalg.norm(slope) > 1e-14 * abs(g):
-        point = shown(space.values(u))
+        point = format_values(space.values(u))
         message = (
-            f"{space.counted.where}: its gradient is zero at {point}; nothing there says where it "
-            "fails: give another start; a limit that nothing random changes needs no analysis"
+            f"{space.counted.where}: its gradient is zero at {point}, so there "
+            "is no search direction; give another start, or leave out a limit that no random "
+            "variable changes"
         )
         raise DesignPointError(message, u, rows)
     return slope
 
 
-def _along(
-    space: Space, u: Array, g: float, d: Array, c: float, decrease: float, slack: float
+def line_search(
+    space: Space,
+    point: Callable[[float], Array],
+    accepts: Callable[[float, Array, float], bool],
+    *,
+    first: float = 1.0,
+    halvings: int = HALVINGS,
 ) -> tuple[Array, float] | None:
-    """Return a point along d with less merit and g there, None if there is none."""
-    merit = 0.5 * float(u @ u) + c * abs(g)
+    """Return the first accepted point u and g(u) of a halved step s, None if there is none.
+
+    ``u = point(s)``, ``accepts(s, u, g)``. A point at which the limit state fails counts as not
+    accepted: a step that is too long may leave the region in which G can be computed.
+
+    Raises
+    ------
+    LimitStateError
+        If no point is accepted and the limit state failed at one of them.
+    """
     failed: LimitStateError | None = None
-    for k in range(HALVINGS):
-        s = 0.5**k
-        new = u + s * d
+    for k in range(halvings):
+        s = first * 0.5**k
+        u = point(s)
         try:
-            g_new = space.g(new)
-        except LimitStateError as error:  # a step too far may leave what can be computed
+            g = space.g(u)
+        except LimitStateError as error:
             failed = error
             continue
-        allowed = merit + ARMIJO * s * min(decrease, 0.0) + slack * (1.0 + merit)
-        if 0.5 * float(new @ new) + c * abs(g_new) <= allowed:
-            return new, g_new
+        if accepts(s, u, g):
+            return u, g
     if failed is not None:
         raise failed
     return None
+
+
+def _search_merit(
+    space: Space, u: Array, g: float, d: Array, c: float, decrease: float, slack: float
+) -> tuple[Array, float] | None:
+    """Return a point along d with a smaller merit ``|u|^2 / 2 + c |g|``, and g there."""
+
+    def merit(u: Array, g: float) -> float:
+        return 0.5 * float(u @ u) + c * abs(g)
+
+    old = merit(u, g)
+    slack *= 1.0 + old
+
+    def accepts(s: float, new: Array, g_new: float) -> bool:
+        return merit(new, g_new) <= old + ARMIJO * s * min(decrease, 0.0) + slack
+
+    return line_search(space, lambda s: u + s * d, accepts)
 
 
 def bfgs(B: Array, s: Array, y: Array) -> Array:
@@ -335,7 +384,7 @@ def bfgs(B: Array, s: Array, y: Array) -> Array:
 def _no_point(
     space: Space, u: Array, g: float, far: float, rows: list[tuple[float, ...]], iterations: int
 ) -> DesignPointError:
-    point = shown(space.values(u))
+    point = format_values(space.values(u))
     where = space.counted.where
     same = all(row[2] * rows[0][2] > 0.0 for row in rows) and rows[-1][2] * g > 0.0
     if same and len(rows) <= iterations:
@@ -343,7 +392,7 @@ def _no_point(
         kink = "" if np.linalg.norm(u) >= far else ", or a kink of G holds the search"
         message = (
             f"{where}: {found} found; G is still {g:.4g} at {point}. There may be {none} within "
-            f"beta = {far:g} (probability < {ndtr(-far):.1g}){kink}; another start makes sure"
+            f"beta = {far:g} (probability < {ndtr(-far):.1g}){kink}; try another start"
         )
     else:
         message = (

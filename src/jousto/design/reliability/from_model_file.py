@@ -1,4 +1,4 @@
-"""The lightest design of a model file whose limits have an index of reliability."""
+"""Reliability-based optimisation of a model file."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def file_rbdo(
     tolerance: float = 1e-5,
     cycles: int = 50,
 ) -> RbdoResult:
-    """Return the design of a model file of least cost whose limits have their reliability index.
+    """Return the design of least cost of a model file with a reliability index for each limit.
 
     Parameters with bounds are the design, those with a distribution scatter. What has both scatters
     about its design value with the deviation of its distribution.
@@ -38,13 +38,13 @@ def file_rbdo(
     Parameters
     ----------
     file : ModelFile
-        From `read_model`.
+        Model file from `read_model`.
     limits : sequence of str, optional
         Outcomes with their bounds, ``"max(tip.y) <= 12 mm"``; those of the file if not given.
     cost : str
-        What shall be least, as of `file_problem`, of the means.
+        Cost to minimise, as in `file_problem`, at the means.
     parameters : sequence of Parameter, optional
-        Instead of those of the file.
+        Parameters instead of those of the file.
     target : float, optional
         Index of all limits; else ``reliability: {target: ...}`` of the file.
     t_end : float, optional
@@ -90,7 +90,7 @@ def file_rbdo(
     if not texts:
         problems.add(WHERE, "there are no limits; give some, or limits: [...] in the model file")
     if beta is None:
-        message = "which index shall limits have? give a target, or reliability: {target: 3}"
+        message = "no target index: give target=, or reliability: {target: 3}"
         problems.add(WHERE, message)
     if not any(p.bounds is not None for p in every):
         message = "no parameter has bounds, such as {value: 4 mm, bounds: [2 mm, 8 mm]}"

@@ -1,4 +1,4 @@
-"""Limit states that are outcomes of a study: how far an outcome is from its bound."""
+"""Limit states from outcomes of a study: distance of an outcome from its bound."""
 
 from __future__ import annotations
 
@@ -20,24 +20,25 @@ from jousto.design.studies.outcomes.requirement import Requirement, read_require
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.study import Study
 
-FEW = 200  # points of a sampling at once
-STEP = 1e-3  # deviations: results of runs are not exact to their last digit
-WIDTH = 1e-6  # of differences of a bound, by the value of the parameter
-CEILING = 1e12  # of a ratio: a life without damage is no infinite reserve
+FEW = 200  # points of a sampling per batch
+# step of differences, standard deviations; results of runs have errors far above rounding
+STEP = 1e-3
+WIDTH = 1e-6  # step of differences of a bound, relative to the parameter
+CEILING = 1e12  # upper limit of a ratio: a life without damage is a large, finite reserve
 Slopes = Callable[[Array], Any]
 
 
 class StudyLimit(LimitState):
-    """A limit state that is an outcome of a study; see `limit_state`."""
+    """Limit state that is an outcome of a study; see `limit_state`."""
 
     @property
     def batch(self) -> int:
-        """How many points a sampling asks for at once."""
+        """Number of points per batch of a sampling."""
         return FEW * int(getattr(self.function, "at_once", 1))
 
 
 class Reserve:
-    """How far an outcome of a study is from its bound, at points by name.
+    """Distance of an outcome of a study from its bound, as a function of the random values.
 
     Parameters
     ----------
@@ -77,13 +78,13 @@ class Reserve:
             raise InputError(Problem(f"limit {limit.text!r}", message))
 
     def bound(self, values: Mapping[str, float]) -> float:
-        """Return the bound for values of the parameters that it depends on."""
+        """Return the bound at given values of its parameters."""
         kinds = {name: self.parameters[name].exponents for name in self.bounding}
         known = {name: Quantity(float(values[name]), kinds[name]) for name in self.bounding}
         return self.limit.value(known, self.study.units[self.place])
 
     def points(self, x: Values) -> tuple[Array, list[dict[str, float]]]:
-        """Return the points of the study (n, np), and what its bound depends on at each."""
+        """Return the study's points (n, np) and the values of the bound's parameters at each."""
         for name in x.names:
             if name not in self.parameters:
                 message = f"the study has no parameter {name!r}{suggest(name, self.parameters)}"
@@ -101,7 +102,7 @@ class Reserve:
         return X, each
 
     def __call__(self, x: Values) -> Any:
-        """Return the reserve: NaN where the study has no value."""
+        """Return the reserve; NaN where the outcome has no value."""
         X, each = self.points(x)
         rows = self.study.rows(X, workers=self.workers, how=self.how)
         y = np.array([row[self.place] for row, _ in rows])
@@ -116,12 +117,12 @@ class Reserve:
         return g if x.ndim > 1 else float(g[0])
 
     def why(self, x: Values) -> str:
-        """Return why the study has no value at a point."""
+        """Return the reason for which the study has no value at a point."""
         X, _ = self.points(x)
         return self.study.rows(X)[0][1]
 
     def gradient(self, x: Values) -> dict[str, float]:
-        """Return the derivatives of the reserve by the values, of given ones of the outcomes."""
+        """Return the derivatives of the reserve by the values, from given outcome derivatives."""
         assert self.slopes is not None
         X, each = self.points(x)
         dy = np.asarray(self.slopes(X[0]), dtype=np.float64)
@@ -147,7 +148,7 @@ class Reserve:
 
 
 def _place(study: Study, limit: Requirement) -> int:
-    """Return which outcome of a study is limited."""
+    """Return the index of the limited outcome in the study."""
     if limit.left in study.outcomes:
         return study.outcomes.index(limit.left)
     name = limit.outcome.name
@@ -170,12 +171,12 @@ def limit_state(
     workers: Any = 1,
     how: str = "threads",
 ) -> StudyLimit:
-    """Return an outcome of a study with its bound as a limit state, with its random variables.
+    """Return the limit state of an outcome and its bound, with the random variables of the study.
 
-    ``G = bound - outcome`` of ``<=``, else the opposite; of a life or a damage the logarithm of
-    their ratio. The random variables are the parameters that have a distribution; the others have
-    their nominal values. Each point is simulated once, whatever number of limit states and methods
-    ask for it. Bounds of parameters are those of means, not of what scatters.
+    ``G = bound - outcome`` for ``<=``, the opposite sign for ``>=``; for a life or a damage the
+    logarithm of their ratio. The random variables are the parameters with a distribution; the
+    others have their nominal values. Each point is simulated once for all limit states and methods.
+    Bounds of parameters apply to means, not to random values.
 
     Parameters
     ----------
@@ -187,12 +188,12 @@ def limit_state(
     parameters : sequence of Parameter
         More of them, on which only the bound depends: a strength, the scatter of a life.
     correlation : dict, optional
-        Of pairs of parameters by name, as in `Nataf`.
+        Correlation of pairs of parameters by name, as in `Nataf`.
     gradient : callable or True, optional
         Derivatives of the outcomes by the parameters (no, np) at a point (np,); True for those of
         `gradient`, by complex steps; else differences.
     step : float
-        Of differences, in standard deviations.
+        Step of differences, in standard deviations.
     differences : {"forward", "central"}
         n or 2 n points for a gradient.
     workers, how

@@ -1,4 +1,4 @@
-"""Limit states: functions of named values that are not positive where something fails."""
+"""Limit states: functions of named values that are positive where nothing fails."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from jousto.base.object_repr import described
 from jousto.design.reliability.errors import LimitStateError
 
 SHOWN = 6  # variables in a message
-BATCH = 100_000  # points of a sampling at once
-FEW = 10_000  # of limit states that take one point at a time
-MOST_REASONS = 20  # that are counted
-LARGEST = 1e150  # of a value: its square is a double
+BATCH = 100_000  # points of a sampling per batch
+FEW = 10_000  # points per batch of limit states that take one point at a time
+MOST_REASONS = 20  # different reasons for missing values that are counted
+LARGEST = 1e150  # largest valid magnitude of a value: its square is still a double
 
 
 class Values(np.ndarray[Any, np.dtype[np.float64]]):
-    """Values of variables by place and by name: ``x[0]``, ``x["F"]``, ``R, F = x``, ``f(**x)``.
+    """Array of values with names: ``x[0]``, ``x["F"]``, ``R, F = x``, ``f(**x)``.
 
     One row for each variable; several columns are several points.
     """
@@ -39,7 +39,7 @@ class Values(np.ndarray[Any, np.dtype[np.float64]]):
     names: tuple[str, ...] = ()
 
     def __array_finalize__(self, other: Any) -> None:
-        # what is computed of values has no names
+        # results of arithmetic have no names
         self.names = ()
 
     def __getitem__(self, key: Any) -> Any:
@@ -52,7 +52,7 @@ class Values(np.ndarray[Any, np.dtype[np.float64]]):
         return plain[self.names.index(key)]
 
     def keys(self) -> tuple[str, ...]:
-        """Return the names, in their order."""
+        """Return the names in their order."""
         return self.names
 
     def __reduce__(self) -> Any:
@@ -61,17 +61,17 @@ class Values(np.ndarray[Any, np.dtype[np.float64]]):
     def __repr__(self) -> str:
         if self.ndim != 1 or not self.names:
             return repr(self.view(np.ndarray))
-        return "<Values: " + shown(self) + ">"
+        return "<Values: " + format_values(self) + ">"
 
 
 def named(names: Sequence[str], values: ArrayLike) -> Values:
-    """Return values with their names."""
+    """Return values with names as `Values`."""
     x = np.array(values, dtype=np.float64).view(Values)
     x.names = tuple(names)
     return x
 
 
-def shown(x: Values) -> str:
+def format_values(x: Values) -> str:
     """Return ``R = 1.2, F = 3`` of the first values."""
     pairs = [f"{name} = {x[name]:.6g}" for name in x.names[:SHOWN]]
     return ", ".join(pairs) + (", ..." if len(x.names) > SHOWN else "")
@@ -81,7 +81,7 @@ def shown(x: Values) -> str:
 @described
 @dataclass(frozen=True, eq=False)
 class LimitState:
-    """A function of the random variables that is not positive where something fails.
+    """Limit state: a function of the random variables; ``G(x) <= 0`` is failure.
 
     Parameters
     ----------
@@ -96,10 +96,10 @@ class LimitState:
         The function also takes many points at once, an array of values for each name, and returns
         an array; then sampling and differences call it once for a whole batch.
     name : str, optional
-        For messages and results; else that of the function.
+        Name in messages and results; else that of the function.
     step : float
-        Of differences, in standard deviations. Larger for results with numerical noise: about the
-        root of their relative error.
+        Step of differences, in standard deviations. Larger for results with numerical noise: about
+        the root of their relative error.
     differences : {"forward", "central"}
         n or 2 n calls for each gradient.
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
@@ -142,7 +142,7 @@ class LimitState:
 
     @property
     def batch(self) -> int:
-        """How many points a sampling asks for at once."""
+        """Number of points per batch of a sampling."""
         return BATCH if self.vectorised else FEW
 
     def _facts(self) -> str:
@@ -153,7 +153,7 @@ class LimitState:
 
 
 def as_limit(given: LimitState | Callable[..., Any], name: str = "") -> LimitState:
-    """Return a limit state of one or of a plain function."""
+    """Convert a callable to a LimitState."""
     if isinstance(given, LimitState):
         return given
     if name and callable(given):
@@ -161,22 +161,22 @@ def as_limit(given: LimitState | Callable[..., Any], name: str = "") -> LimitSta
     return LimitState(given)
 
 
-def said(error: Exception) -> str:
-    """Return an error in one line; those of jousto are sentences."""
+def format_error(error: Exception) -> str:
+    """Return an error as one line, with the class of errors from outside jousto."""
     text = " / ".join(str(error).splitlines())
     kind = "" if isinstance(error, JoustoError) and text else type(error).__name__
     return ": ".join(filter(None, (kind, text)))
 
 
 class Counted:
-    """A limit state of some variables that counts how often it is asked.
+    """Limit state with checks of its values and a count of its calls.
 
     Parameters
     ----------
     limit : LimitState
         The function.
     names : sequence of str
-        Of the random variables and, behind them, of fixed values.
+        Names of the random variables, followed by those of fixed values.
     """
 
     def __init__(self, limit: LimitState, names: Sequence[str]) -> None:
@@ -184,12 +184,12 @@ class Counted:
         self.names = tuple(names)
         self.calls = 0
         self.gradients = 0
-        self.reasons: dict[str, int] = {}  # why points had no value, and how many
+        self.reasons: dict[str, int] = {}  # reasons for missing values with their numbers
         self._slope: tuple[bytes, Any] | None = None
 
     @property
     def where(self) -> str:
-        """How messages call it."""
+        """Name of the limit state in messages."""
         return f"limit state '{self.limit.name}'"
 
     def value(self, x: Array) -> float:
@@ -215,16 +215,16 @@ class Counted:
         try:
             return function(point)
         except Exception as error:
-            raise self._wrong(f"failed: {said(error)}", point) from error
+            raise self._wrong(f"failed: {format_error(error)}", point) from error
 
     def _wrong(self, what: str, point: Values) -> LimitStateError:
-        message = f"{self.where}: {what}, at {shown(point)}"
+        message = f"{self.where}: {what}, at {format_values(point)}"
         if what in self.reasons or len(self.reasons) < MOST_REASONS:
             self.reasons[what] = self.reasons.get(what, 0) + 1
         return LimitStateError(message, {name: float(point[name]) for name in point.names})
 
     def _no_number(self, g: float, x: Array) -> LimitStateError:
-        """Return why there is no finite number at a point, as the function says it if it can."""
+        """Return the reason for a value that is not finite, from the function where it has one."""
         point = named(self.names, x)
         why = getattr(self.limit.function, "why", None)
         reason = why(point) if callable(why) else ""
@@ -245,7 +245,7 @@ class Counted:
         return g
 
     def values(self, X: Array, *, lenient: bool = False) -> Array:
-        """Return G at many points, the columns of X; NaN where it failed if lenient."""
+        """Return G at the columns of X; NaN where it failed if `lenient`."""
         if self.limit.vectorised:
             points = named(self.names, X)
             self.calls += X.shape[1]
@@ -254,7 +254,7 @@ class Counted:
                 g = np.asarray(found[0] if self.limit.gradient is True else found, np.float64)
                 g = np.broadcast_to(g, X.shape[1:])
             except Exception as error:
-                message = f"failed for {X.shape[1]} points at once: {said(error)}"
+                message = f"failed for {X.shape[1]} points at once: {format_error(error)}"
                 raise self._wrong(message, named(self.names, X[:, 0])) from error
             for x, value in zip(X.T, g, strict=True):
                 if not np.isfinite(value):
@@ -274,11 +274,11 @@ class Counted:
 
     @property
     def has_gradient(self) -> bool:
-        """Whether derivatives by the values are known without differences."""
+        """Whether the limit state has a gradient of its own."""
         return self.limit.gradient is not None
 
     def gradient_x(self, x: Array) -> Array:
-        """Return the given derivatives of G by the values (n,)."""
+        """Return the limit state's own gradient ``dG/dx`` (n,)."""
         point = named(self.names, x)
         self.gradients += 1
         if self.limit.gradient is True:
@@ -309,7 +309,7 @@ class Counted:
     def differences(
         self, to_x: Callable[[Array], Array], u: Array, g: float, steps: Array
     ) -> Array:
-        """Return differences of ``G(to_x(u))`` by the components of u."""
+        """Return the gradient of ``G(to_x(u))`` by differences in the components of u."""
         n = len(u)
         out = np.empty(n)
         sides = (1.0, -1.0) if self.limit.differences == "central" else (1.0,)

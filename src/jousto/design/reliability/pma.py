@@ -1,4 +1,4 @@
-"""The inverse question: how small a limit state gets on the sphere of a target index."""
+"""Performance measure approach (PMA): least limit state on the sphere of a target index."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems, count
 from jousto.base.frozen_dict import Frozen
 from jousto.base.object_repr import described
-from jousto.design.reliability.errors import DesignPointError, LimitStateError
+from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import (
     FormResult,
     bfgs,
     check_iteration,
     form,
-    moved_by_moments,
+    line_search,
+    moment_derivatives,
     slope_at,
 )
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.inputs.transform import Transformation
-from jousto.design.reliability.limit import LimitState, Values, shown
+from jousto.design.reliability.limit import LimitState, Values, format_values
 
 Method = Literal["sqp", "hmv", "amv", "cmv"]
 METHODS = ("sqp", "hmv", "amv", "cmv")
-SAME = 1e-6  # distance, by that of the last step, of points that an iteration comes back to
+SAME = 1e-6  # distance of two iterates that count as one, relative to the last step
 ARMIJO = 1e-4
 HALVINGS = 20
 ROUNDING = 1e-12
@@ -38,20 +39,20 @@ ROUNDING = 1e-12
 @described
 @dataclass(frozen=True, eq=False)
 class PmaResult:
-    """The least value of a limit state on a sphere: its probabilistic performance measure.
+    """Least value of a limit state on a sphere: the probabilistic performance measure.
 
     Attributes
     ----------
     name : str
-        Of the limit state.
+        Name of the limit state.
     target : float
         Radius of the sphere: the index that is asked for.
     value : float
         Least limit state there. What is not negative has the index.
     u : (n,) array
-        Where it is, standard normal.
+        Point of the least value, standard normal.
     x : Values
-        Where it is, by names.
+        Point of the least value, by names.
     gradient : (n,) array
         ``dg/du`` there.
     residual : float
@@ -59,13 +60,13 @@ class PmaResult:
     iterations, calls, gradients : int
         Steps, calls of the limit state (with those of differences) and of its given gradient.
     method : str
-        That which found it.
+        Method that found the point.
     handed_over : str
         Why the method that was asked for did not end; empty if it did.
     history : (iterations + 1, 3) array
         Calls, limit state and residual before each step and at the end.
     limit : LimitState
-        Of which it is.
+        Analysed limit state.
     variables : Transformation
         The random variables.
     fixed : dict of float
@@ -91,12 +92,12 @@ class PmaResult:
 
     @property
     def reliable(self) -> bool:
-        """Whether the target is reached."""
+        """Whether the target index is reached."""
         return self.value >= 0.0
 
     def _facts(self) -> str:
         work = count(self.calls, "call")
-        at = f"{self.value:.6g} at {shown(self.x)}, beta = {self.target:g}"
+        at = f"{self.value:.6g} at {format_values(self.x)}, beta = {self.target:g}"
         over = f"; from {self.handed_over}" if self.handed_over else ""
         return f"{at}; {self.method}, {count(self.iterations, 'step')}, {work}{over}"
 
@@ -112,14 +113,14 @@ class PmaResult:
 
     def _moments(self, which: int) -> Mapping[str, float]:
         slope = np.linalg.solve(self.variables.jacobian(self.u).T, self.gradient)
-        moves = moved_by_moments(self.variables, self.u, which)
+        moves = moment_derivatives(self.variables, self.u, which)
         return Frozen({name: float(slope @ dx) for name, dx in moves.items()})
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class RiaResult:
-    """Whether a reliability index reaches its target.
+    """Comparison of a reliability index with its target.
 
     Attributes
     ----------
@@ -137,7 +138,7 @@ class RiaResult:
 
     @property
     def reliable(self) -> bool:
-        """Whether the target is reached."""
+        """Whether the target index is reached."""
         return self.value >= 0.0
 
     def _facts(self) -> str:
@@ -153,7 +154,7 @@ def ria(
     beta: float = 3.0,
     **options: Any,
 ) -> RiaResult:
-    """Compare the reliability index with a target: the reliability index approach.
+    """Compare a reliability index with its target by the reliability index approach (RIA).
 
     Parameters
     ----------
@@ -202,14 +203,14 @@ def pma(
     tolerance: float = 1e-6,
     iterations: int = 100,
 ) -> PmaResult:
-    """Return the least limit state on the sphere of a target index: performance measure approach.
+    """Return the least limit state on the sphere of a target index by the PMA.
 
-    ``G_p = min g(u)`` with ``|u| = beta``. With ``n = -grad g / |grad g|``, the steps are
-    ``u+ = beta n(u)`` (advanced mean value, amv), ``u+ = beta s / |s|`` with s the sum of the last
-    three n (conjugate, cmv) or, of these, that which suits the sign of
-    ``(n+ - n) . (n - n-)`` (hybrid, hmv: B. D. Youn, K. K. Choi and Y. H. Park, *J. Mech. Des.* 125
-    (2003) 221-232); sqp are quadratic programs with the curvature learnt on the way, which need the
-    fewest calls. The others go on as sqp where they come back to a point or do not end.
+    ``G_p = min g(u)`` with ``|u| = beta``. With ``n = -grad g / |grad g|``, the steps are ``u+ =
+    beta n(u)`` (advanced mean value, amv), ``u+ = beta s / |s|`` with the sum s of the last three n
+    (conjugate mean value, cmv), or one of the two by the sign of ``(n+ - n) . (n - n-)`` (hybrid,
+    hmv: B. D. Youn, K. K. Choi and Y. H. Park, *J. Mech. Des.* 125 (2003) 221-232); sqp solves
+    quadratic programs with a BFGS Hessian and needs the fewest calls. The other methods continue as
+    sqp if they cycle or do not converge.
 
     Parameters
     ----------
@@ -220,13 +221,13 @@ def pma(
     beta : float
         Target, the radius of the sphere.
     method : {"sqp", "hmv", "amv", "cmv"}
-        See above.
+        Method, see above.
     start : dict of float, optional
         Values where to begin; None takes the medians.
     tolerance : float
         Largest ``|u / beta - n(u)|``.
     iterations : int
-        At most with each of the methods.
+        Largest number of iterations of each method.
 
     Returns
     -------
@@ -255,7 +256,9 @@ def pma(
         problems.add("pma", f"method is {method!r}, must be one of {', '.join(METHODS)}")
     problems.positive("pma", "beta", beta, "")
     if problems.number("pma", "beta", beta, "") and beta > 38.0:
-        problems.add("pma", f"beta is {beta:g}, beyond 38 no probability is a double")
+        problems.add(
+            "pma", f"beta is {beta:g}, must be at most 38: smaller probabilities underflow"
+        )
     check_iteration(problems, "pma", tolerance, iterations)
     problems.raise_if_any()
     space = Space(limit, variables)
@@ -265,7 +268,7 @@ def pma(
 def performance(
     space: Space, u: Array, beta: float, method: str, tolerance: float, iterations: int
 ) -> PmaResult:
-    """Return the least limit state on a sphere by steps from u."""
+    """Return the least limit state on a sphere, from the start u."""
     rows: list[tuple[float, ...]] = []
     over = ""
     if method != "sqp":
@@ -305,7 +308,7 @@ def _mean_values(
     iterations: int,
     rows: list[tuple[float, ...]],
 ) -> tuple[Array, float, Array, str]:
-    """Return the point of mean value steps, and why they did not end, or nothing."""
+    """Return point, g and gradient by mean-value steps, and the reason if they did not converge."""
     normals: list[Array] = []
     points = [u]
     why = f"no end after {count(iterations, 'step')}"
@@ -327,18 +330,18 @@ def _mean_values(
             why = "its directions cancel one another"
             break
         u = beta * s / size
-        # an iteration that comes back to a point before the last goes on for ever
+        # a cycle: the iteration returns to an earlier point
         step = float(np.linalg.norm(u - points[-1]))
         if any(np.linalg.norm(u - old) < SAME * step for old in points[-6:-1]):
-            ends = " and ".join(f"({shown(space.values(v))})" for v in (points[-1], u))
-            why = f"goes to and fro between {ends}"
+            ends = " and ".join(f"({format_values(space.values(v))})" for v in (points[-1], u))
+            why = f"cycles between {ends}"
             break
         points.append(u)
     return u, g, slope, why
 
 
 def _concave(normals: list[Array]) -> bool:
-    """Return whether the last two turns of the direction are against one another."""
+    """Return whether the last two changes of direction are opposed."""
     return float((normals[2] - normals[1]) @ (normals[1] - normals[0])) <= 0.0
 
 
@@ -350,13 +353,14 @@ def _sphere(
     iterations: int,
     rows: list[tuple[float, ...]],
 ) -> tuple[Array, float, Array]:
-    """Return the least point by quadratic programs whose steps return to the sphere.
+    """Return the least point by quadratic programs, each step followed by a return to the sphere.
 
-    ``L = g + lam (|u|^2 - beta^2) / 2``; its Hessian B is learnt (BFGS).
+    u|^2|``L = g + lam (|u|^2 - beta^2) / 2``, with a BFGS approximation B of its Hessian.
     """
     g = space.g(u)
     slope = slope_at(space, u, g, rows)
-    if abs(np.linalg.norm(u) / beta - 1.0) > 1e-12:  # the first step is that of the mean value
+    # start off the sphere: the first step is a mean-value step
+    if abs(np.linalg.norm(u) / beta - 1.0) > 1e-12:
         rows.append((space.calls, g, _residual(u, slope, beta)))
         u = -beta * slope / np.linalg.norm(slope)
         g = space.g(u)
@@ -372,7 +376,7 @@ def _sphere(
         solved = np.linalg.solve(B, np.stack([slope, u], axis=1))
         lam = -float(u @ solved[:, 0]) / float(u @ solved[:, 1])
         d = -(solved[:, 0] + lam * solved[:, 1])
-        moved = _around(space, u, g, d, beta, float(slope @ d))
+        moved = _search_sphere(space, u, g, d, beta, float(slope @ d))
         if moved is None:
             if residual <= space.blur:
                 return u, g, slope
@@ -380,37 +384,32 @@ def _sphere(
         new, g_new = moved
         slope_new = slope_at(space, new, g_new, rows)
         size = float(np.linalg.norm(slope_new))
-        # with the multiplier of the new point, which is that of the solution in the end
+        # multiplier at the new point, which converges to that of the solution
         lam = -float(slope_new @ new) / beta**2
         turn = slope_new - slope + lam * (new - u)
         B = bfgs(B, new - u, turn) if size > 0.0 else B
         u, g, slope = new, g_new, slope_new
     message = (
         f"{space.counted.where}: no least value on the sphere of beta = {beta:g} after "
-        f"{count(len(rows) - 1, 'step')}; the last is {g:.4g} at {shown(space.values(u))}, "
+        f"{count(len(rows) - 1, 'step')}; the last is {g:.4g} at {format_values(space.values(u))}, "
         f"residual {rows[-1][2]:.2g}; a noisy limit state needs a larger step of its differences"
     )
     raise DesignPointError(message, u, rows)
 
 
-def _around(
+def _search_sphere(
     space: Space, u: Array, g: float, d: Array, beta: float, decrease: float
 ) -> tuple[Array, float] | None:
-    """Return a point of the sphere along d with a smaller g, None if there is none."""
-    failed: LimitStateError | None = None
+    """Return a point of the sphere ``|u| = beta`` along d with a smaller g, and g there."""
     size = float(np.linalg.norm(d))
     longest = min(1.0, beta / size) if size > 0.0 else 1.0
-    for k in range(HALVINGS):
-        s = longest * 0.5**k
+    slack = ROUNDING * max(abs(g), abs(decrease))
+
+    def point(s: float) -> Array:
         new = u + s * d
-        new *= beta / np.linalg.norm(new)
-        try:
-            g_new = space.g(new)
-        except LimitStateError as error:
-            failed = error
-            continue
-        if g_new <= g + ARMIJO * s * min(decrease, 0.0) + ROUNDING * max(abs(g), abs(decrease)):
-            return new, g_new
-    if failed is not None:
-        raise failed
-    return None
+        return np.asarray(new * (beta / np.linalg.norm(new)))
+
+    def accepts(s: float, new: Array, g_new: float) -> bool:
+        return g_new <= g + ARMIJO * s * min(decrease, 0.0) + slack
+
+    return line_search(space, point, accepts, first=longest, halvings=HALVINGS)

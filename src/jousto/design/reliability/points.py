@@ -1,4 +1,4 @@
-"""Further design points of a limit state: a search from which those that are known are excluded."""
+"""Search for further design points of a limit state, with bulges around the known ones."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from jousto.design.reliability.form import FAR, FormResult, design_point, slope_
 from jousto.design.reliability.inputs.space import Space
 
 RADIUS, HEIGHT = 1.1, 0.75
-"""Of a bulge, in distances of its point from the origin; where it raises G by that of the origin,
-in distances of the point. Both are those of Der Kiureghian and Dakessian."""
+"""Radius of a bulge, and the distance that defines its height, in distances |u*| of its design
+point (Der Kiureghian and Dakessian)."""
 MOST = 8
-"""Further points that are looked for."""
+"""Maximum number of further design points."""
 COUNTS = 1e-3
-"""Probability of a point, of the first one, below which it does not matter."""
+"""Probability of a point relative to the first one below which it is neglected."""
 NEAR = 0.8
-"""As the radius, where the limit state lies below all tangents: planes 50 degrees apart."""
+"""Radius factor where the limit state lies below all tangents: planes 50 degrees apart."""
 BELOW = 0.1
-"""Of the limit state at the origin, by which it lies below all known tangents where a search is
-worth its calls."""
+"""Distance of the limit state from all known tangents, relative to g at the origin, from which a
+search is worth its calls."""
 APART = 0.5
-"""Distance of two points, in standard deviations, below which they are one."""
+"""Distance, standard deviations, below which two points are one."""
 TOLERANCE, STEPS = 1e-4, 30
-"""Of a search, whose point is only where samples are drawn around."""
+"""Tolerance of a search; its point is only a centre of samples."""
 
 
 class Excluding(Space):
-    """A limit state with a bulge of safety around each known design point.
+    """Limit state raised by a bulge around each known design point.
 
     ``g(u) + sum s (r^2 - |u - u*|^2)^2`` within r of u*; then the nearest failure is elsewhere (A.
     Der Kiureghian and T. Dakessian, *Struct. Saf.* 20 (1998) 37-49).
@@ -55,7 +55,7 @@ class Excluding(Space):
             self._bulges.append((one.u, r2, s if one.beta >= 0.0 else -s))
 
     def _raised(self, u: Array) -> tuple[float, Array]:
-        """Return what the bulges add to g, and its gradient."""
+        """Return the sum of the bulges, and its gradient."""
         more, slope = 0.0, np.zeros(len(u))
         for point, r2, s in self._bulges:
             away = u - point
@@ -70,33 +70,32 @@ class Excluding(Space):
         return super().g(u) + self._raised(u)[0]
 
     def gradient(self, u: Array, g: float) -> Array:
-        """Return ``dg/du`` at a point where the raised g is known."""
+        """Return ``dg/du`` of the raised limit state at a point with known g."""
         more, slope = self._raised(u)
         return super().gradient(u, g - more) + slope
 
 
 def further_points(space: Space, first: FormResult) -> list[FormResult]:
-    """Return other design points of a limit state that matter beside the first.
+    """Return further design points of a limit state whose probability is not negligible.
 
-    Each search begins at the origin and, if it finds nothing there, opposite of the last point and
-    where the limit state, across the first one, lies below all known tangents; what it finds is
-    then followed without the bulges. Where the tangent of the limit state at a start leads to what
-    is known, or to what does not matter, no search begins: of a plane two gradients and two values
-    for each variable are all that is asked.
+    Each search starts at the origin and, if it finds no new point, opposite the last point and at
+    the perpendicular points at which the limit state lies below all known tangents. A found point
+    is refined without the bulges. No search starts where the tangent leads to a known or a
+    negligible point: a plane limit state costs two gradients and two values per variable.
 
     Parameters
     ----------
     space : Space
         The limit state; calls are counted there.
     first : FormResult
-        Its first design point.
+        First design point of the limit state.
     """
     known = [first]
-    around = _across(space, first)
+    around = _perpendicular_points(space, first)
     while len(known) <= MOST:
         found = None
-        for start in _starts(space, known, around):
-            found = _another(space, known, start)
+        for start in _search_starts(space, known, around):
+            found = _next_design_point(space, known, start)
             if found is not None:
                 known.append(found)
                 break
@@ -105,25 +104,25 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
     return known[1:]
 
 
-def _across(space: Space, first: FormResult) -> list[tuple[Array, float]]:
-    """Return places at right angles to a point, as far away as it is, and the limit states there.
+def _perpendicular_points(space: Space, first: FormResult) -> list[tuple[Array, float]]:
+    """Return points perpendicular to u* at its distance, and the limit state at them.
 
-    In both directions of each axis of the plane across the point: a further plane as near as the
-    first shows at one of them, whichever way it lies. Where the limit state fails it is NaN.
+    The points lie in both directions of each axis of the plane perpendicular to u*: one of them
+    reveals a second plane as near as the first in any direction. NaN where the limit state fails.
     """
     sides = max(abs(first.beta), APART) * null_space(first.alpha[None])
     if not sides.size:
         return []
     places = np.hstack([sides, -sides])
-    return list(zip(places.T, space.many(places, lenient=True), strict=True))
+    return list(zip(places.T, space.g_columns(places, lenient=True), strict=True))
 
 
-def _starts(
+def _search_starts(
     space: Space, known: Sequence[FormResult], around: Sequence[tuple[Array, float]]
 ) -> Iterator[Array]:
-    """Return where searches may find something: see `further_points`."""
+    """Return starts for searches: see `further_points`."""
     for start in (np.zeros(space.n), -known[-1].u):
-        if _promising(space, known, start):
+        if _leads_to_new_point(space, known, start):
             yield start
     first = known[0]
     side = 1.0 if first.beta >= 0.0 else -1.0
@@ -133,12 +132,14 @@ def _starts(
         expected = min(side * float(one.gradient @ (u - one.u)) for one in known)
         below.append(side * g - expected)
     for k in np.argsort(below):
-        if below[k] < -BELOW * size and _promising(space, known, around[k][0], NEAR):
+        if below[k] < -BELOW * size and _leads_to_new_point(space, known, around[k][0], NEAR):
             yield around[k][0]
 
 
-def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormResult | None:
-    """Return a design point that is none of those known, or None."""
+def _next_design_point(
+    space: Space, known: Sequence[FormResult], start: Array
+) -> FormResult | None:
+    """Return a design point other than the known ones, or None."""
     try:
         u = design_point(Excluding(space, known), start, "sqp", TOLERANCE, STEPS, FAR).u
         found = design_point(space, u, "sqp", TOLERANCE, STEPS, FAR)
@@ -146,13 +147,13 @@ def _another(space: Space, known: Sequence[FormResult], start: Array) -> FormRes
         return None
     new = all(np.linalg.norm(found.u - one.u) > APART for one in known)
     same = (found.beta >= 0.0) is (known[0].beta >= 0.0)
-    return found if new and same and _matters(found.beta, known) else None
+    return found if new and same and _is_relevant(found.beta, known) else None
 
 
-def _promising(
+def _leads_to_new_point(
     space: Space, known: Sequence[FormResult], start: Array, radius: float = RADIUS
 ) -> bool:
-    """Return whether the tangent at a start comes nearest to the origin at a point that is new."""
+    """Return whether the tangent at a start leads to a new point."""
     try:
         g = space.g(start)
         slope = slope_at(space, start, g, [])
@@ -163,9 +164,9 @@ def _promising(
     nearest = -beta * slope / size
     within = [radius * max(abs(one.beta), APART) for one in known]
     away = [float(np.linalg.norm(nearest - one.u)) for one in known]
-    return _matters(beta, known) and all(x > r for x, r in zip(away, within, strict=True))
+    return _is_relevant(beta, known) and all(x > r for x, r in zip(away, within, strict=True))
 
 
-def _matters(beta: float, known: Sequence[FormResult]) -> bool:
-    """Return whether a point at this distance counts beside the first one."""
+def _is_relevant(beta: float, known: Sequence[FormResult]) -> bool:
+    """Return whether a point at this distance has a noticeable share of the probability."""
     return float(ndtr(-abs(beta))) > COUNTS * float(ndtr(-abs(known[0].beta)))

@@ -16,24 +16,24 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.frozen_dict import Frozen
 from jousto.base.object_repr import described
-from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.form import FormResult, form_result
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState
 from jousto.design.reliability.points import further_points
 
 Failed = Literal["raise", "count"]
-MOST = 1e10  # samples
+MOST = 1e10  # largest number of samples
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SamplingResult:
-    """A probability of failure from samples.
+    """Probability of failure from samples, with its confidence interval.
 
     Attributes
     ----------
     name : str
-        Of the limit state.
+        Name of the limit state.
     method : str
         "monte carlo", "importance sampling" or "subset simulation".
     probability : float
@@ -41,7 +41,7 @@ class SamplingResult:
     low, high : float
         Ends of the confidence interval.
     confidence : float
-        Of the interval.
+        Confidence level of the interval.
     variation : float
         Coefficient of variation of the estimate; infinite if nothing failed.
     samples, failures : int
@@ -49,7 +49,7 @@ class SamplingResult:
     broken : int
         Points at which the limit state gave no number, counted as failures.
     calls : int
-        Of the limit state, with those for a design point.
+        Calls of the limit state, with those for a design point.
     reasons : dict of int
         Why points had no number, and how many.
     history : (k, 3) array
@@ -76,7 +76,7 @@ class SamplingResult:
 
     @property
     def beta(self) -> float:
-        """Index that belongs to the probability."""
+        """Reliability index ``-Phi^-1(P)`` of the probability."""
         return float(-ndtri(self.probability))
 
     def _facts(self) -> str:
@@ -99,10 +99,10 @@ def monte_carlo(
     variation: float | None = None,
     failed: Failed = "raise",
 ) -> SamplingResult:
-    """Return the share of random points that fail, with its confidence interval.
+    """Return the probability of failure by Monte Carlo simulation, with its interval.
 
-    The interval is that of Clopper and Pearson (*Biometrika* 26 (1934) 404-413): never too narrow,
-    and right with few failures or none.
+    The interval is that of Clopper and Pearson (*Biometrika* 26 (1934) 404-413): conservative, and
+    valid with few failures or none.
 
     Parameters
     ----------
@@ -112,15 +112,15 @@ def monte_carlo(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
-        At most.
+        Largest number of samples.
     seed : int, optional
-        The same seed gives the same points; None others each time.
+        Seed of the random numbers; equal seeds give equal points, None new ones each time.
     confidence : float
-        Of the interval.
+        Confidence level of the interval.
     variation : float, optional
         Coefficient of variation at which to stop before.
     failed : {"raise", "count"}
-        What to do where the limit state gives no number: raise, or count it as a failure.
+        Treatment of points without a finite value: raise, or count them as failures.
 
     Returns
     -------
@@ -142,18 +142,14 @@ def monte_carlo(
     >>> bool(found.low < norm.sf(2.0) < found.high)
     True
     """
-    check_sampling("monte carlo", samples, confidence, failed, seed)
-    if variation is not None:
-        problems = Problems()
-        problems.positive("monte carlo", "variation", variation, "")
-        problems.raise_if_any()
+    check_sampling("monte carlo", samples, confidence, failed, seed, variation)
     space = space_of("monte carlo", limit, variables)
     rng = np.random.default_rng(seed)
     rows: list[tuple[float, float, float]] = []
     done = failures = broken = 0
     while done < samples:
         size = min(space.limit.batch, samples - done)
-        g = space.many(rng.standard_normal((space.n, size)), lenient=failed == "count")
+        g = space.g_columns(rng.standard_normal((space.n, size)), lenient=failed == "count")
         broken += int(np.isnan(g).sum())
         failures += int(np.sum(~(g > 0.0)))
         done += size
@@ -180,13 +176,15 @@ def monte_carlo(
     )
 
 
-def check_sampling(where: str, samples: Any, confidence: Any, failed: Any, seed: Any) -> None:
-    """Raise InputError for settings of a sampling that cannot be.
+def check_sampling(
+    where: str, samples: Any, confidence: Any, failed: Any, seed: Any, variation: Any = None
+) -> None:
+    """Check the settings of a sampling.
 
     Raises
     ------
     InputError
-        With all of them.
+        With every setting that is out of its range.
     """
     problems = Problems()
     whole = f"a whole number from 1 to {MOST:g}"
@@ -198,11 +196,13 @@ def check_sampling(where: str, samples: Any, confidence: Any, failed: Any, seed:
     if seed is not None:
         known = "a whole number that is not negative, or None"
         problems.number(where, "seed", seed, "", known, lambda x: x >= 0 and x == int(x))
+    if variation is not None:
+        problems.positive(where, "variation", variation, "")
     problems.raise_if_any()
 
 
 def clopper_pearson(failures: int, samples: int, confidence: float) -> tuple[float, float]:
-    """Return the exact interval of a share.
+    """Return the exact confidence interval of a proportion (Clopper and Pearson).
 
     Examples
     --------
@@ -229,11 +229,11 @@ def importance_sampling(
     failed: Failed = "raise",
     search: bool = True,
 ) -> SamplingResult:
-    """Return a probability of failure from points around the design points.
+    """Return the probability of failure by samples around the design points.
 
-    Points are normal around u*, each counts with ``phi(u) / phi(u - u*)``. About half of them fail
-    however rare failure is. Further design points are looked for first, with those that are known
-    excluded; points are then drawn around each in proportion to its ``Phi(-beta)``, and count with
+    Points are normal around u* with weights ``phi(u) / phi(u - u*)``. About half of them fail,
+    however rare failure is. First, further design points are searched with bulges around the known
+    ones; points are then drawn around each in proportion to its ``Phi(-beta)``, with weights
     ``phi(u) / sum w_k phi(u - u_k)``.
 
     Parameters
@@ -243,15 +243,15 @@ def importance_sampling(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
-        At most.
+        Largest number of samples.
     seed : int, optional
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
     confidence : float
-        Of the interval.
+        Confidence level of the interval.
     variation : float, optional
         Coefficient of variation at which to stop before, looked at every 100 points.
     failed : {"raise", "count"}
-        What to do where the limit state gives no number.
+        Treatment of points without a finite value: raise, or count them as failures.
     search : bool
         Whether to look for further design points: two gradients and two values for each variable
         where the limit state is nearly plane, some 30 calls for each where it is not;
@@ -272,19 +272,15 @@ def importance_sampling(
         For wrong arguments.
     """
     where = "importance sampling"
-    check_sampling(where, samples, confidence, failed, seed)
-    problems = Problems()
-    if variation is not None:
-        problems.positive(where, "variation", variation, "")
-    problems.raise_if_any()
-    found = of_form(where, limit, variables)
+    check_sampling(where, samples, confidence, failed, seed, variation)
+    found = form_result(where, limit, variables)
     space = Space(found.limit, found.variables, dict(found.fixed))
     points = [found, *(further_points(space, found) if search else ())]
     centres = np.stack([one.u for one in points])
     shares = ndtr(-np.abs([one.beta for one in points]))
     shares = shares / shares.sum()
     rng = np.random.default_rng(seed)
-    # of a negative index the rare side is the safe one
+    # negative index: failure is the likely side, so count the safe points
     side = 1.0 if found.beta >= 0.0 else -1.0
     weights: list[Array] = []
     rows: list[tuple[float, float, float]] = []
@@ -293,10 +289,10 @@ def importance_sampling(
         size = min(100 if variation is not None else space.limit.batch, samples - done)
         u = rng.standard_normal((space.n, size))
         u += centres[rng.choice(len(points), size, p=shares) if len(points) > 1 else [0] * size].T
-        g = space.many(u, lenient=failed == "count")
+        g = space.g_columns(u, lenient=failed == "count")
         broken += int(np.isnan(g).sum())
         bad = ~(g > 0.0) if side > 0.0 else g > 0.0
-        # log of phi(u - u_k) / phi(u), line by line
+        # log of phi(u - u_k) / phi(u), a row for each centre
         ratio = centres @ u - 0.5 * np.sum(centres**2, axis=1)[:, None]
         weights.append(np.where(bad, np.exp(-logsumexp(ratio, axis=0, b=shares[:, None])), 0.0))
         done += size
@@ -329,25 +325,15 @@ def importance_sampling(
 
 
 def space_of(where: str, limit: Any, variables: Any) -> Space:
-    """Return a limit state in standard normal space, of one or of a result of form."""
+    """Return the Space of a limit state and its variables, or of a FORM result."""
     if isinstance(limit, FormResult):
-        found = of_form(where, limit, variables)
+        found = form_result(where, limit, variables)
         return Space(found.limit, found.variables, dict(found.fixed))
     return Space(limit, variables)
 
 
-def of_form(where: str, limit: Any, variables: Any) -> FormResult:
-    """Return a result of form, of one that is given or of a limit state and its variables."""
-    if not isinstance(limit, FormResult):
-        return form(limit, variables)
-    if variables is not None:
-        message = "a result of form has its variables; give it alone"
-        raise InputError(Problem(where, message))
-    return limit
-
-
 def lognormal_interval(p: float, variation: float, confidence: float) -> tuple[float, float]:
-    """Return an interval of an estimate that is positive, from its coefficient of variation."""
+    """Return the lognormal confidence interval of an estimate from its coefficient of variation."""
     if not math.isfinite(variation):
         return 0.0, 1.0
     spread = math.sqrt(math.log1p(variation**2))
@@ -358,12 +344,12 @@ def lognormal_interval(p: float, variation: float, confidence: float) -> tuple[f
 @described
 @dataclass(frozen=True, eq=False)
 class LinearisationCheck:
-    """What the tangent of FORM leaves out, limit state by limit state.
+    """Comparison of FORM indices with sampled ones: the error of the tangent planes.
 
     Attributes
     ----------
     names : tuple of str
-        Of the limit states.
+        Names of the limit states.
     form : (n,) array
         Indices by FORM.
     sampled : (n,) array
@@ -383,12 +369,12 @@ class LinearisationCheck:
 
     @property
     def error(self) -> Array:
-        """Index by FORM less the sampled one."""
+        """FORM index minus sampled index (n,)."""
         return np.asarray(self.form - self.sampled)
 
     @property
     def significant(self) -> tuple[bool, ...]:
-        """Whether the index by FORM is outside of the interval."""
+        """Whether the FORM index lies outside the confidence interval."""
         inside = (self.low <= self.form) & (self.form <= self.high)
         return tuple(bool(out) for out in ~inside)
 
@@ -409,20 +395,20 @@ def check_linearisation(
     seed: int | None = 0,
     confidence: float = 0.95,
 ) -> LinearisationCheck:
-    """Compare indices by FORM with sampled ones: the error of the tangent.
+    """Compare FORM indices with sampled ones: the error of the tangent planes.
 
     Parameters
     ----------
     found : FormResult, RbdoResult or sequence of FormResult
-        What to check.
+        Results to check.
     method : {"importance", "monte carlo"}
-        How to sample.
+        Sampling method.
     samples : int
-        For each limit state.
+        Samples for each limit state.
     seed : int, optional
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
     confidence : float
-        Of the intervals.
+        Confidence level of the intervals.
 
     Returns
     -------

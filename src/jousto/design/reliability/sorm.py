@@ -1,4 +1,4 @@
-"""SORM: what the curvature of the limit surface makes of the probability of its tangent."""
+"""Second-order reliability method (SORM): probability with the limit surface's curvature."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, Problems, count, warn
+from jousto.base.errors import Problems, count, warn
 from jousto.base.object_repr import described
 from jousto.design.reliability.errors import DesignPointError
-from jousto.design.reliability.form import FormResult, form
+from jousto.design.reliability.form import FormResult, form_result
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.limit import LimitState
 
-STEP = 1e-3  # of differences of a given gradient
-STEP_OF_VALUES = 3.0  # times the root of that of a gradient
-NOISY = 0.05  # of the probability: what a step twice as wide may change
+STEP = 1e-3  # step of differences of a given gradient, standard deviations
+STEP_OF_VALUES = 3.0  # factor on the step where second derivatives are taken from values
+NOISY = 0.05  # relative change of the probability with a doubled step from which G counts as noisy
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SormResult:
-    """Probabilities of failure with the main curvatures of the limit surface.
+    """Probabilities of failure and the principal curvatures of the limit surface.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class SormResult:
 
     @property
     def probability(self) -> float:
-        """That of Tvedt, or of Breitung where his does not hold."""
+        """Probability of Tvedt; of Breitung where Tvedt's formula does not apply."""
         return self.breitung if math.isnan(self.tvedt) else self.tvedt
 
     @property
     def beta(self) -> float:
-        """Index that belongs to the probability."""
+        """Reliability index ``-Phi^-1(P)`` of the probability."""
         return float(-ndtri(self.probability))
 
     def _facts(self) -> str:
@@ -74,7 +74,7 @@ def sorm(
     step: float | None = None,
     **options: Any,
 ) -> SormResult:
-    """Return probabilities of failure with the curvature of the limit surface: second order.
+    """Return probabilities of failure with the curvature of the limit surface.
 
     In the tangent plane of the design point the surface is ``u_n = beta + sum kappa_i v_i^2 / 2``.
     K. Breitung (*J. Eng. Mech.* 110 (1984) 357-366):
@@ -89,7 +89,7 @@ def sorm(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     step : float, optional
-        Of second differences, in standard deviations. None takes 1e-3 for a given gradient and
+        Step of second differences, in standard deviations. None takes 1e-3 for a given gradient and
         three roots of the step of the limit state, 0.01, for values.
     **options
         Of `form`.
@@ -122,25 +122,19 @@ def sorm(
     >>> print(f"{found.curvatures[0]:.3f}")  # the second derivative of a by b
     0.200
     """
-    if isinstance(limit, FormResult):
-        if variables is not None or options:
-            message = "a result of form has its variables; give it alone"
-            raise InputError(Problem("sorm", message))
-        found = limit
-    else:
-        found = form(limit, variables, **options)
+    found = form_result("sorm", limit, variables, **options)
     problems = Problems()
     if step is not None:
         problems.positive("sorm", "step", step, "")
     problems.raise_if_any()
     space = Space(found.limit, found.variables, dict(found.fixed))
     kappa, own = _curvatures(space, found, step)
-    # of a negative index the safe side is the small one
+    # negative index: swap the sides, so that failure is the small probability
     side = 1.0 if found.beta >= 0.0 else -1.0
     if own.size:
         _check_noise(found, own, side)
     given = probabilities(abs(found.beta), side * kappa)
-    breitung, hohenbichler, tvedt = (_of_safe(p, side) for p in given)
+    breitung, hohenbichler, tvedt = (_swap_side(p, side) for p in given)
     if math.isnan(breitung):
         worst = float(np.min(side * kappa))
         message = (
@@ -156,12 +150,12 @@ def sorm(
     return SormResult(found, kappa, breitung, hohenbichler, tvedt, calls, gradients)
 
 
-def _of_safe(p: float, side: float) -> float:
+def _swap_side(p: float, side: float) -> float:
     return p if side > 0.0 else 1.0 - p
 
 
 def probabilities(beta: float, kappa: Array) -> tuple[float, float, float]:
-    """Return the probabilities of Breitung, Hohenbichler and Rackwitz, and Tvedt.
+    """Return the probabilities of Breitung, of Hohenbichler and Rackwitz, and of Tvedt.
 
     Examples
     --------
@@ -189,27 +183,31 @@ def _product(factor: float, kappa: Array) -> float:
 
 
 def _curvatures(space: Space, found: FormResult, step: float | None) -> tuple[Array, Array]:
-    """Return the main curvatures, by differences in the tangent plane, and those of the axes.
+    """Return the principal curvatures (n - 1,), and those along the axes of the tangent plane.
 
-    Those of the axes of the plane (2, n - 1) are by the step and by twice the step: equal but for
-    what is no curvature.
+    The latter (2, n - 1) use the step and its double; a difference between the two rows is an
+    error of the differences.
     """
     u, n = found.u, space.n
     if n == 1:
         return np.zeros(0), np.zeros((2, 0))
-    plane = np.linalg.svd(found.alpha[None, :])[2][1:].T  # (n, n - 1), orthonormal
+    # orthonormal basis (n, n - 1) of the tangent plane
+    plane = np.linalg.svd(found.alpha[None, :])[2][1:].T
     size = float(np.linalg.norm(found.gradient))
     if space.counted.has_gradient:
         h = STEP if step is None else step
-        H, wide = _of_gradients(space, u, plane, h), _of_gradients(space, u, plane, 2.0 * h)
+        H, wide = (
+            _hessian_by_gradients(space, u, plane, h),
+            _hessian_by_gradients(space, u, plane, 2.0 * h),
+        )
         own = np.stack([np.diag(H), np.diag(wide)])
         return np.asarray(np.linalg.eigvalsh(0.5 * (H + H.T)) / size), own / size
     h = STEP_OF_VALUES * math.sqrt(space.limit.step) if step is None else step
-    H, own = _of_values(space, u, plane, h)
+    H, own = _hessian_by_values(space, u, plane, h)
     return np.asarray(np.linalg.eigvalsh(H) / size), own / size
 
 
-def _of_gradients(space: Space, u: Array, plane: Array, h: float) -> Array:
+def _hessian_by_gradients(space: Space, u: Array, plane: Array, h: float) -> Array:
     """Return second derivatives in a plane by central differences of gradients."""
     ends = [
         [plane.T @ space.gradient(u + side * h * move, 0.0) for move in plane.T]
@@ -218,25 +216,25 @@ def _of_gradients(space: Space, u: Array, plane: Array, h: float) -> Array:
     return np.asarray((np.array(ends[0]) - np.array(ends[1])) / (2.0 * h))
 
 
-def _of_values(space: Space, u: Array, plane: Array, h: float) -> tuple[Array, Array]:
-    """Return second derivatives in a plane by values, and those of its axes by h and 2 h."""
+def _hessian_by_values(space: Space, u: Array, plane: Array, h: float) -> tuple[Array, Array]:
+    """Return second derivatives in a plane by values, and its diagonal by steps h and 2 h."""
     m = plane.shape[1]
     pairs = [(i, j) for i in range(m) for j in range(i)]
     moves = [s * plane[:, i] for s in (1.0, -1.0, 2.0, -2.0) for i in range(m)]
     moves += [plane[:, i] + plane[:, j] for i, j in pairs]
-    values = space.many(np.stack([u + h * move for move in moves], axis=1))
+    values = space.g_columns(np.stack([u + h * move for move in moves], axis=1))
     g = space.g(u)
     up, down, up_2, down_2 = values[: 4 * m].reshape(4, m)
     H = np.diag(up - 2.0 * g + down)
     for (i, j), g_ij in zip(pairs, values[4 * m :], strict=True):
-        # g(a + b) = g + a + b + H_ab of the parts that are even in both
+        # g(a + b) = g + (g_a - g) + (g_b - g) + H_ab
         H[i, j] = H[j, i] = g_ij - up[i] - up[j] + g
     own = np.stack([np.diag(H), (up_2 - 2.0 * g + down_2) / 4.0])
     return H / h**2, own / h**2
 
 
 def _check_noise(found: FormResult, own: Array, side: float) -> None:
-    """Warn where the curvatures of the axes change with the step so that probabilities do."""
+    """Warn if a doubled step changes the probability by more than `NOISY`."""
     near, wide = (probabilities(abs(found.beta), side * kappa)[0] for kappa in own)
     if math.isnan(near) is not math.isnan(wide) or abs(wide - near) > NOISY * near:
         warn(

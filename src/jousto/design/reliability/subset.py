@@ -1,4 +1,4 @@
-"""Subset simulation: a small probability as a product of larger ones."""
+"""Subset simulation: a small probability as a product of conditional ones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.base.frozen_dict import Frozen
 from jousto.design.reliability.errors import DesignPointError
 from jousto.design.reliability.form import FormResult
 from jousto.design.reliability.inputs.space import Space
-from jousto.design.reliability.limit import LimitState, shown
+from jousto.design.reliability.limit import LimitState, format_values
 from jousto.design.reliability.sampling import (
     Failed,
     SamplingResult,
@@ -26,8 +26,8 @@ from jousto.design.reliability.sampling import (
 )
 
 WHERE = "subset simulation"
-ACCEPTED = 0.44  # share of moves at which chains forget fastest
-WIDEST, FIRST = 1.0, 0.6  # standard deviations of a move
+ACCEPTED = 0.44  # acceptance rate of the moves at which Markov chains mix fastest
+WIDEST, FIRST = 1.0, 0.6  # standard deviations of a move: upper limit, initial value
 
 
 @explained
@@ -42,7 +42,7 @@ def subset_simulation(
     confidence: float = 0.95,
     failed: Failed = "raise",
 ) -> SamplingResult:
-    """Return a probability of failure level by level, without a design point.
+    """Return the probability of failure by subset simulation, without a design point.
 
     ``P = P(g <= b_1) P(g <= b_2 | g <= b_1) ...`` with thresholds that a `share` of the points
     passes (S.-K. Au and J. L. Beck, *Probab. Eng. Mech.* 16 (2001) 263-277). Points of a level are
@@ -57,17 +57,17 @@ def subset_simulation(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables.
     samples : int
-        In each level.
+        Number of samples in each level.
     share : float
-        Of points that pass a level, between 0 and 0.5.
+        Share of points that pass a level, between 0 and 0.5.
     levels : int
-        At most.
+        Largest number of levels.
     seed : int, optional
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
     confidence : float
-        Of the interval, which takes the levels for independent.
+        Confidence level of the interval, under the assumption of independent levels.
     failed : {"raise", "count"}
-        What to do where the limit state gives no number: raise, or count it as a failure.
+        Treatment of points without a finite value: raise, or count them as failures.
 
     Returns
     -------
@@ -89,8 +89,7 @@ def subset_simulation(
         chains = round(share * samples)
         if chains < 2:
             problems.add(WHERE, f"{samples} samples are too few for a share of {share:g}")
-    whole = "a whole number, at least 1"
-    problems.number(WHERE, "levels", levels, "", whole, lambda x: x >= 1 and x == int(x))
+    problems.whole(WHERE, "levels", levels)
     problems.raise_if_any()
     space = space_of(WHERE, limit, variables)
     lenient = failed == "count"
@@ -99,7 +98,8 @@ def subset_simulation(
     g, broken = _values(space, u, lenient)
     rows: list[tuple[float, float, float]] = []
     square, p, width = 0.0, 1.0, FIRST
-    link = np.zeros((samples, 1), dtype=np.int64)  # of the chains, none at first
+    # index of the chain of each point; one group at the first level
+    link = np.zeros((samples, 1), dtype=np.int64)
     for _ in range(levels):
         if np.min(g) == np.max(g) > 0.0:
             message = (
@@ -111,7 +111,7 @@ def subset_simulation(
         threshold = max(0.5 * float(g[order[chains - 1]] + g[order[chains]]), 0.0)
         tie = float(g[order[chains]])
         if threshold > 0.0 and g[order[chains - 1]] == tie and np.any(g < tie):
-            # on a plateau only what lies below it is a step towards failure
+            # plateau of equal values: take only the points below it as the next level
             threshold = max(float(np.max(g[g < tie])), 0.0)
         passed = g <= threshold
         q = float(np.mean(passed))
@@ -129,7 +129,7 @@ def subset_simulation(
         best = int(np.argmin(g))
         message = (
             f"{space.counted.where}: no failure after {levels} levels (Pf < {p:.1g}); the least is "
-            f"{g[best]:.4g} at {shown(space.values(u[:, best]))}"
+            f"{g[best]:.4g} at {format_values(space.values(u[:, best]))}"
         )
         raise DesignPointError(message, u[:, best], rows)
     variation = math.sqrt(square)
@@ -152,8 +152,8 @@ def subset_simulation(
 
 
 def _values(space: Space, u: Array, lenient: bool) -> tuple[Array, int]:
-    """Return the limit state, what is no number as the worst failure, and how many those are."""
-    g = space.many(u, lenient=lenient)
+    """Return the limit state, -inf in place of NaN, and the number of NaN."""
+    g = space.g_columns(u, lenient=lenient)
     lost = int(np.isnan(g).sum())
     return np.where(np.isnan(g), -np.inf, g), lost
 
@@ -165,7 +165,7 @@ def _chains(
     settings: tuple[int, float, float],
     lenient: bool,
 ) -> tuple[Array, Array, Ints, float, int]:
-    """Return points below a threshold, by chains side by side; which chain each is of last."""
+    """Return points below a threshold by parallel Markov chains, with the chain of each point."""
     (u, g), (samples, threshold, width) = start, settings
     chains = u.shape[1]
     points, values, lost = [u], [g], 0

@@ -1,4 +1,4 @@
-"""Systems of limit states: in series one failure is failure, in parallel all must fail."""
+"""Systems of limit states: a series system fails with one, a parallel one with all of them."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from jousto.design.reliability.sampling import SamplingResult, monte_carlo
 
 WHERE = "system"
 EXACT, MOST = 1e-4, 200_000
-"""Error of the probability of a box, of itself, and points of quasi Monte Carlo at most."""
+"""Relative error of the multivariate normal distribution, and its maximum number of points."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class SystemResult:
-    """Probability of failure of a system of limit states.
+    """Probability of failure of a system of limit states, with its bounds.
 
     Attributes
     ----------
     kind : str
         "series" or "parallel".
     forms : tuple of FormResult
-        Of the limit states.
+        FORM results of the limit states.
     correlation : (n, n) array
         ``alpha_i . alpha_j`` of the tangents.
     low, high : float
@@ -55,7 +55,7 @@ class SystemResult:
 
     @property
     def beta(self) -> float:
-        """Index that belongs to the probability."""
+        """Reliability index ``-Phi^-1(P)`` of the probability."""
         return float(-ndtri(self.probability))
 
     def _facts(self) -> str:
@@ -79,7 +79,7 @@ def system(
     samples: int = 100_000,
     seed: int | None = 0,
 ) -> SystemResult:
-    """Return the probability that one of several limit states fails, or that all do.
+    """Return the probability that a series or parallel system of limit states fails.
 
     The tangents of FORM are a system of planes, whose probability is that of a multivariate normal
     distribution with the correlation ``alpha_i . alpha_j``. The bounds need only pairs (O.
@@ -95,11 +95,11 @@ def system(
     variables : sequence of Random, Nataf, Rosenblatt or JointDistribution, optional
         The random variables of limit states that are no results of `form`.
     kind : {"series", "parallel"}
-        See above.
+        Kind of system, see above.
     samples : int
-        Of a Monte Carlo check; 0 for none.
+        Samples of a Monte Carlo check; 0 for none.
     seed : int, optional
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
 
     Returns
     -------
@@ -130,8 +130,7 @@ def system(
     given = list(limits) if isinstance(limits, list | tuple) else []
     if len(given) < 2:
         problems.add(WHERE, "limits must be two or more limit states or results of form")
-    whole = "a whole number, 0 for none"
-    problems.number(WHERE, "samples", samples, "", whole, lambda n: n >= 0 and n == int(n))
+    problems.whole(WHERE, "samples", samples, 0, "0 for none")
     problems.raise_if_any()
     forms = tuple(one if isinstance(one, FormResult) else form(one, variables) for one in given)
     first = forms[0]
@@ -143,16 +142,18 @@ def system(
     beta = np.array([one.beta for one in forms])
     R = alpha @ alpha.T
     np.fill_diagonal(R, 1.0)
-    low, high = bounds_of(beta, R, kind)
-    p = of_planes(beta, R, kind)
+    low, high = ditlevsen_bounds(beta, R, kind)
+    p = planes_probability(beta, R, kind)
     sampled = None
     if samples:
-        sampled = monte_carlo(joined(forms, kind), first.variables, samples=samples, seed=seed)
+        sampled = monte_carlo(
+            system_limit_state(forms, kind), first.variables, samples=samples, seed=seed
+        )
     return SystemResult(kind, forms, R, low, high, min(max(p, low), high), sampled)
 
 
-def joined(forms: Sequence[FormResult], kind: str) -> LimitState:
-    """Return the limit state of a system: the least of its limit states, or the largest."""
+def system_limit_state(forms: Sequence[FormResult], kind: str) -> LimitState:
+    """Return the limit state of a system: minimum (series) or maximum (parallel) of the members."""
     each = list({id(one.limit): one.limit for one in forms}.values())
     fixed = dict(forms[0].fixed)
     least: Any = np.minimum if kind == "series" else np.maximum
@@ -169,8 +170,8 @@ def joined(forms: Sequence[FormResult], kind: str) -> LimitState:
     return LimitState(worst, vectorised=many, name="system")
 
 
-def bounds_of(beta: Array, R: Array, kind: str) -> tuple[float, float]:
-    """Return the bounds of Ditlevsen for planes at beta with correlation R.
+def ditlevsen_bounds(beta: Array, R: Array, kind: str) -> tuple[float, float]:
+    """Return Ditlevsen's bounds of the probability for planes at beta with correlation R.
 
     Examples
     --------
@@ -178,44 +179,47 @@ def bounds_of(beta: Array, R: Array, kind: str) -> tuple[float, float]:
     >>> bool(low <= float(ndtr(-2.0)) * (1 + 1e-9))
     True
     """
-    if kind == "parallel":  # all fail where it is not so that one is safe
-        low, high = bounds_of(-beta, R, "series")
-        pairs = [_pair(-beta[i], -beta[j], R[i, j]) for i in range(len(beta)) for j in range(i)]
+    # complement: a parallel system fails where the series system of the safe sides does not
+    if kind == "parallel":
+        low, high = ditlevsen_bounds(-beta, R, "series")
+        pairs = [
+            _bivariate_cdf(-beta[i], -beta[j], R[i, j]) for i in range(len(beta)) for j in range(i)
+        ]
         return max(0.0, 1.0 - high), min(1.0 - low, *pairs)
     order = np.argsort(beta)
     beta, R = beta[order], R[np.ix_(order, order)]
     low = high = 0.0
     for i, p in enumerate(ndtr(-beta)):
-        both = [_pair(-beta[i], -beta[j], R[i, j]) for j in range(i)]
+        both = [_bivariate_cdf(-beta[i], -beta[j], R[i, j]) for j in range(i)]
         low += max(0.0, p - sum(both))
         high += p - max(both, default=0.0)
     return float(low), float(min(high, 1.0))
 
 
-def of_planes(beta: Array, R: Array, kind: str) -> float:
-    """Return the probability that one of several planes fails, or that all do.
+def planes_probability(beta: Array, R: Array, kind: str) -> float:
+    """Return the failure probability of a system of planes at beta with correlation R.
 
-    In series ``P = sum_i P(i fails, none before it does)``: each term is a box of the multivariate
-    normal distribution, so that errors are shares of P, however rare failure is, not of 1.
+    In series ``P = sum_i P(i fails, none before it does)``: each term is a box probability of the
+    multivariate normal distribution, so that errors are relative to P, however rare failure is.
     """
     if kind == "parallel":
-        return _box(-beta, R)
+        return _normal_cdf(-beta, R)
     order = np.argsort(beta)
     beta, R = beta[order], R[np.ix_(order, order)]
     total = 0.0
     for i in range(len(beta)):
-        side = np.append(-np.ones(i), 1.0)  # safe before, failed at last
-        total += _box(-side * beta[: i + 1], side[:, None] * R[: i + 1, : i + 1] * side)
+        side = np.append(-np.ones(i), 1.0)  # planes 0 .. i - 1 safe, plane i failed
+        total += _normal_cdf(-side * beta[: i + 1], side[:, None] * R[: i + 1, : i + 1] * side)
     return total
 
 
-def _box(upper: Array, R: Array) -> float:
-    """Return ``P(y <= upper)`` of normal variables with correlation R, the same at each call."""
+def _normal_cdf(upper: Array, R: Array) -> float:
+    """Return ``P(y <= upper)`` of normal variables with correlation R (fixed random seed)."""
     how: dict[str, Any] = {"abseps": 0.0, "releps": EXACT, "maxpts": MOST}
     rng = np.random.default_rng(0)
     return float(multivariate_normal.cdf(upper, cov=R, allow_singular=True, rng=rng, **how))
 
 
-def _pair(a: float, b: float, r: float) -> float:
+def _bivariate_cdf(a: float, b: float, r: float) -> float:
     """Return ``P(y_1 <= a and y_2 <= b)`` of two normal variables with correlation r."""
-    return _box(np.array([a, b]), np.array([[1.0, r], [r, 1.0]]))
+    return _normal_cdf(np.array([a, b]), np.array([[1.0, r], [r, 1.0]]))

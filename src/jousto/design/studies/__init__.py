@@ -1,1 +1,1 @@
-"""studies: a model as a function of its parameters, at many points."""
+"""Studies: outcomes of a model as functions of its parameters, at many points."""

@@ -1,4 +1,4 @@
-"""One point of a study: a machine with given numbers, its model, its run and what follows."""
+"""One point of a study: its machine, compiled model, run and outcomes."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ Counts = dict[str, int]
 
 @dataclass(frozen=True)
 class Settings:
-    """How the runs of a study go: the arguments of `simulate`.
+    """Settings of the runs of a study: the arguments of `simulate`.
 
     Parameters
     ----------
     t_end : float or None
-        End, s; None if the model says it.
+        End, s; None: that of the model.
     how : dict
         solver, output_step and state, where they are given; a function of the model as state is
         asked for it, such as `jo.equilibrium`.
@@ -40,7 +40,7 @@ class Settings:
     how: Mapping[str, Any] = field(default_factory=dict)
 
     def given(self, model: Model) -> dict[str, Any]:
-        """Return the arguments for a model."""
+        """Return the arguments of `simulate` for a model."""
         how = dict(self.how)
         if callable(how.get("state")):
             how["state"] = _begun(how["state"], model)
@@ -48,32 +48,32 @@ class Settings:
 
 
 def _begun(begin: Callable[[Model], Any], model: Model) -> Any:
-    """Return the state that a function of the model says."""
+    """Return the initial state from the user's function of the model."""
     if not has_steps(model):
         return begin(model)
     from jousto.simulation.statics.equilibrium import equilibrium
 
     if begin is not equilibrium:
         raise NotAnalytic("a function makes the state at the start")
-    return beginning(model, start="rest")  # with its derivatives
+    return beginning(model, start="rest")  # start at rest, with derivatives of the equilibrium
 
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A mechanism or a compiled model with what belongs to it, for runs that differ by inputs.
+    """Mechanism or compiled model with its settings, shared by runs that differ in their inputs.
 
     Parameters
     ----------
     made : Mechanism, Model or Solution
-        What the user's function returned.
+        Object that the user's function returned.
     settings : Settings
-        How it is run.
+        Settings of the runs.
     checks : tuple
-        What is to be checked for fatigue.
+        Fatigue checks.
     counts : dict
-        Where compilations and runs are counted.
+        Counters of compilations and runs.
     plain : bool
-        Whether the mechanism has no derivatives that the model has.
+        Whether the model has derivatives that the mechanism lacks.
     """
 
     made: Any
@@ -83,21 +83,23 @@ class Machine:
     plain: bool = False
 
     def with_slope(self, model: Model, checks: tuple[Any, ...]) -> Machine:
-        """Return one whose model and checks have derivatives, the mechanism none."""
+        """Return a copy whose model and checks have derivatives; the mechanism has none."""
         made = replace(self, checks=checks, plain=True)
         vars(made)["model"] = model
         return made
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism."""
+        """Mechanism of the machine."""
         if not isinstance(self.made, Mechanism):
-            raise InputError(Problem("study", "a compiled model has no mechanism to look into"))
+            raise InputError(
+                Problem("study", "a compiled model contains no mechanism; give the mechanism")
+            )
         return self.made
 
     @cached_property
     def model(self) -> Model:
-        """The compiled model."""
+        """Compiled model."""
         if isinstance(self.made, Model):
             return self.made
         self.counts["compilations"] += 1
@@ -105,21 +107,21 @@ class Machine:
 
     @cached_property
     def repeated(self) -> Repeated:
-        """What runs it."""
+        """Runner of repeated simulations of the model."""
         if self.settings.t_end is None:
-            message = "how long to simulate? give t_end, or simulation: {t_end: ...} in the file"
+            message = "no end time: give t_end, or simulation: {t_end: ...} in the file"
             raise InputError(Problem("study", message))
         return Repeated(self.model, self.settings.t_end, **self.settings.given(self.model))
 
 
 @described
 class Case:
-    """One point of a study, for outcomes that need more than the results of a run.
+    """One point of a study, for outcomes that need more than the results of the run.
 
     Parameters
     ----------
     machine : Machine
-        With its caches.
+        Machine with its caches.
     values : dict
         Values of the parameters, SI.
     inputs : dict
@@ -132,9 +134,9 @@ class Case:
     reach : float
         Over which what depends on the parameter that has a derivative changes.
     followed : bool
-        Whether `along` was asked since it was set to False.
+        Whether `directional` was called since the flag was last cleared.
     whole : bool
-        Whether the last outcome that a function returned was a whole number by its type.
+        Whether the type of the last function outcome was a whole number.
     """
 
     def __init__(
@@ -154,7 +156,7 @@ class Case:
 
     @property
     def mechanism(self) -> Mechanism:
-        """The mechanism.
+        """Mechanism at this point.
 
         Raises
         ------
@@ -167,53 +169,53 @@ class Case:
 
     @property
     def model(self) -> Model:
-        """The compiled model."""
+        """Compiled model at this point."""
         return self._machine.model
 
     @property
     def checks(self) -> tuple[Any, ...]:
-        """What the model file wants checked for fatigue."""
+        """Fatigue checks of the model file."""
         return self._machine.checks
 
     @property
     def runs(self) -> bool:
-        """Whether there is something to run, not results alone."""
+        """Whether the point has a model to simulate, not only given results."""
         return not isinstance(self._machine.made, Solution)
 
     def prepare(self) -> Callable[[], Solution]:
-        """Do everything that the run needs; return the function that runs."""
+        """Prepare the run and return the function that executes it."""
         if not self.runs:
             return lambda: self._machine.made
         repeated = self._machine.repeated
-        return lambda: self.once("run", lambda: repeated.run(self._inputs))
+        return lambda: self.cached("run", lambda: repeated.run(self._inputs))
 
     @property
-    def alike(self) -> bool:
-        """Whether it may run side by side with others of its structure."""
+    def batchable(self) -> bool:
+        """Whether it can run in one batch with points of the same structure."""
         stepped = any(np.iscomplexobj(value) for value in self._inputs.values())
         return self.runs and not stepped and self._machine.repeated.alike is not None
 
     @property
-    def ran(self) -> bool:
-        """Whether it was simulated."""
+    def has_run(self) -> bool:
+        """Whether the run has been simulated."""
         return "run" in self._kept
 
     @property
     def run(self) -> Solution:
-        """The results of the run."""
+        """Results of the run."""
         found: Solution = self.prepare()()
         return found
 
-    def once(self, name: object, make: Callable[[], Any]) -> Any:
-        """Return what several outcomes need, made once."""
+    def cached(self, name: object, make: Callable[[], Any]) -> Any:
+        """Return a value shared by several outcomes, computed at the first request."""
         if name not in self._kept:
             self._kept[name] = make()
         return self._kept[name]
 
 
 def run_together(cases: Sequence[Case]) -> None:
-    """Run machines of one structure side by side; the others run when their results are wanted."""
-    waiting = [case for case in cases if not case.ran and case.alike]
+    """Run machines of equal structure as one batch; others run when their results are used."""
+    waiting = [case for case in cases if not case.has_run and case.batchable]
     runs = [(case._machine.repeated, case._inputs) for case in waiting]
     for case, solution in zip(waiting, together(runs), strict=True):
         if solution is not None:

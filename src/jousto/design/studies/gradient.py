@@ -1,4 +1,4 @@
-"""gradient: outcomes of a study with their derivatives by complex steps, or by differences."""
+"""Function `gradient`: derivatives of outcomes by complex steps, or by differences."""
 
 from __future__ import annotations
 
@@ -32,22 +32,22 @@ from jousto.design.studies.lost_derivatives import (
     ROUNDING,
     WHOLE,
     WIDE,
-    lost,
-    unseen,
+    find_lost,
+    unresolved,
 )
 from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.running.evaluator import Evaluator, reason
 from jousto.design.studies.study import Study
 
 CLOSE = 0.1 * RELATIVE
-"""Step of differences beside a kink, as a share of the value."""
+"""Step of differences beside a kink, relative to the value."""
 BENDS = 0.1
-"""Of the larger slope on the two sides of a point: what is no curvature."""
+"""Difference of the one-sided slopes, relative to the larger one, up to which it is curvature."""
 
 NOISE, FLAT = 1e-10, 1e-6
-"""Of an outcome: its round-off, and what is no jump but noise."""
+"""Relative rounding error of an outcome, and the noise below which a change is no jump."""
 OURS = ("jousto", "numpy", "scipy", "pydantic", "pydantic_core")
-"""Modules whose lines are no help to whoever wrote the model."""
+"""Modules whose lines are left out of tracebacks for the author of the model."""
 
 
 @explained
@@ -60,22 +60,21 @@ def gradient(
 ) -> GradientResult:
     """Return the outcomes of a study at a point and their derivatives by its parameters.
 
-    ``dy/dx = Im y(x + i h) / h``: the machine is made, compiled, run and judged once for each
-    parameter with complex numbers (Squire and Trapp, SIAM Rev. 40, 1998), exact to round-off.
-    Where a machine can be made of real numbers only (``math.sin(x)``, ``float(x)``, solids, exact
-    beams), its model gets its derivative by differences of fourth order between four models beside
-    it, and the run is complex. What complex numbers cannot run (events, friction that sticks,
-    solvers that choose their steps), and results that complex steps and differences disagree on,
-    are differentiated by central differences, two real runs for a parameter. ``how`` of the result
-    has the reason.
+    ``dy/dx = Im y(x + i h) / h``: the machine is built, compiled, run and evaluated once for each
+    parameter with complex numbers (Squire and Trapp, SIAM Rev. 40, 1998), exact to rounding. Where
+    a machine can be built from real numbers only (``math.sin(x)``, ``float(x)``, solids, exact
+    beams), the derivative of its model comes from fourth-order differences between four models, and
+    the run is complex. Central differences with two real runs per parameter replace what complex
+    numbers cannot run (events, sticking friction, solvers with step control), and results for which
+    complex steps and differences disagree. ``how`` of the result has the reason.
 
-    A largest value over time is followed at its instant, a hot spot at its place, cycles of a
-    damage as they are counted at the point.
+    The derivative of a largest value over time is that at its instant, of a hot spot that at its
+    place, of a damage that of the cycles counted at the point.
 
     Parameters
     ----------
     study : Study
-        From `study`.
+        Study from `study`.
     x : (np,) array, optional
         The point; the nominal values if not given.
     outcomes : str or sequence of str, optional
@@ -118,21 +117,21 @@ def gradient(
 
 
 class Slopes:
-    """Derivatives of some outcomes of a study at any points, also outside of its bounds.
+    """Derivatives of some outcomes of a study at any point, also outside its bounds.
 
-    They are checked by differences at the first point.
+    Differences check the derivatives at the first point.
 
     Parameters
     ----------
     study : Study
-        From `study`.
+        Study from `study`.
     rows : list of int
         The outcomes; the rows of all others are zero.
     """
 
     def __init__(self, study: Study, rows: list[int]) -> None:
         self._study, self._rows, self._check = study, rows, True
-        self._evaluator = study._evaluator.boundless()
+        self._evaluator = study._evaluator.unbounded()
 
     def __call__(self, x: Array) -> Array:
         """Return the derivatives (no, np) at a point (np,)."""
@@ -144,7 +143,7 @@ class Slopes:
 
 
 class Work:
-    """The derivatives of some outcomes at one point.
+    """Computation of the derivatives of some outcomes at one point.
 
     Parameters
     ----------
@@ -172,18 +171,18 @@ class Work:
         self._noise = np.full(shape, NOISE)
 
     def result(self, check: bool) -> GradientResult:
-        """Return them all."""
-        if outside := self._evaluator.outside(self._x):
+        """Return values and derivatives of all outcomes."""
+        if outside := self._evaluator.out_of_bounds(self._x):
             raise InputError(Problem("gradient", outside))
         with np.errstate(invalid="ignore"):  # outcomes may be infinite
             return self._result(check)
 
     def _result(self, check: bool) -> GradientResult:
-        self._values = self._at(self._x)
+        self._values = self._outcomes_at(self._x)
         columns, whole = range(len(self._x)), self._whole
         for i, value in enumerate(self._values):
             if not np.isfinite(value):
-                self._note([i], NONE, f"the outcome is {value}")
+                self._record([i], NONE, f"the outcome is {value}")
             elif whole[i]:
                 for j in columns:
                     self._note_jump(i, j)
@@ -209,7 +208,7 @@ class Work:
             self.runs,
         )
 
-    def _at(self, x: Array) -> Array:
+    def _outcomes_at(self, x: Array) -> Array:
         """Return the outcomes at a point."""
         self.runs["real"] += 1
         found = self._evaluator.outcomes_at(x, self._outcomes)
@@ -219,39 +218,39 @@ class Work:
         self._whole = np.array([one.whole for one in found])
         return np.array([one.value for one in found], dtype=float)
 
-    def _beside(self, j: int, distance: float) -> Array | None:
-        """Return the outcomes at a distance along a parameter, None if the machine fails there."""
+    def _outcomes_beside(self, j: int, distance: float) -> Array | None:
+        """Return the outcomes at a distance along a parameter; None if the machine fails there."""
         x = self._x.copy()
         x[j] += distance
         try:
-            return self._at(x)
+            return self._outcomes_at(x)
         except Exception:
             return None
 
-    def _note(self, rows: Iterable[int], way: str, why: str, j: int | None = None) -> None:
-        """Note how derivatives of some outcomes are found, unless that was said before."""
+    def _record(self, rows: Iterable[int], way: str, why: str, j: int | None = None) -> None:
+        """Record the method of some outcomes' derivatives, unless one is recorded already."""
         for i in rows:
             for k in range(len(self._x)) if j is None else [j]:
                 if self._way[i][k] in STEPS:
                     self._way[i][k], self._why[i][k] = way, why
 
     def _step(self, j: int) -> None:
-        """Fill a column by a complex step, or note why not."""
+        """Fill a column by a complex step, or record the reason against it."""
         x: Any = self._x.astype(np.complex128)
         x[j] += 1j * STEP
         found = self._evaluator.outcomes_at(x, self._outcomes)
         self.runs["complex"] += any(one.error is None for one in found)
         for i, one in enumerate(found):
             if one.error is not None:
-                self._note([i], DIFFERENCES, needs_real(one.error), j)
+                self._record([i], DIFFERENCES, needs_real(one.error), j)
                 continue
             if self._way[i][j] == NONE:
                 continue
             slope, value = one.value.imag / STEP, self._values[i]
             scale = max(abs(value), abs(slope * self._size(j)))
             if not np.isfinite(slope) or abs(one.value.real - value) > AGREES * scale:
-                why = f"with complex numbers it is another number, {one.value.real:.6g}"
-                self._note([i], DIFFERENCES, why, j)
+                why = f"its value with complex numbers differs, {one.value.real:.6g}"
+                self._record([i], DIFFERENCES, why, j)
                 continue
             self._way[i][j] = MOTION if one.followed else EXACT
             if one.between is not None:
@@ -264,15 +263,15 @@ class Work:
         return parameter.reach(self._x[j])
 
     def _check(self) -> None:
-        """Compare complex steps with differences along one direction.
+        """Check complex-step derivatives by differences along one direction.
 
-        Once more with a smaller step, where the first one may have gone across a kink.
+        A second check with a smaller step follows where the first one may have crossed a kink.
         """
         columns = [j for j in range(len(self._x)) if any(row[j] in STEPS for row in self._way)]
-        # of an outcome with some derivatives by differences the others are not checked
+        # skip outcomes that have differences in some columns
         known = [all(row[j] in STEPS for j in columns) for row in self._way]
         rows = np.flatnonzero(known).tolist() if columns else []
-        # irregular shares, so that errors of several parameters do not cancel
+        # irregular weights, so that errors of several parameters do not cancel
         sizes = np.array([self._size(j) * (1.0 + 0.37 * np.sin(1.0 + j)) for j in columns])
         for share, noise in ((RELATIVE, NOISE), (CLOSE, 0.0)):
             if not rows:
@@ -280,9 +279,9 @@ class Work:
             step = np.zeros(len(self._x))
             step[columns] = share * sizes
             try:
-                high, low = self._at(self._x + step), self._at(self._x - step)
+                high, low = self._outcomes_at(self._x + step), self._outcomes_at(self._x - step)
             except Exception as problem:
-                self._note(rows, DIFFERENCES, f"they could not be checked, {reason(problem)}")
+                self._record(rows, DIFFERENCES, f"they could not be checked, {reason(problem)}")
                 return
             terms = (self._jacobian[rows] * step)[:, columns]
             size, y = np.abs(terms).sum(axis=1), self._values[rows]
@@ -291,38 +290,38 @@ class Work:
             good = error <= AGREES * size + noise * np.abs(y)
             good &= bend <= BENDS * size + 10.0 * NOISE * np.abs(y)
             rows = np.array(rows)[~good].tolist()
-        self._note(rows, DIFFERENCES, "complex steps and differences disagree")
+        self._record(rows, DIFFERENCES, "complex steps and differences disagree")
 
     def _check_alone(self, j: int) -> None:
-        """Check the derivatives by one parameter that a check along a direction may not see."""
+        """Check the derivatives by one parameter that the direction check may not resolve."""
         sizes = np.array([self._size(k) for k in range(len(self._x))])
-        hidden = unseen(self._jacobian, sizes, self._values)[:, j]
+        hidden = unresolved(self._jacobian, sizes, self._values)[:, j]
         rows = [i for i, way in enumerate(self._way) if way[j] in STEPS and hidden[i]]
         if not rows:
             return
         slopes = self._jacobian[:, j]
-        found = lost(partial(self._beside, j), self._values, slopes, rows, sizes[j])
+        found = find_lost(partial(self._outcomes_beside, j), self._values, slopes, rows, sizes[j])
         for i, (why, jumps) in found.items():
-            self._note([i], NONE if jumps else DIFFERENCES, why, j)
-            self._noise[i, j] = ROUNDING  # its change grows with the step: no noise
+            self._record([i], NONE if jumps else DIFFERENCES, why, j)
+            self._noise[i, j] = ROUNDING  # proportional to the step: a derivative, not noise
             if jumps:
                 self._jacobian[i, j] = np.nan
 
     def _note_jump(self, i: int, j: int) -> None:
-        """Note that a whole number has no derivative by a parameter that changes it."""
-        ends = [self._beside(j, side * WHOLE * self._size(j)) for side in (1.0, -1.0)]
+        """Record that a whole number has no derivative by a parameter that changes it."""
+        ends = [self._outcomes_beside(j, side * WHOLE * self._size(j)) for side in (1.0, -1.0)]
         for end in ends:
             if end is not None and end[i] != self._values[i]:
                 why = f"the outcome is a whole number, which jumps to {end[i]:g} beside the point"
-                self._note([i], NONE, why, j)
+                self._record([i], NONE, why, j)
 
     def _difference(self, j: int) -> None:
-        """Fill what a column lacks by differences, as far as the outcomes are smooth there."""
+        """Fill missing derivatives of a column by differences, where the outcomes are smooth."""
         rows = [i for i, row in enumerate(self._way) if row[j] == DIFFERENCES]
         gaps = np.zeros(len(self._values))
         for share in (RELATIVE, CLOSE, WIDE):
             h = share * self._size(j)
-            rise, fall, said = self._sides(j, h)
+            rise, fall, said = self._one_sided_slopes(j, h)
             gap = np.abs(rise - fall)
             larger = np.maximum(np.abs(rise), np.abs(fall))
             noise = 10.0 * self._noise[:, j] * np.abs(self._values) / h
@@ -344,10 +343,10 @@ class Work:
             self._way[i][j], self._jacobian[i, j] = NONE, np.nan
             self._why[i][j] += "; it jumps here"
 
-    def _sides(self, j: int, h: float) -> tuple[Array, Array, str]:
-        """Return the slopes above and below the point, and what is said of them.
+    def _one_sided_slopes(self, j: int, h: float) -> tuple[Array, Array, str]:
+        """Return the slopes above and below the point, and the remark on them.
 
-        Where one side fails, those of the other side, of second order.
+        If the machine fails on one side, both slopes are the second-order slope of the other side.
         """
         failed: list[Exception] = []
         found: list[Array] = []
@@ -355,7 +354,7 @@ class Work:
             step = np.zeros(len(self._x))
             step[j] = sign * h
             try:
-                found.append((self._at(self._x + step) - self._values) / step[j])
+                found.append((self._outcomes_at(self._x + step) - self._values) / step[j])
             except Exception as error:
                 failed.append(error)
                 continue
@@ -364,14 +363,14 @@ class Work:
             raise failed[0]
         if not failed:
             return found[0], found[1], ""
-        far = (self._at(self._x + 2.0 * working) - self._values) / (2.0 * working[j])
+        far = (self._outcomes_at(self._x + 2.0 * working) - self._values) / (2.0 * working[j])
         slope = 2.0 * found[0] - far
         side = "above" if working[j] < 0.0 else "below"
         return slope, slope, f"; on one side, {side} it fails: {reason(failed[0])}"
 
 
 def needs_real(error: Exception) -> str:
-    """Return why a machine takes no complex numbers, with the last line of the user on the way."""
+    """Return the reason why a machine takes no complex numbers, with a source line."""
     if isinstance(error, NotAnalytic):
         return str(error)
     chain: list[BaseException] = [error]

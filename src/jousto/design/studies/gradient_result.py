@@ -1,4 +1,4 @@
-"""GradientResult: outcomes of a study with their derivatives, and how these were found."""
+"""GradientResult: outcomes with their derivatives and the method of each derivative."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WAYS = {
     DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",
     NONE: "There is no derivative, the number is NaN; the reason follows",
 }
-"""How derivatives are found, the words that `GradientResult.how` begins with."""
+"""First words of the entries of `GradientResult.how`."""
 
 STEPS = (EXACT, MOTION, RUN)
 
@@ -38,11 +38,11 @@ class GradientResult:
     values : (no,) array
         Outcomes, SI.
     jacobian : (no, np) array
-        Their derivatives by the parameters, SI.
+        Derivatives of the outcomes by the parameters, SI.
     how : tuple of tuple of str
         (no, np): "complex step"; "complex motion" where stress, damage or a function of the user
         is followed along a motion found so; "complex run: ", "differences: " or "none: " with the
-        reason. `WAYS` says what they mean.
+        reason. See `WAYS` for their meanings.
     outcomes, parameters : tuple of str
         Names of rows and columns.
     x : (np,) array
@@ -73,7 +73,7 @@ class GradientResult:
 
     @property
     def exact(self) -> bool:
-        """Whether all derivatives are by complex steps, of the motion at least."""
+        """Whether all derivatives of the motion are by complex steps."""
         return self._count == self.jacobian.size
 
     @property
@@ -84,7 +84,7 @@ class GradientResult:
         return f"{self._count} of {self.jacobian.size} derivatives by complex steps"
 
     def __str__(self) -> str:
-        """Return all derivatives, and how those were found that are not by complex steps alone."""
+        """Return all derivatives, and the methods other than complex steps."""
         width = max(map(len, (*self.outcomes, *self.parameters)))
         lines = [repr(self)]
         for i, outcome in enumerate(self.outcomes):
@@ -98,7 +98,7 @@ class GradientResult:
 
 
 def place_of(kind: str, name: str, known: Sequence[str]) -> int:
-    """Return the place of a name, or raise for one that is not there."""
+    """Return the index of a name; raise InputError for an unknown one."""
     if name not in known:
         raise UnknownNameError(Problem("gradient", f"no {kind} {name!r}{suggest(name, known)}"))
     return known.index(name)

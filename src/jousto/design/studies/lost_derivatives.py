@@ -1,4 +1,4 @@
-"""Derivatives that a check along one direction cannot see, each checked alone."""
+"""Check of single derivatives that are too small for the check along one direction."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 
 RELATIVE, FAR, WIDE = 6e-6, 1e-4, 1e-3
-"""Steps as shares of the length over which outcomes change: about the cube root of the rounding,
-another for slopes, and one for jumps and noise."""
+"""Steps relative to the length over which outcomes change: near the cube root of rounding, for
+slopes, and for jumps and noise."""
 WHOLE = 0.5
-"""Step, as the same share, over which a whole number changes if it depends on the parameter."""
+"""Relative step over which a whole number changes if it depends on the parameter."""
 UNSEEN = 1e-2
-"""Share of a checked direction below which an error of the tenth part stays unseen."""
+"""Share of the directional derivative below which a 10 % error is not detected."""
 AGREES = 1e-3
-"""Of a slope: complex steps that agree with differences, whose noise is smaller."""
+"""Relative difference of slopes up to which complex steps and differences agree."""
 ROUNDING = 1e-14
-"""Of an outcome: rounding of a sum of some hundred terms."""
+"""Relative rounding error of an outcome: a sum of some hundred terms."""
 ALIKE = 2.0
-"""Ratio of two slopes up to which they are one slope; curvature and rounding give 17 and more."""
+"""Ratio of two slopes up to which they count as equal; curvature and rounding reach 17."""
 BISECTIONS = 12
 JUMP = 0.02
-"""Share of a change over a step that makes it a jump if it happens in 1/4096 of the step."""
+"""Share of a change within 1/4096 of the step from which it counts as a jump."""
 FAINT = 2e-4
-"""Part of an outcome, over that length, below which its rounding hides a tenth of the change."""
+"""Relative slope of an outcome below which rounding hides a tenth of it."""
 
 Outcomes = Callable[[float], "Array | None"]
-"""Outcomes (no,) at a distance along one parameter; None where there are none."""
+"""Function: outcomes (no,) at a distance along one parameter; None where they do not exist."""
 
 
-def unseen(jacobian: Array, sizes: Array, y: Array) -> NDArray[np.bool_]:
-    """Return the derivatives (no, np) whose loss a check along one direction may not see.
+def unresolved(jacobian: Array, sizes: Array, y: Array) -> NDArray[np.bool_]:
+    """Return a mask (no, np) of derivatives that the direction check may not resolve.
 
     Parameters
     ----------
@@ -49,14 +49,14 @@ def unseen(jacobian: Array, sizes: Array, y: Array) -> NDArray[np.bool_]:
     return np.asarray(terms <= hidden[:, None])
 
 
-def lost(
+def find_lost(
     at: Outcomes, y: Array, slopes: Array, rows: Iterable[int], size: float
 ) -> dict[int, tuple[str, bool]]:
-    """Return why derivatives by one parameter are wrong, and whether there is none at all.
+    """Return the reason why derivatives by one parameter are wrong, and whether they are zero.
 
-    ``y(x + h) - y(x) - h dy/dx`` is no part of dy/dx if it grows with h: on one side, or half the
-    difference of both, at two steps. Curvature and rounding grow otherwise. What is constant close
-    by and jumps farther away has no derivative.
+    The remainder ``y(x + h) - y(x) - h dy/dx`` shows a lost derivative if it is proportional to h,
+    on one side or as half the difference of both, at two steps. Curvature and rounding are not
+    proportional to h. An outcome that is constant nearby and jumps at a distance has no derivative.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def lost(
     y : (no,) array
         Outcomes at the point.
     slopes : (no,) array
-        Their derivatives.
+        Derivatives of the outcomes by the parameter.
     rows : iterable of int
         Outcomes to check.
     size : float
@@ -76,7 +76,9 @@ def lost(
     if zero:
         ends |= {h: at(h * size) for h in (WIDE, -WIDE)}
         still = [end for end in ends.values() if end is not None]
-        left += [i for i in zero if not still or not all(_same(end[i], y[i]) for end in still)]
+        left += [
+            i for i in zero if not still or not all(_is_unchanged(end[i], y[i]) for end in still)
+        ]
     if left:
         ends |= {h: at(h * size) for h in (RELATIVE, -RELATIVE)}
 
@@ -93,20 +95,20 @@ def lost(
         ends |= {h: at(h * size) for h in (FAR, -FAR)}
     found: dict[int, tuple[str, bool]] = {}
     for i in left:
-        if i in wrong and _grows(rest(i), least[i]):
+        if i in wrong and _is_proportional(rest(i), least[i]):
             found[i] = ("complex steps lose this derivative", False)
-        elif i in zero and (jump := _jump(at, ends, i, y[i], size)):
+        elif i in zero and (jump := _find_jump(at, ends, i, y[i], size)):
             found[i] = (jump, True)
     return found
 
 
-def _same(a: float, y: float) -> bool:
-    """Return whether an outcome has not changed, but for its rounding."""
+def _is_unchanged(a: float, y: float) -> bool:
+    """Return whether an outcome is unchanged except for rounding."""
     return bool(abs(a - y) <= ROUNDING * abs(y))
 
 
-def _grows(rest: dict[float, float], least: float) -> bool:
-    """Return whether what a derivative leaves of a change is proportional to the step."""
+def _is_proportional(rest: dict[float, float], least: float) -> bool:
+    """Return whether the part of a change outside the derivative is proportional to the step."""
     sides = [{h: rest[s * h] for h in (RELATIVE, FAR) if s * h in rest} for s in (1.0, -1.0)]
     if all(len(side) == 2 for side in sides):
         sides.append({h: 0.5 * (rest[h] - rest[-h]) for h in (RELATIVE, FAR)})
@@ -119,11 +121,16 @@ def _grows(rest: dict[float, float], least: float) -> bool:
     return False
 
 
-def _jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size: float) -> str:
-    """Return what an outcome that is constant close by does farther away, if it jumps there."""
+def _find_jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size: float) -> str:
+    """Return the jump at a distance of an outcome that is constant nearby; empty if none."""
     for side in (1.0, -1.0):
         inner, outer = ends[side * RELATIVE], ends[side * WIDE]
-        if inner is None or outer is None or not _same(inner[i], y) or _same(outer[i], y):
+        if (
+            inner is None
+            or outer is None
+            or not _is_unchanged(inner[i], y)
+            or _is_unchanged(outer[i], y)
+        ):
             continue
         low, high, beyond = RELATIVE, WIDE, outer
         for _ in range(BISECTIONS):
@@ -131,7 +138,7 @@ def _jump(at: Outcomes, ends: dict[float, Array | None], i: int, y: float, size:
             here = at(side * middle * size)
             if here is None:
                 break
-            if _same(here[i], y):
+            if _is_unchanged(here[i], y):
                 low = middle
             else:
                 high, beyond = middle, here

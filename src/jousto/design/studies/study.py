@@ -1,4 +1,4 @@
-"""study: a model as a function from parameters to outcomes, at one point or many."""
+"""Study: a model as a function from parameters to outcomes, at one point or many."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from jousto.design.studies.parameters.parameter import Parameter
 from jousto.design.studies.parameters.samples import grid, latin_hypercube, read_samples
 from jousto.design.studies.running.content_hash import key_of
 from jousto.design.studies.running.evaluator import Evaluator, Row
-from jousto.design.studies.running.guard import taken_over
+from jousto.design.studies.running.guard import lock_exclusively
 from jousto.design.studies.running.journal import Journal, check_same
-from jousto.design.studies.running.parallel import spread
-from jousto.design.studies.running.sources import choose, source_of
+from jousto.design.studies.running.parallel import run_points
+from jousto.design.studies.running.sources import choose_parameters, source_of
 from jousto.design.studies.table import StudyTable, check_suffix, read_study
 
 Report = Callable[[int, int], None]
@@ -34,17 +34,17 @@ Samples = ArrayLike | Mapping[str, Any] | str | Path | int
 LINES = ".jsonl"
 Point = tuple[float, ...]
 MOST_KNOWN = 100_000
-"""Points beyond the bounds that are remembered, the one worked out first goes first."""
+"""Cache size: rows of points beyond the bounds; the oldest is removed first."""
 
 
 @described
 class Study:
     """A model as a function from parameters (n, np) to outcomes (n, no); see `study`.
 
-    ``study(X)`` are the outcomes, NaN where a point failed, ``study.run(X)`` is a `StudyTable`.
-    What does not change from point to point is not done again: reductions are remembered by the
-    content of the part, the method and the options, parts of a model file by their entry, compiled
-    models by the values that they depend on; external inputs only make another run.
+    ``study(X)`` are the outcomes, NaN at failed points; ``study.run(X)`` is a `StudyTable`.
+    Intermediate results are reused between points: reductions by the content of part, method and
+    options, parts of a model file by their entry, compiled models by the parameter values that they
+    depend on; a change of external inputs needs a new run only.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Study:
     units : tuple of str
         SI units of the outcomes.
     table : StudyTable or None
-        Of the last ``run``.
+        Table of the last ``run``.
     """
 
     def __init__(self, evaluator: Evaluator) -> None:
@@ -79,15 +79,15 @@ class Study:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many reductions, compilations and runs were done so far."""
+        """Number of reductions, compilations and runs so far."""
         return self._evaluator.counts
 
     def about(self, number: int) -> Outcome:
-        """Return what an outcome is, by its number."""
+        """Return the description of an outcome from its index."""
         return self._evaluator.outcomes[number]
 
     def point(self, x: ArrayLike | None = None) -> Array:
-        """Return one point (np,), the nominal values if none is given.
+        """Return one point (np,); the nominal values if none is given.
 
         Raises
         ------
@@ -116,7 +116,7 @@ class Study:
     def __call__(self, x: ArrayLike) -> Array:
         """Return the outcomes (n, no) of points (n, np), or (no,) of one point (np,)."""
         points = self._points(x)
-        with self._evaluator.noting():
+        with self._evaluator.count_warnings():
             size = self._evaluator.width
             groups = [points[k : k + size] for k in range(0, len(points), size)]
             rows = [row for group in groups for row, _ in self._evaluator.rows(group)]
@@ -144,7 +144,7 @@ class Study:
         return points
 
     def rows(self, x: ArrayLike, *, workers: Any = 1, how: str = "threads") -> list[Row]:
-        """Return the outcomes of points, also beyond the bounds, each worked out only once.
+        """Return the outcomes of points, also beyond the bounds, each computed only once.
 
         Parameters
         ----------
@@ -163,12 +163,12 @@ class Study:
             if parameter.name in self._evaluator.source.unused:
                 points[:, k] = parameter.value
         keys: list[Point] = [tuple(point.tolist()) for point in points]
-        self._free = self._free or self._evaluator.boundless()
+        self._free = self._free or self._evaluator.unbounded()
         todo = [(i, key) for i, key in enumerate(dict.fromkeys(keys)) if key not in self._known]
         waiting = dict(todo)
         found = {key: self._known[key] for key in keys if key in self._known}
-        with self._evaluator.noting():
-            for i, row in spread(self._free, todo, None, workers, how):
+        with self._evaluator.count_warnings():
+            for i, row in run_points(self._free, todo, None, workers, how):
                 found[waiting[i]] = row
         self._known |= found
         while len(self._known) > MOST_KNOWN:
@@ -186,7 +186,7 @@ class Study:
         retry: bool = False,
         progress: bool | Report | None = None,
     ) -> StudyTable:
-        """Work out many points and return their table.
+        """Compute many points and return their table.
 
         Parameters
         ----------
@@ -194,7 +194,8 @@ class Study:
             The points; a dictionary is that of `grid`, a path a CSV file, a number that of points
             of a Latin hypercube.
         workers : int, "dask" or Client
-            How many at once; "dask" is a cluster on this machine, a Client of Dask any other.
+            Number of parallel points; "dask" is a cluster on this machine, a Client of Dask any
+            other.
         how : {"threads", "processes", "dask"}
             Threads share what was made before, and the engine works in them side by side; in
             processes Python does as well. What a study is made of must then be importable.
@@ -204,7 +205,7 @@ class Study:
             is gone on from as well. Of another study it is refused; functions are compared by
             their text and what they hold, not by what they look up in their module.
         retry : bool
-            Whether points that failed before are tried again.
+            Whether points that failed before are computed again.
         progress : bool or function, optional
             True shows a bar; a function is called with (points done, points).
 
@@ -219,12 +220,12 @@ class Study:
             If anything about samples, workers or files makes no sense.
         """
         points = self._points(samples)
-        self._about()  # before functions change what they hold
+        self._about()  # hash the study before functions change their captured values
         keys = [tuple(point.tolist()) for point in points]
         target = None if path is None else Path(path)
-        lines = None if target is None else self._lines(target)
-        with nullcontext() if lines is None else taken_over(lines):
-            rows = self._worked_out(keys, target, lines, (workers, how, retry, progress))
+        lines = None if target is None else self._journal_path(target)
+        with nullcontext() if lines is None else lock_exclusively(lines):
+            rows = self._compute_rows(keys, target, lines, (workers, how, retry, progress))
             self.table = self._table(points, [rows[x] for x in keys])
             if target is not None and lines is not None and target.suffix != LINES:
                 self.table.save(target)
@@ -232,24 +233,24 @@ class Study:
                     lines.unlink(missing_ok=True)
         return self.table
 
-    def _worked_out(
+    def _compute_rows(
         self,
         keys: Sequence[Point],
         target: Path | None,
         lines: Path | None,
         given: tuple[Any, str, bool, Any],
     ) -> dict[Point, Row]:
-        """Return the rows of points, those of the files and the others as they come."""
+        """Return the rows of points: those of the journal and newly computed ones."""
         workers, how, retry, progress = given
         journal, rows = self._resumed(target, lines)
         if retry:
             rows = {x: row for x, row in rows.items() if not row[1]}
         todo = [(i, x) for i, x in enumerate(dict.fromkeys(keys)) if x not in rows]
         waiting = dict(todo)
-        with reporter(progress, len(keys)) as report, self._evaluator.noting():
+        with reporter(progress, len(keys)) as report, self._evaluator.count_warnings():
             done = len(keys) - len(todo)
             report(done, len(keys))
-            for i, row in spread(self._evaluator, todo, journal, workers, how):
+            for i, row in run_points(self._evaluator, todo, journal, workers, how):
                 rows[waiting[i]] = row
                 done += 1
                 report(done, len(keys))
@@ -271,7 +272,7 @@ class Study:
         )
 
     def _about(self) -> dict[str, Any]:
-        """Return what the study is made of, as it was when it was first asked for."""
+        """Return the identity of the study, hashed at the first call."""
         if self._made_of is None:
             source: Any = self._evaluator.source
             how = {key: key_of(value) for key, value in source.settings.how.items()}
@@ -283,8 +284,8 @@ class Study:
             }
         return self._made_of
 
-    def _lines(self, target: Path) -> Path:
-        """Return the file of the journal of a table, after looking whether both may be written."""
+    def _journal_path(self, target: Path) -> Path:
+        """Return the path of a table's journal after a check that both files can be written."""
         if target.suffix == LINES:
             check_file(target)
             return target
@@ -296,7 +297,7 @@ class Study:
     def _resumed(
         self, target: Path | None, lines: Path | None
     ) -> tuple[Journal | None, dict[Point, Row]]:
-        """Return the journal of a table's file, with the rows that there are."""
+        """Return the journal of a table's file with its completed rows."""
         if target is None or lines is None:
             return None, {}
         about = self._about()
@@ -313,7 +314,7 @@ class Study:
 
 @contextmanager
 def reporter(progress: bool | Report | None, total: int) -> Iterator[Report]:
-    """Yield a function of the points that are done and all: a bar, the user's, or silence."""
+    """Yield a function of the completed and the total number of points: bar, callback, or none."""
     if callable(progress):
         yield progress
         return
@@ -338,7 +339,7 @@ def study(
     state: Any = None,
     **run: Any,
 ) -> Study:
-    """Return a model as a function of its parameters, worked out at samples if there are any.
+    """Return a model as a function of its parameters; with samples, the table of outcomes.
 
     Parameters
     ----------
@@ -348,17 +349,17 @@ def study(
         inputs (`Input`) are the parameters. Parameters that the function does not take are inputs,
         too.
     parameters : sequence of Parameter or str, optional
-        What is varied; of a file also by name, all of its parameters if not given.
+        Parameters to vary; of a file also by name, all of its parameters if not given.
     outcomes : str, callable, Outcome, sequence or dict
-        What is wanted: ``"max(tip.y)"`` (also min, peak, range, rms, mean, first, last),
+        Outcomes to compute: ``"max(tip.y)"`` (also min, peak, range, rms, mean, first, last),
         ``"mass"``, ``"mass(arm)"``, ``"frequency(1)"``, ``"stress(arm)"`` at its hot spot,
         ``"damage(arm)"``, ``"life(arm)"``, ``"reaction(pivot)"``, or a function of the `Solution`.
     samples : array (n, np), dict, path or int, optional
         Points to work out at once, see `Study.run`; the table is ``study.table``.
     t_end, solver, output_step : optional
-        As in `simulate`; before those of the file.
+        Settings as in `simulate`; they take precedence over those of the file.
     state : State or callable, optional
-        Where runs start, or a function of the model that says so: `jo.equilibrium`.
+        Initial state of the runs, or a function of the model that returns it: `jo.equilibrium`.
     **run
         Arguments of `Study.run`: workers, how, path, retry, progress.
 
@@ -395,7 +396,7 @@ def study(
     chosen: tuple[Parameter, ...] = ()
     wanted: tuple[Outcome, ...] = ()
     try:
-        chosen = choose(source, parameters)
+        chosen = choose_parameters(source, parameters)
     except InputError as error:
         problems += error.problems
     try:

@@ -1,4 +1,4 @@
-"""StudyTable: parameters and outcomes of all points of a study, failed ones with their reason."""
+"""StudyTable: parameters and outcomes of all points, and the reasons of failed points."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ class StudyTable(Tabular):
     units : dict of str to str
         SI unit of every column.
     notes : dict of str to int
-        What was warned of, and how often.
+        Warnings, with the number of their occurrences.
     about : dict
-        What the study was made of, so that it can go on.
+        Identity of the study, so that a later run can continue it.
     """
 
     parameters: tuple[str, ...]
@@ -73,12 +73,12 @@ class StudyTable(Tabular):
 
     @property
     def good(self) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Which points did not fail (n,)."""
+        """Mask (n,) of the points that did not fail."""
         return np.array([not reason for reason in self.reasons], dtype=bool)
 
     @property
     def failed(self) -> dict[int, str]:
-        """Numbers of the points that failed, with the reason."""
+        """Indices of the failed points with the reasons."""
         return {i: reason for i, reason in enumerate(self.reasons) if reason}
 
     def label(self, name: str) -> str:
@@ -105,7 +105,7 @@ class StudyTable(Tabular):
         return facts + ", ".join(self.outcomes) + (f"; {failed} failed" if failed else "")
 
     def __str__(self) -> str:
-        """Return smallest and largest value of every column, and why points failed."""
+        """Return the smallest and largest value of every column, and the reasons of failures."""
         lines = [repr(self)]
         width = max((len(self.label(name)) for name in self.columns), default=0)
         for name in self.columns:
@@ -127,7 +127,8 @@ class StudyTable(Tabular):
     def to_pandas(self) -> Any:
         """Return a ``pandas.DataFrame``; needs the extra ``frames``.
 
-        ``frame.attrs["units"]`` has the unit of each column; the last column, ``failed``, says why.
+        ``frame.attrs["units"]`` has the unit of each column; the last
+        column, ``failed``, has the reason of a failure.
 
         Raises
         ------
@@ -146,9 +147,9 @@ class StudyTable(Tabular):
 
     @explained
     def save(self, path: str | Path) -> Path:
-        """Write the table; the suffix decides: .h5, .csv, .parquet.
+        """Write the table in the format of the suffix: .h5, .csv, .parquet.
 
-        Only .h5 keeps everything, for `read_study`. Parquet needs pandas and pyarrow.
+        Only .h5 contains the whole table, for `read_study`. Parquet needs pandas and pyarrow.
 
         Raises
         ------
@@ -181,7 +182,7 @@ class StudyTable(Tabular):
 
 
 def check_suffix(path: Path) -> None:
-    """Refuse a file that a table cannot be written into.
+    """Raise InputError for a suffix that tables do not have.
 
     Raises
     ------

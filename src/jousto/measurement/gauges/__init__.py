@@ -1,4 +1,4 @@
-"""Gauges: what rosettes say, and measured records."""
+"""Gauges: strain rosettes and measured records."""
 
 from jousto.base.lazy_exports import open_room
 

@@ -18,25 +18,25 @@ if TYPE_CHECKING:
 
 
 OVERLAP = 0.25
-"""Share of the shorter record that must overlap."""
+"""Share of the shorter record that must overlap with the other one."""
 
 MOST = 1 << 22
-"""Samples of the longer record on the even grid of the search."""
+"""Number of samples of the longer record on the uniform grid of the search."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """How a record fits another one.
+    """Time shift between a record and another one, with its quality.
 
     Attributes
     ----------
     record : Record
         The record with its time shifted.
     shift : float
-        What was added to its time, s.
+        Time added to the record's instants, s.
     correlation : float
-        Of both channels where they overlap, -1 to 1.
+        Correlation of both channels where they overlap, -1 to 1.
     scale : float
         Factor on the other channel that fits this one best; 1 if gauge factors and signs agree.
     rms : float
@@ -69,18 +69,18 @@ def align(
     level: float | None = None,
     max_shift: float | None = None,
 ) -> Alignment:
-    """Return how a record must be shifted in time to fit another record or a run.
+    """Return the time shift that aligns a record with another record or a run.
 
-    Without a level the shift of the largest correlation coefficient over the overlap, first on an
-    even grid by fast Fourier transform, then between its samples on splines. With a level the shift
-    at which both cross it at the same times: triggers, light barriers, impacts.
+    Without a level: the shift of the largest correlation coefficient over the overlap, first on a
+    uniform grid by fast Fourier transform, then between its samples on splines. With a level: the
+    shift at which both signals cross it at the same times (triggers, light barriers, impacts).
 
     Parameters
     ----------
     record : Record
         Measured.
     other : Record or Solution
-        What it shall fit; its time stays.
+        Reference record or run; its time is unchanged.
     channel, other_channel : str
         Channels to compare; the same name if only one is given.
     level : float, optional
@@ -110,15 +110,15 @@ def align(
             continue
         good = x[np.isfinite(x)]
         if len(good) < 4 or np.ptp(good) == 0.0:
-            problems.add(where.name, f"channel '{name}' does not change: nothing to align by")
+            problems.add(where.name, f"channel '{name}' is constant and cannot be aligned")
     if max_shift is not None:
         problems.positive("align", "max_shift", max_shift, "s")
     problems.raise_if_any()
     if level is None:
         shift = _by_correlation(record, reference, channel, b, max_shift)
-        return _judged(record, reference, channel, b, shift, None)
+        return _make_alignment(record, reference, channel, b, shift, None)
     shift, scatter = _by_events(record, reference, channel, b, level, max_shift)
-    return _judged(record, reference, channel, b, shift, scatter)
+    return _make_alignment(record, reference, channel, b, shift, scatter)
 
 
 def _clean(record: Record, channel: str) -> tuple[Array, Array]:
@@ -173,7 +173,7 @@ def _by_correlation(
         )
     else:
         _ambiguous(r, i, shifts, a)
-    # between the samples
+    # refine the shift between the samples of the grid
     lower, upper = shifts[i] - step, shifts[i] + step
     found = minimize_scalar(
         lambda s: -_correlation(record, reference, a, b, float(s))[0],
@@ -185,7 +185,7 @@ def _by_correlation(
 
 
 def _ambiguous(r: Array, i: int, shifts: Array, channel: str) -> None:
-    """Warn if another peak of the correlation is as high."""
+    """Warn if another peak of the correlation is nearly as high."""
     peaks = np.flatnonzero((r[1:-1] >= r[:-2]) & (r[1:-1] > r[2:])) + 1
     rivals = [k for k in peaks if k != i and r[k] > 0.99 * r[i] and abs(k - i) > 2]
     if rivals:
@@ -210,7 +210,7 @@ def _correlation(
     """Return correlation, scale, rms and the overlapping values at a shift."""
     ta, xa = _clean(record, a)
     tb, xb = _clean(reference, b)
-    # the finer one is interpolated at the instants of the coarser one
+    # interpolate the finer record at the instants of the coarser one
     fine = record.step <= reference.step
     if fine:
         at = tb[(tb >= ta[0] + shift) & (tb <= ta[-1] + shift)]
@@ -253,21 +253,21 @@ def _by_events(
         if max_shift is not None and abs(shift) > max_shift:
             continue
         scatter = float(np.std(differences))
-        # more events that agree count more
+        # prefer the shift at which more events agree
         score = (scatter + record.step) / m
         if best is None or score < best[0]:
             best = (score, shift, scatter / np.sqrt(m))
     if best is None:
-        raise InputError(Problem("align", f"no shift within {max_shift} s brings events together"))
+        raise InputError(Problem("align", f"no shift within {max_shift} s matches any events"))
     return best[1], best[2]
 
 
-def _judged(
+def _make_alignment(
     record: Record, reference: Record, a: str, b: str, shift: float, scatter: float | None
 ) -> Alignment:
     r, scale, rms, at, u, v = _correlation(record, reference, a, b, shift)
     if scatter is None:
-        # least squares: the noise left over the slope of the signal
+        # standard deviation of the shift: residual noise divided by the rms slope of the signal
         slope = np.gradient(v, at)
         noise = u - u.mean() - scale * (v - v.mean())
         size = float(np.sqrt(np.sum((scale * slope) ** 2)))

@@ -1,4 +1,4 @@
-"""Instants of loggers that count from 1970 or in days: seconds from the first one."""
+"""Time stamps of loggers since 1970, or in days, as seconds from the first one."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ import numpy as np
 
 from jousto.base.arrays import Array
 
-# units of numbers that count from 1970 in the years 1973 to 2286
+# ranges of time stamps since 1970 by unit, for the years 1973 to 2286
 EPOCHS = (
     (1e17, 1e19, 1e-9, "nanoseconds since 1970"),
     (1e14, 1e16, 1e-6, "microseconds since 1970"),
     (1e11, 1e13, 1e-3, "milliseconds since 1970"),
 )
-# days of spreadsheets (from 1900) in the years 1954 to 2119, of MATLAB in 1916 to 2080
+# ranges of day numbers: spreadsheets (from 1900) 1954 to 2119, MATLAB 1916 to 2080
 DAYS = ((2e4, 8e4, "days of a spreadsheet"), (7e5, 7.6e5, "days of MATLAB"))
 DAY = 86400.0
 DATES = ("date", "datetime", "timestamp", "time stamp", "datum")
-FINE = 1e-3  # steps below this of numbers that large are days: 86 s
+FINE = 1e-3  # median step below which large numbers are days (1e-3 days = 86 s)
 
 
 def counted(name: str, t: Array, label: str | None) -> tuple[Array, tuple[str, ...]]:
-    """Return instants (nt,) counted in seconds from the first where they are dates.
+    """Return instants (nt,) in seconds from the first one if they are time stamps.
 
     Parameters
     ----------
     name : str
         Head of the column.
     t : (nt,) array
-        As in the file.
+        Instants as in the file.
     label : str or None
-        Unit that the file says: then numbers are taken as they are.
+        Unit in the file, if any: then numbers are used as they are.
 
     Returns
     -------

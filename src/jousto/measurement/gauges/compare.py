@@ -1,4 +1,4 @@
-"""Measured gauges beside virtual ones."""
+"""Comparison of measured gauges with virtual ones."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @described
 @dataclass(frozen=True, eq=False)
 class GaugePair:
-    """A measured channel and the virtual gauge it belongs to, over the instants of the record.
+    """One measured channel and its virtual gauge at the instants of the record.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class GaugePair:
 @described
 @dataclass(frozen=True, eq=False)
 class GaugeComparison(Tabular):
-    """Measured channels beside the gauges of a run.
+    """Measured channels and the gauges of a run, pair by pair.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class GaugeComparison(Tabular):
         Instants of the record on the clock of the run, s.
     pairs : tuple of GaugePair
     alignment : Alignment or None
-        How the record was shifted.
+        Time shift of the record.
     """
 
     time: Array
@@ -73,7 +73,7 @@ class GaugeComparison(Tabular):
     alignment: Alignment | None = None
 
     def __str__(self) -> str:
-        """Return a table: strain in um/m, bridges in mV/V, stress in MPa."""
+        """Return a table of the pairs: strain in um/m, bridges in mV/V, stress in MPa."""
         width = max(len(p.channel) for p in self.pairs)
         other = max(max(len(p.sensor) for p in self.pairs), 7)
         lines = [
@@ -93,7 +93,7 @@ class GaugeComparison(Tabular):
         return "\n".join(lines)
 
     def record(self) -> Record:
-        """Return both as channels ``name measured`` and ``name virtual``."""
+        """Return a record with channels ``name measured`` and ``name virtual``."""
         channels, units = {}, {}
         for p in self.pairs:
             for word, x in (("measured", p.measured), ("virtual", p.virtual)):
@@ -102,12 +102,12 @@ class GaugeComparison(Tabular):
         return Record(self.time, channels, units, name="comparison")
 
     def _csv(self) -> Rows:
-        """Return both over time, as of a `Record`."""
+        """Return the columns of a CSV file: both values of each pair over time."""
         return self.record()._csv()
 
 
 def likely_unit(pair: GaugePair) -> str:
-    """Return a sentence if the scale looks like another unit of strain, else nothing."""
+    """Return a sentence if the scale suggests another unit of strain; else an empty text."""
     if pair.unit != STRAIN or not abs(pair.correlation) > 0.9:
         return ""
     for factor, unit, remedy in (
@@ -137,12 +137,12 @@ def compare_gauges(
     max_shift: float | None = None,
     gauge_factor: float = 2.0,
 ) -> GaugeComparison:
-    """Return measured channels beside the sensors of a run at the same instants.
+    """Return measured channels and the gauges of a run at the same instants.
 
     Parameters
     ----------
     run : Solution
-        With gauges, rosettes or bridges among its sensors (any sensor will do).
+        Results with gauges, rosettes or bridges among the sensors (any sensor will do).
     measured : Record
     pairs : mapping of str to str, optional
         Channel to sensor (``"r.b"`` for a component); equal names if not given, whatever their
@@ -150,9 +150,9 @@ def compare_gauges(
     align : str or bool
         Channel by which to align in time; True takes the first pair, False leaves the clocks.
     level, max_shift : float, optional
-        As of `align`.
+        Options of `align`.
     gauge_factor : float
-        For channels in V/V beside a strain: quarter bridges.
+        Gauge factor for channels in V/V beside a strain: quarter bridges.
 
     Raises
     ------
@@ -216,8 +216,8 @@ def _pairs(measured: Record, virtual: Record, given: Mapping[str, str] | None) -
             Problem(
                 measured.name,
                 f"none of its channels ({', '.join(list(measured.channels)[:6])}) is called like a "
-                f"sensor of the run ({', '.join(list(virtual.channels)[:6])}); say which belong "
-                "together",
+                f"sensor of the run ({', '.join(list(virtual.channels)[:6])}); name the pairs, "
+                "{channel: sensor}",
             )
         )
     left = [a for a in measured.channels if a not in found]

@@ -1,4 +1,4 @@
-"""LabVIEW measurement files (.lvm): a header, for each segment another, then columns.
+"""LabVIEW measurement files (.lvm): a file header, a header for each segment, columns.
 
 National Instruments, *Specification for the LabVIEW Measurement File (.lvm)*.
 """
@@ -18,7 +18,7 @@ NO_UNIT = ("", "none", "unitless")
 
 
 def read_lvm(path: Path) -> Raw:
-    """Return the channels of the first segment, with the names and units of its header.
+    """Return the channels of the first segment with the names and units of its header.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def read_lvm(path: Path) -> Raw:
     count = int(said) if said.isdigit() else len(titles)
     stop = ends[2] if len(ends) > 2 else len(lines)
     width = count + {"no": 0, "one": 1}.get(x, count)
-    if x == "no":  # the column of X is there and blank
+    if x == "no":  # no column of X: the first field is blank
         columns = columns[1:]
     body = range(ends[1] + 2, stop)
     comma = head.get("Decimal_Separator", ["."])[0] == ","
@@ -94,7 +94,7 @@ def _instants(where: str, head: dict[str, list[str]], number: int) -> Array:
 def _numbers(
     where: str, rows: list[tuple[int, list[str]]], comma: bool, width: int
 ) -> tuple[Array, tuple[str, ...]]:
-    """Return the columns (nt, width), nan where one is empty; a comment may follow in a line."""
+    """Return the columns (nt, width); nan for empty fields. A trailing comment is ignored."""
     out, short = [], []
     for i, row in rows:
         words = [word.replace(",", ".") if comma else word for word in row[:width]]

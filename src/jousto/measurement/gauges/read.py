@@ -21,13 +21,13 @@ from jousto.measurement.gauges.units import STRAIN, parse_unit
 
 TIMES = ("time", "t", "zeit", "aika", "timestamp", "time stamp", "datetime", "date", "temps",
          "tiempo", "tid", "x")  # fmt: skip
-"""Heads of the column of time, in lower case."""
+"""Lower-case headings of a time column."""
 
 FREQUENCIES = ("frequency", "freq", "f", "frequenz", "taajuus", "frequence", "fréquence")
-"""Heads of the column of a spectrum, in lower case."""
+"""Lower-case headings of a frequency column."""
 
 FLAT = 5
-"""Samples in a row at the end of its range from which a channel is saturated."""
+"""Number of consecutive samples at the end of its range from which a channel is saturated."""
 
 
 @explained
@@ -39,7 +39,7 @@ def read_record(
     units: Mapping[str, str] | None = None,
     repair: bool = False,
 ) -> Record:
-    """Read measured channels from a file, in SI units.
+    """Return the measured channels of a file in SI units.
 
     Text files (.csv, .txt, .asc ...): any of the usual delimiters, decimal point or comma, heads
     with units such as ``g1 [um/m]`` or a line of units; a time of day or date counts in seconds
@@ -120,7 +120,7 @@ def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record
         if unit is None:
             problems.add(
                 where,
-                f"channel '{name}' has the unknown unit '{label}'; say units={{'{name}': ...}} "
+                f"channel '{name}' has the unknown unit '{label}'; give units={{'{name}': ...}} "
                 "with one such as um/m, mV/V, MPa, kN or 1",
             )
             continue
@@ -139,7 +139,7 @@ def _record(where: str, raw: Raw, given: dict[str, str], repair: bool) -> Record
 
 
 def _remarks(t: Array, channels: dict[str, Array]) -> list[str]:
-    """Return what is remarkable: gaps, missing values, constant and saturated channels."""
+    """Return notes on gaps, missing values, constant and saturated channels."""
     out = []
     steps = np.diff(t)
     usual = float(np.median(steps))
@@ -176,10 +176,10 @@ def _remarks(t: Array, channels: dict[str, Array]) -> list[str]:
 
 
 def saturated(x: Array, level: float) -> int:
-    """Return how many samples of a signal are cut off at an end of its range.
+    """Return the number of samples of a signal that are clipped at an end of its range.
 
-    Rows of `FLAT` samples or more at the very end of the range that the signal enters or leaves
-    with a step, not softly as where it comes to rest.
+    Counted are sequences of at least `FLAT` samples at the end of the range that the signal enters
+    or leaves with a step, unlike a signal that comes to rest.
     """
     if abs(level) < 0.5 * float(np.abs(x).max()):
         return 0
@@ -203,7 +203,7 @@ def saturated(x: Array, level: float) -> int:
 
 
 def _text(path: Path, time: str | None, rate: float | None, given: dict[str, str]) -> Raw:
-    """Return what columns say; the unit of that of time is taken out of those given."""
+    """Return the raw data of text columns; a unit of the time column is removed from `units`."""
     table = read_table(path)
     names = list(table.names)
     where = str(path)
@@ -314,7 +314,7 @@ def _universal(path: Path) -> Raw:
         columns[name] = y
         label = str(function.get("ordinate_axis_units_lab", "")).strip()
         known = label and label.upper() != "NONE"
-        # specific data type 3 is strain
+        # specific data type 3: strain
         strain = function.get("ordinate_spec_data_type") == 3
         labels[name] = label if known else "m/m" if strain else None
     unit = str(functions[0].get("abscissa_axis_units_lab", "")).strip()
@@ -322,7 +322,7 @@ def _universal(path: Path) -> Raw:
 
 
 def _cut_to_length(problems: Problems, where: str, i: int, function: dict[str, Any]) -> None:
-    """Leave the points of a function that it announces; note a problem where there are fewer."""
+    """Cut a function to its announced number of points; add a problem if it is shorter."""
     number = int(function.get("num_pts", len(function["data"])))
     held = min(len(function["data"]), len(function["x"]))
     if held < number:
@@ -336,7 +336,7 @@ def _cut_to_length(problems: Problems, where: str, i: int, function: dict[str, A
 
 
 def _hdf5(path: Path, time: str | None, rate: float | None, given: dict[str, str]) -> Raw:
-    """Return what data sets say; a unit of time is taken out of those given."""
+    """Return the raw data of HDF5 data sets; a unit of time is removed from `units`."""
     import h5py
 
     where = str(path)

@@ -1,4 +1,4 @@
-"""Measured records: channels over time, resampled, cut, cleaned and compared with runs."""
+"""Measured records: channels over time, with resampling, cutting and comparison with runs."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
 
 
 Raw = tuple[Array, dict[str, Array], dict[str, str | None], str | None, tuple[str, ...]]
-"""What a file says: instants, channels, their units, the unit of time, and remarks."""
+"""Content of a file: instants, channels, units, unit of time, notes."""
 
 GAP = 1.5
-"""A step of so many usual ones is a gap."""
+"""Number of usual steps from which a step is a gap."""
 
 
 @dataclass(frozen=True, eq=False)
 class Record(Tabular):
-    """Channels over time, measured or from a run, in SI units.
+    """Channels over time in SI units, measured or from a run.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Record(Tabular):
     name : str
         File or run that it comes from.
     notes : tuple of str
-        What was found while it was read: gaps, dropouts, saturated channels.
+        Notes of the reader: gaps, dropouts, saturated channels.
 
     Raises
     ------
@@ -140,27 +140,27 @@ class Record(Tabular):
 
     @property
     def step(self) -> float:
-        """The usual step, s: the median."""
+        """Median time step, s."""
         return float(np.median(np.diff(self.time))) if len(self.time) > 1 else float("nan")
 
     @property
     def rate(self) -> float:
-        """Samples per second, usually."""
+        """Samples per second: 1 / `step`."""
         return 1.0 / self.step
 
     @property
     def uniform(self) -> bool:
-        """Whether all steps are the same, within 1 % of a step."""
+        """Whether all steps are equal within 1 % of a step."""
         steps = np.diff(self.time)
         return bool(len(steps) == 0 or np.ptp(steps) <= 0.01 * self.step)
 
     def matrix(self, names: Sequence[str] | None = None) -> Array:
-        """Return channels side by side, (nt, nc)."""
+        """Return channels as columns of a matrix (nt, nc)."""
         chosen = list(self.channels) if names is None else list(names)
         return np.column_stack([self[name] for name in chosen])
 
     def strains(self, names: Sequence[str] | None = None) -> Array:
-        """Return channels of strain side by side, (nt, ng) m/m, missing values as nan.
+        """Return strain channels as columns (nt, ng), m/m; missing values are nan.
 
         Raises
         ------
@@ -185,12 +185,12 @@ class Record(Tabular):
         return self.matrix(chosen)
 
     def only(self, names: Iterable[str]) -> Record:
-        """Return the record with these channels alone, in this order."""
+        """Return the record with the named channels only, in their order."""
         chosen = {name: self[name] for name in names}
         return replace(self, channels=chosen, units={name: self.units[name] for name in chosen})
 
     def during(self, start: float | None = None, end: float | None = None) -> Record:
-        """Return the instants from start to end, s, both included."""
+        """Return the record from `start` to `end`, s, both included."""
         a = -np.inf if start is None else start
         b = np.inf if end is None else end
         keep = (self.time >= a) & (self.time <= b)
@@ -210,7 +210,7 @@ class Record(Tabular):
         return replace(self, time=self.time + shift)
 
     def renamed(self, names: Mapping[str, str]) -> Record:
-        """Return the record with other names of channels, old to new."""
+        """Return the record with new channel names, {old: new}."""
         for name in names:
             self[name]
         channels = {names.get(name, name): x for name, x in self.channels.items()}
@@ -218,9 +218,9 @@ class Record(Tabular):
         return replace(self, channels=channels, units=units)
 
     def zeroed(self, start: float, end: float) -> Record:
-        """Return the record with each channel's mean from start to end, s, taken off.
+        """Return the record minus each channel's mean between start and end, s.
 
-        Gauges measure changes only: balance them where the part is at rest.
+        Strain gauges measure changes only: balance them at rest.
         """
         rest = self.during(start, end)
         channels = {}
@@ -237,7 +237,7 @@ class Record(Tabular):
         gap: float = GAP,
         antialias: bool = True,
     ) -> Record:
-        """Return the record at other instants, by cubic splines through what is known.
+        """Return the record at other instants, by cubic splines through the valid samples.
 
         Parameters
         ----------
@@ -262,13 +262,13 @@ class Record(Tabular):
         return replace(self, time=wanted, channels=channels)
 
     def crossings(self, channel: str, level: float, direction: int = 1) -> Array:
-        """Return when a channel crosses a level, s, interpolated between samples.
+        """Return the times at which a channel crosses a level, s, by linear interpolation.
 
         Parameters
         ----------
         channel : str
         level : float
-            In SI units.
+            Level in SI units.
         direction : int
             1 rising, -1 falling, 0 both.
         """
@@ -280,7 +280,7 @@ class Record(Tabular):
         return np.asarray(self.time[i] + (self.time[i + 1] - self.time[i]) * a[i] / (a[i] - b[i]))
 
     def _csv(self) -> Rows:
-        """Return time and channels with their units, as ``g1 (m/m)``; missing values are empty."""
+        """Return columns of time and channels headed as ``g1 (m/m)``; missing values are empty."""
         heads = ["time (s)"]
         heads += [f"{k} ({self.units[k]})" if self.units[k] else k for k in self.channels]
         rows = np.column_stack([self.time, self.matrix()]).tolist()
@@ -288,7 +288,7 @@ class Record(Tabular):
 
 
 def too_large(name: str, values: Array) -> str:
-    """Return the sentence about values that cannot be strains in m/m, empty if they can."""
+    """Return a sentence if values are too large for strains in m/m; else an empty text."""
     good = values[np.isfinite(values)]
     if not len(good):
         return ""
@@ -298,7 +298,7 @@ def too_large(name: str, values: Array) -> str:
     unit = likely_strain_unit(largest)
     return (
         f"channel '{name}' reaches {largest:.4g}: too large for strain in m/m, it was likely given "
-        f"in {unit}; say units={{'{name}': '{unit}'}}"
+        f"in {unit}; give units={{'{name}': '{unit}'}}"
     )
 
 

@@ -1,4 +1,4 @@
-"""Records at other instants."""
+"""Resampling of records."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems, warn
 
 MOST = 50_000_000
-"""Samples that a record may get."""
+"""Maximum number of samples of a resampled record."""
 
 PASS = 0.4
-"""Corner of the filter, of the new rate."""
+"""Cutoff frequency of the anti-aliasing filter, relative to the new rate."""
 
 
 def resample(
@@ -76,7 +76,7 @@ def _channel(
         t, y = _filtered(label, t, y, old, corner)
     out = np.asarray(CubicSpline(t, y)(times))
     out[(times < t[0] - 1e-9 * old) | (times > t[-1] + 1e-9 * old)] = np.nan
-    # inside a gap nothing is known
+    # no values inside a gap
     where = np.clip(np.searchsorted(source, times), 1, known.sum() - 1)
     inside = np.diff(source)[where - 1] > gap * old
     on_a_sample = np.minimum(np.abs(source[where] - times), np.abs(times - source[where - 1]))
@@ -87,7 +87,7 @@ def _channel(
 def _filtered(
     label: tuple[str, str], t: Array, y: Array, step: float, corner: float
 ) -> tuple[Array, Array]:
-    """Return even samples without what is above a corner frequency, Hz."""
+    """Return uniform samples low-pass filtered at a cutoff frequency, Hz."""
     from scipy.interpolate import CubicSpline
     from scipy.signal import butter, sosfiltfilt
 

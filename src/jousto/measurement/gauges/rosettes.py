@@ -1,4 +1,4 @@
-"""What the grids of a rosette say of strain and stress at their place."""
+"""Strain and stress at a place from the grids of a rosette."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.mechanism.sensors.gauge import NU_CALIBRATION
 from jousto.mechanism.sensors.rosette import ANGLES, KINDS
 
 LARGE_STRESS = 1.5e9
-"""Pa; von Mises stress beyond which strains were likely given in another unit."""
+"""von Mises stress, Pa, above which the unit of the strains is probably wrong."""
 
 
 @described
@@ -38,8 +38,8 @@ class RosetteState:
     s1, s2 : array
         Principal stresses in the plane, Pa.
     angle : array
-        From grid a to the direction of e1 and s1, counterclockwise, rad, within +-pi/2. Without
-        meaning (nan) where e1 = e2.
+        Angle from grid a to the direction of e1 and s1, counterclockwise, rad, within +-pi/2.
+        Without meaning (nan) where e1 = e2.
     shear : array
         Largest shear stress in the plane, (s1 - s2)/2, Pa.
     von_mises : array
@@ -65,12 +65,12 @@ class RosetteState:
 
     @property
     def vague(self) -> bool:
-        """Whether the (first) angle has no meaning: e1 = e2, or noise turns it by 90 deg."""
+        """Whether the (first) angle is undefined: e1 = e2, or its deviation reaches 90 deg."""
         angle, sd = np.ravel(self.angle), np.ravel(self.sd.get("angle", 0.0))
         return bool(len(angle) and not (np.isfinite(angle[0]) and sd[0] < 0.5 * np.pi))
 
     def __str__(self) -> str:
-        """Return a table of the values; of the first one of a history."""
+        """Return a table of the values; of a history those at the first instant."""
 
         def text(name: str, factor: float, unit: str) -> str:
             value = factor * np.ravel(getattr(self, name))[0]
@@ -113,7 +113,7 @@ def rosette_state(
     E, nu : float
         Young's modulus, Pa, and Poisson's ratio.
     kind : {"45", "60", "90"}
-        As of a `Rosette`.
+        Kind of the rosette, as in `Rosette`.
     transverse : float
         Transverse sensitivity K of the grids, whose effect is taken out: they show
         ``(e + K e_across)/(1 - 0.285 K)``.
@@ -168,7 +168,7 @@ def rosette_state(
         problems.add(where, f"noise is {noise!r} m/m, must not be negative")
     problems.raise_if_any()
 
-    # grids from [exx eyy gxy], with what they see across
+    # grid strains from [exx eyy gxy], including the transverse sensitivity
     T = np.stack([np.cos(angles) ** 2, np.sin(angles) ** 2, np.sin(angles) * np.cos(angles)], 1)
     K = transverse
     T = ((1.0 - K) * T + K * np.array([1.0, 1.0, 0.0])) / (1.0 - NU_CALIBRATION * K)
@@ -216,7 +216,7 @@ def _derived(strain: Array, E: float, nu: float) -> dict[str, Array]:
 def _deviations(
     derived: Callable[[Array], dict[str, Array]], values: Array, spread: Array
 ) -> dict[str, Array]:
-    """Return standard deviations to the first order, by central differences."""
+    """Return standard deviations to first order, by central differences."""
     size = max(float(np.nanmax(np.abs(values), initial=0.0)), 1e-9)
     step = 1e-6 * size
     variance: dict[str, Array] = {}
@@ -226,7 +226,7 @@ def _deviations(
         up, down = derived(values + aside), derived(values - aside)
         for key in up:
             change = up[key] - down[key]
-            if key == "angle":  # the shorter way around
+            if key == "angle":  # difference of angles modulo 180 deg
                 change = (change + 0.5 * np.pi) % np.pi - 0.5 * np.pi
             slope = change / (2.0 * step)
             variance[key] = variance.get(key, np.zeros(slope.shape)) + (slope * s) ** 2

@@ -1,4 +1,4 @@
-"""Tables of text as loggers of all countries write them."""
+"""Text tables of loggers, with delimiters and decimal signs of all countries."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _STAMPS = (
     "%H:%M:%S.%f", "%H:%M:%S",
 )  # fmt: skip
 SAMPLE = 300
-"""Lines by which delimiter and decimal sign are found."""
+"""Number of lines from which delimiter and decimal sign are determined."""
 
 SHOWN = 3
-"""Lines that a message names."""
+"""Number of lines that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Table:
     lines : (nt,) int array
         Line of each row, from 1.
     notes : tuple of str
-        What was left out.
+        Notes on lines that were left out.
     """
 
     names: tuple[str, ...]
@@ -56,10 +56,10 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """Return the table of a text file: blanks, tabs, commas or semicolons, point or comma.
+    """Return the table of a text file: blanks, tabs, commas or semicolons; point or comma.
 
-    The longest block of lines of equally many numbers counts; names stand in the line above it,
-    units in the names or in a line of their own. Lines inside it that are no numbers are left out
+    The table is the longest block of lines with equally many numbers; names are in the line above
+    it, units in the names or in a line of their own. Lines of text inside the block are left out
     and noted.
 
     Raises
@@ -77,7 +77,7 @@ def read_table(path: Path) -> Table:
     for delimiter, decimal in ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."),
                                (",", ","), (None, ","), (None, ".")):  # fmt: skip
         rows, width, _ = _block(sample, delimiter, decimal)
-        # fewer columns are a sign of the wrong delimiter
+        # a wrong delimiter gives fewer columns
         score = len(rows) * width
         if width and (best is None or score > best[0]):
             best = (score, delimiter, decimal, width)
@@ -128,7 +128,7 @@ def _fields(line: str, delimiter: str | None) -> list[str]:
 def _block(
     lines: list[str], delimiter: str | None, decimal: str, width: int | None = None
 ) -> tuple[list[int], int, list[list[float]]]:
-    """Return the lines of numbers, of a width or the usual one, the width, and the numbers."""
+    """Return the lines of numbers, their indices, their usual width and the values."""
     found: dict[int, tuple[list[int], list[list[float]]]] = {}
     for i, line in enumerate(lines):
         fields = _fields(line, delimiter)
@@ -146,7 +146,7 @@ def _block(
 
 
 def _numbers(fields: list[str], decimal: str) -> list[float] | None:
-    """Return the numbers of a line, nan where one is missing; None if it is no line of numbers."""
+    """Return the numbers of a line, nan for missing ones; None for a line of text."""
     if decimal == ",":
         if any("." in field and ":" not in field for field in fields):
             return None
@@ -161,7 +161,7 @@ def _numbers(fields: list[str], decimal: str) -> list[float] | None:
                 return None
             value = float("nan") if stamp is None else stamp
         else:
-            # float() takes words and underscores, too
+            # float() also accepts words and underscores
             if field[-1:].isalpha() or "_" in field:
                 if field.lower() not in MISSING:
                     return None
@@ -172,7 +172,7 @@ def _numbers(fields: list[str], decimal: str) -> list[float] | None:
 
 
 def _stamp(field: str) -> float | None:
-    """Return the seconds of a date or time of day, None if it is neither."""
+    """Return the seconds of a date or a time of day; None for another text."""
     if ":" not in field:
         return None
     text = re.sub(r"(:\d\d),(\d)", r"\1.\2", field)
@@ -185,7 +185,7 @@ def _stamp(field: str) -> float | None:
             moment = datetime.strptime(text, form)
         except ValueError:
             continue
-        if moment.year == 1900:  # a time of day
+        if moment.year == 1900:  # a time of day without date
             return (moment - datetime(1900, 1, 1)).total_seconds()
         return moment.timestamp()
     return None
@@ -218,7 +218,7 @@ def _heads(
 def _check_heads(
     path: Path, lines: list[str], rows: list[int], delimiter: str | None, values: Array
 ) -> None:
-    """Refuse heads of other columns than the numbers have; comments above are none."""
+    """Raise InputError if the headings do not match the columns of numbers."""
     above = [i for i in range(rows[0]) if lines[i].strip()]
     if delimiter is None or not above or lines[above[-1]].lstrip()[0] in "#%!":
         return
@@ -242,9 +242,9 @@ def _check_heads(
 
 
 def _are_units(row: list[str], above: list[str]) -> bool:
-    """Return whether a line has units: all its fields are, or half of them and more than above.
+    """Return whether a line has units in all fields, or in half of them and more than above.
 
-    So a unit that nobody knows is told as one, and does not make names of the others.
+    So an unknown unit is reported as such and does not turn the others into names.
     """
 
     def known(fields: list[str]) -> list[bool]:
@@ -257,7 +257,7 @@ def _are_units(row: list[str], above: list[str]) -> bool:
 def _left_out(
     lines: list[str], rows: list[int], width: int, delimiter: str | None, decimal: str
 ) -> tuple[str, ...]:
-    """Return what is told of lines that are not read: all within the table, numbers elsewhere."""
+    """Return notes on lines that were not read."""
     kept = set(rows)
     bad = []
     for i, line in enumerate(lines):

@@ -1,4 +1,4 @@
-"""The order of measured instants: sorted and mended, or refused where the clock restarts."""
+"""Order of measured instants: sorted and repaired, or refused after a restart of the clock."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 
 BACK = 5.0
-"""Usual steps that time must jump backwards to be a restart of the clock."""
+"""Length of a backward jump, in usual steps, that indicates a restart of the clock."""
 
 AGAIN = 3
-"""Samples that must come a second time for it."""
+"""Number of repeated samples that indicates a restart of the clock."""
 
 DAY = 86400.0
-"""s"""
+"""Length of a day, s."""
 
 
 def ordered(
     problems: Problems, where: str, t: Array, channels: dict[str, Array], repair: bool
 ) -> tuple[Array, dict[str, Array], list[str]]:
-    """Return time and channels in order; note what is out of it, or mend it."""
+    """Return time and channels in order; add problems of their order, or repair it."""
     notes: list[str] = []
     unknown = ~np.isfinite(t)
     if unknown.any():
@@ -51,7 +51,7 @@ def ordered(
         problems.add(
             where,
             f"the clock restarts: {len(starts) + 1} blocks, new ones at sample {named}{more}; "
-            "they are records of their own, which cannot be sorted into one: split the file there, "
+            "they are separate records, which cannot be merged: split the file there, "
             "or give rate= if the samples follow each other without a pause",
         )
         return t, channels, notes
@@ -83,11 +83,10 @@ def ordered(
 
 
 def restarts(t: Array) -> list[int]:
-    """Return the samples at which the clock starts again, not those that came late.
+    """Return the samples at which the clock restarts; late samples do not count.
 
-    Time jumps backwards by more than `BACK` usual steps, and goes from there forwards again
-    through instants that were there before, or ends before them. Packets in the wrong order do
-    not: they fill gaps.
+    At a restart time jumps back by more than `BACK` usual steps and then repeats earlier instants,
+    or ends before them. Packets in the wrong order fill gaps instead.
     """
     steps = np.diff(t)
     if not np.any(steps > 0.0):
@@ -110,7 +109,7 @@ def restarts(t: Array) -> list[int]:
 
 
 def _midnights(t: Array) -> NDArray[np.intp]:
-    """Return the samples after which a time of day continues with the next day."""
+    """Return the samples before midnight, where a time of day returns to zero."""
     steps = np.diff(t)
     if not np.any(steps > 0.0) or t.min() < 0.0 or t.max() >= DAY + 1.0:
         return np.empty(0, dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Units that loggers write, and what they are in SI."""
+"""Units of loggers and their SI equivalents."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ UNITS: dict[str, tuple[str, float]] = {
 
 
 def parse_unit(label: str) -> tuple[str, float] | None:
-    """Return the SI unit of a label and the factor to it; None if it is unknown.
+    """Return the SI unit of a label and the factor to it; None for an unknown label.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def parse_unit(label: str) -> tuple[str, float] | None:
 
 
 def split_label(text: str) -> tuple[str, str | None]:
-    """Return name and unit of a column head such as ``g1 [um/m]``; None if it names no unit.
+    """Return name and unit of a column heading such as ``g1 [um/m]``; None without a unit.
 
     Examples
     --------
@@ -123,7 +123,8 @@ def split_label(text: str) -> tuple[str, str | None]:
 
 def _key(label: str) -> str:
     text = re.sub(r"[\s\[\](){}\"']", "", label).lower()
-    for sign in ("\u00b5", "\u03bc", "\ufffd"):  # micro sign, mu, what a wrong encoding leaves
+    # micro sign, mu, and the replacement character of a wrong encoding
+    for sign in ("\u00b5", "\u03bc", "\ufffd"):
         text = text.replace(sign, "u")
     for sign, plain in (("\u03b5", "e"), ("\u00b0", "deg"), ("\u00b2", "2"), ("^", ""),
                         ("\u2030", "permille"), ("\u00b7", "*"), ("*", "*")):  # fmt: skip

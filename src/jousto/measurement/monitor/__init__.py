@@ -1,4 +1,4 @@
-"""Monitoring: measured strains to stress, damage and remaining life while they come."""
+"""Monitoring: stress, damage and remaining life from measured strains in real time."""
 
 from jousto.base.lazy_exports import open_room
 

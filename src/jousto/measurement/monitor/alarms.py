@@ -1,4 +1,4 @@
-"""Limits, and the alarms they raise and end."""
+"""Alarm limits, and the alarms that begin and end at them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NEVER = -np.inf
 
 
 class AlarmLimits(Declared, by_value=True):
-    """What raises an alarm."""
+    """Limits on stress, damage, life and channels from which an alarm begins."""
 
     stress: OptionalPositive = field(
         "Magnitude of the stress at a hot spot", unit="Pa", default=None
@@ -50,16 +50,16 @@ class AlarmLimits(Declared, by_value=True):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a stress that was meant in MPa."""
+        """Add a problem for a stress limit that is probably in MPa."""
         if self.stress is not None and self.stress < 1e4:
             problems.add(
-                where, f"stress is {self.stress:g} Pa, which is next to nothing; was MPa meant?"
+                where, f"stress is {self.stress:g} Pa, which is far too small; was it meant in MPa?"
             )
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm that began or ended.
+    """Beginning or end of an alarm.
 
     Attributes
     ----------
@@ -70,9 +70,9 @@ class Alarm:
     place : str
         Hot spot, or empty.
     on : bool
-        Whether it began.
+        Whether the alarm begins (else it ends).
     value, limit : float
-        What was met, in SI.
+        Value and limit in SI.
     """
 
     time: float
@@ -85,12 +85,12 @@ class Alarm:
 
 @described
 class Alarms:
-    """Follows values against limits.
+    """Comparison of values with limits, sample by sample.
 
     Parameters
     ----------
     limits : AlarmLimits
-        What raises an alarm.
+        Alarm limits.
     places : sequence of str
         Hot spots.
     """
@@ -101,12 +101,13 @@ class Alarms:
         ns = len(self.places)
         self._on = {kind: np.zeros(ns, dtype=bool) for kind in ("stress", "damage", "life")}
         self._on["channels"] = np.zeros(1, dtype=bool)
-        self._above = np.full(ns, NEVER)  # last time that the stress was above the release
-        self._short = np.full(1, NEVER)  # last time that channels were missing
+        # time of the last sample with the stress above the release level
+        self._above = np.full(ns, NEVER)
+        self._short = np.full(1, NEVER)  # time of the last sample with missing channels
 
     @property
     def active(self) -> tuple[tuple[str, str], ...]:
-        """Kind and place of the alarms that are on."""
+        """Kind and place of the active alarms."""
         return tuple(
             (kind, "" if kind == "channels" else self.places[k])
             for kind, on in self._on.items()
@@ -114,13 +115,13 @@ class Alarms:
         )
 
     def save(self) -> Array:
-        """Return all that is remembered, for `load`."""
+        """Return the state as arrays, for `load`."""
         return np.concatenate(
             [*(on.astype(float) for on in self._on.values()), self._above, self._short]
         )
 
     def load(self, memory: Array) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
         at = 0
         for kind, on in self._on.items():
             self._on[kind] = memory[at : at + len(on)] > 0.5
@@ -134,7 +135,7 @@ class Alarms:
         if limit is None or not len(time):
             return []
         high = size >= limit
-        # places where nothing can begin or end are left out
+        # places that can neither start nor end an alarm
         if not (np.count_nonzero(high) or np.count_nonzero(self._on["stress"])):
             return []
         found: list[Alarm] = []
@@ -163,7 +164,7 @@ class Alarms:
         return sorted(found, key=lambda alarm: alarm.time)
 
     def channels(self, time: Array, states: NDArray[np.uint8]) -> list[Alarm]:
-        """Return the alarms of states (k, nc) of the channels."""
+        """Return the alarms of channel states (k, nc)."""
         limit = self.limits.channels
         if limit is None or not len(time):
             return []
@@ -187,7 +188,7 @@ class Alarms:
         return found
 
     def summary(self, time: float, damage: Array, life: Array) -> list[Alarm]:
-        """Return the alarms of damage (ns,) and the low end of the remaining life (ns,), s."""
+        """Return the alarms of damage (ns,) and of the lower end of remaining life (ns,), s."""
         found: list[Alarm] = []
         for kind, value, limit, high in (
             ("damage", damage, self.limits.damage, True),
@@ -197,7 +198,7 @@ class Alarms:
                 continue
             with np.errstate(invalid="ignore"):
                 now = value >= limit if high else value <= limit
-                # a life that was estimated short may grow again: ten per cent more ends the alarm
+                # hysteresis: an estimated life may rise again; 10 % above the limit ends the alarm
                 stay = now if high else value <= 1.1 * limit
             on = self._on[kind]
             new = np.where(on, stay | now, now)

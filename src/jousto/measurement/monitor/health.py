@@ -1,4 +1,4 @@
-"""The health of measured channels: which values can be believed, sample by sample."""
+"""Validity of measured channels, sample by sample."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from jousto.model.native.health import HealthCheck
 States = NDArray[np.uint8]
 
 STATES = tuple(kinds("jo_value"))
-"""What a channel can be; only values of channels that are "ok" are used."""
+"""States of a channel; only values of channels in state "ok" are used."""
 OK = STATES.index("ok")
 SAMPLES = "a number of samples, 0 or more"
 
 
 class Saturation(Positive):
-    """A strain that no gauge exceeds."""
+    """Type of fields: a strain above the range of gauges."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the strain."""
@@ -43,7 +43,7 @@ class Saturation(Positive):
 
 
 class ChannelRules(Declared, by_value=True):
-    """When a value is not believed."""
+    """Rules for valid values of a channel."""
 
     range: Saturation = field(
         "Magnitude at which a channel is saturated; at most 0.01", unit="m/m", default=LARGEST
@@ -72,16 +72,16 @@ class ChannelRules(Declared, by_value=True):
 
 @dataclass(frozen=True)
 class Change:
-    """A channel that changed its state.
+    """Change of a channel's state.
 
     Attributes
     ----------
     time : float
         s.
     channel : str
-        Its name.
+        Name of the channel.
     before, after : str
-        Of STATES.
+        States of `STATES` before and after the change.
     """
 
     time: float
@@ -92,14 +92,14 @@ class Change:
 
 @described
 class Health:
-    """Follows the states of channels through a stream.
+    """States of channels through a stream.
 
     Parameters
     ----------
     names : sequence of str
         Channels.
     rules : ChannelRules
-        When a value is not believed.
+        Rules for valid values.
     """
 
     def __init__(self, names: Sequence[str], rules: ChannelRules | None = None) -> None:
@@ -114,22 +114,22 @@ class Health:
 
     @property
     def native(self) -> Any:
-        """The rules as the engine has them, a jo_health."""
+        """The rules as the engine's structure jo_health."""
         return self._engine.rule
 
     def save(self) -> Array:
-        """Return all that is remembered, for `load`."""
+        """Return the state as arrays, for `load`."""
         return np.concatenate([self.state[None].astype(np.float64), self._memory])
 
     def load(self, memory: Array) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
         self.state = memory[0].astype(np.uint8)
         self._memory = np.array(memory[1:], dtype=np.float64, order="C")
 
     def check(
         self, time: Array, values: Array, cells: States | None = None
     ) -> tuple[States, list[Change]]:
-        """Return the state of every value, and what changed.
+        """Return the state of every value, and the changes of state.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class Health:
         values : (k, nc) array
             Strains, m/m; nan where there is none.
         cells : (k, nc) uint8 array, optional
-            What stood there (`stream`); from the values if not given.
+            Content of the cells (`stream`); from the values if not given.
         """
         states = self._engine(self._memory, self.state, values, cells)
         if not len(states):

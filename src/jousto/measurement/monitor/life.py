@@ -1,4 +1,4 @@
-"""Damage and remaining life of hot spots while they are watched, with their band."""
+"""Damage and remaining life of hot spots during monitoring, with confidence bands."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.model.native.damage_meter import DamageMeter
 
-PAUSE = 10.0  # usual steps of time from which on a gap is no watched time
+PAUSE = 10.0  # number of usual time steps from which a gap is not monitored time
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Life:
-    """Damage so far and remaining life at the same rate.
+    """Accumulated damage, and remaining life at the same rate.
 
     Attributes
     ----------
@@ -43,12 +43,12 @@ class Life:
 
 @described
 class LifeMeter:
-    """Counts the cycles of the stress at hot spots three times: as estimated, and for the band.
+    """Cycle counters of the stress at hot spots: estimate and both ends of the band.
 
-    The band of damage: every peak is further out, or in, by the half width of the band of the
-    stress, all at once, and the S-N curve is that of the probabilities of survival at the ends of
-    the band if its scatter is known. Errors that differ from peak to peak average out; the band is
-    wider than they make it.
+    For the band of damage every peak is moved outward, or inward, by the half width of the stress
+    band, and the S-N curve is that of the survival probabilities at the ends of the band if its
+    scatter is known. Errors that differ from peak to peak average out, so that the band is
+    conservative.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class LifeMeter:
         self.residue = residue
         curves = {"value": sn, "low": sn, "high": sn}
         if getattr(sn, "T_S", None) or getattr(sn, "T_N", None):
-            # damage is low where the curve is that of long lives
+            # lower damage uses the S-N curve of higher life
             curves["low"] = sn.at_survival(0.5 - 0.5 * level)
             curves["high"] = sn.at_survival(0.5 + 0.5 * level)
         self.meters = {
@@ -79,8 +79,8 @@ class LifeMeter:
         }
         self.watched = 0.0
         self._time, self._step = np.nan, np.nan
-        self._sum, self._number = np.zeros(ns), 0.0  # since the beginning
-        self._centre = np.zeros(ns)  # what peaks are counted from
+        self._sum, self._number = np.zeros(ns), 0.0  # sum and number of samples since the start
+        self._centre = np.zeros(ns)  # mean stress relative to which peaks are counted
 
     def push(
         self,
@@ -90,7 +90,7 @@ class LifeMeter:
         high: Array,
         seen: NDArray[np.bool_] | None = None,
     ) -> None:
-        """Count samples (k, ns), Pa; those that are not `seen` (k,) are nan and left out."""
+        """Count samples (k, ns), Pa; skip samples outside the mask `seen` (k,)."""
         half = 0.5 * (high - low)
         away = stress - self._centre
         self.meters["value"].push(stress)
@@ -109,7 +109,7 @@ class LifeMeter:
         step = time - self._time
         if math.isnan(self._step):
             self._step = step
-        # nan before the first sample is no step
+        # no step is counted before the first sample
         if step <= PAUSE * self._step:
             self.watched += step
         self._time = time
@@ -126,12 +126,12 @@ class LifeMeter:
         self._time, self._step = float(time[-1]), float(usual)
 
     def settle(self) -> None:
-        """Let peaks count from the mean so far; done at the ends of intervals."""
+        """Move the reference of the peaks to the present mean, at the end of an interval."""
         if self._number:
             self._centre = self._sum / self._number
 
     def life(self) -> Life:
-        """Return damage and remaining life now."""
+        """Return the present damage and remaining life."""
         D = {name: np.asarray(m.damage(self.residue)) for name, m in self.meters.items()}
         low, high = np.minimum(D["low"], D["value"]), np.maximum(D["high"], D["value"])
 
@@ -151,13 +151,13 @@ class LifeMeter:
         )
 
     def save(self) -> dict[str, Array]:
-        """Return all that is remembered as numbers, for `load`."""
+        """Return the state as arrays, for `load`."""
         own = np.array([self.watched, self._time, self._step, self._number])
         memory = {"own": own, "sum": self._sum.copy(), "centre": self._centre.copy()}
         return memory | {name: np.asarray(m.save()) for name, m in self.meters.items()}
 
     def load(self, memory: Mapping[str, Array]) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
         self.watched, self._time, self._step, self._number = (float(x) for x in memory["own"])
         self._sum, self._centre = np.array(memory["sum"]), np.array(memory["centre"])
         for name, meter in self.meters.items():

@@ -1,4 +1,4 @@
-"""The monitor: strains in, stress at hot spots, damage, remaining life and alarms out."""
+"""Monitor: stress at hot spots, damage, remaining life and alarms from strains."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from jousto.reduction.reduced import ReducedPart
 
 @dataclass(frozen=True, eq=False)
 class Summary:
-    """What is known at the end of an interval.
+    """Values at the end of an interval.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Summary:
 
 @dataclass(frozen=True, eq=False)
 class Update:
-    """What a block of samples told.
+    """Results of a block of samples.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Update:
     states : (k, nc) uint8 array
         States of the channels, numbers of `STATES`.
     stress, low, high : (k, ns) array
-        At the hot spots with the band, Pa; nan where too few channels were left.
+        Stress at the hot spots with its band, Pa; nan where too few channels were left.
     changes : tuple of Change
         Channels that changed their state.
     alarms : tuple of Alarm
-        That began or ended.
+        Alarms that began or ended.
     summaries : tuple of Summary
-        Of intervals that ended.
+        Summaries of intervals that ended.
     """
 
     time: Array
@@ -83,32 +83,32 @@ class Update:
 @explained
 @described
 class Monitor:
-    """Watches the stress of a part by its gauges.
+    """Monitoring of the stress of a part by its gauges.
 
-    Each sample goes through the health of its channels; those that are not "ok" are left out. The
-    twin (`Reconstruction` or `Observer`) makes modal coordinates of the others, from which the
-    stress at the hot spots follows with its band; a damage meter of fixed memory counts its cycles.
+    Each sample passes the check of its channels; channels that are not "ok" are left out. The twin
+    (`Reconstruction` or `Observer`) estimates modal coordinates from the others; these give the
+    stress at the hot spots with its band, whose cycles a damage meter of fixed memory counts.
 
     Parameters
     ----------
     twin : Reconstruction or Observer
-        From strains to modal coordinates; its channels are those of the samples, in their order.
+        Estimator of modal coordinates; its channels are those of the samples, in their order.
     modes : StressModes or ReducedPart
         Stress of the same modes.
     spots : sequence of str
         Stress sites to watch.
     criterion : str
-        Of the stress, such as "signed-von-mises"; see `stress_band`.
+        Stress criterion, such as "signed-von-mises"; see `stress_band`.
     sn : SN, optional
         S-N curve; without it there is no damage and no life.
     residue : str
-        What open cycles count: "half", "repeat" or "ignore".
+        Treatment of open cycles: "half", "repeat" or "ignore".
     mean : mean stress correction, optional
-        Such as ``Goodman(S_u)``.
+        Mean-stress correction such as ``Goodman(S_u)``.
     limits : AlarmLimits, optional
-        What raises an alarm.
+        Alarm limits.
     rules : ChannelRules, optional
-        When a channel is not believed.
+        Rules for valid values of channels.
     level : float
         Share of the bands.
     every : float
@@ -159,7 +159,8 @@ class Monitor:
         problems.raise_if_any()
         missing = [spot for spot in spots if spot not in known.labels]
         if missing:
-            stress_band(_nothing(known), known, criterion, sites=missing)  # says which and why
+            # raises InputError with the names of the missing data
+            stress_band(_nothing(known), known, criterion, sites=missing)
         place = {label: i for i, label in enumerate(known.labels)}
         at = [place[s] for s in spots]
         self.modes = StressModes(
@@ -187,8 +188,8 @@ class Monitor:
         self.meter = (
             LifeMeter(sn, len(spots), residue=residue, mean=mean, level=level) if sn else None
         )
-        self._time = np.nan  # of the last sample
-        self._interval = np.nan  # number of the present interval
+        self._time = np.nan  # time of the last sample, s
+        self._interval = np.nan  # index of the present interval
         self._origin = np.nan
         self._samples, self._blind = 0, 0
         self._peak = np.full(len(spots), np.nan)
@@ -196,7 +197,7 @@ class Monitor:
     # -- samples ----------------------------------------------------------------------------------
 
     def push(self, time: ArrayLike, strain: ArrayLike, cells: Any = None) -> Update:
-        """Take samples and return what follows from them.
+        """Process samples and return stress, alarms, changes of state and summaries.
 
         Parameters
         ----------
@@ -245,7 +246,7 @@ class Monitor:
         return Update(t, states, stress, low, high, tuple(changes), tuple(alarms), tuple(summaries))
 
     def _increases(self, t: Array) -> bool:
-        """Return whether time goes on; one sample is what comes most often."""
+        """Return whether times increase (fast path for one sample)."""
         first, last = float(t[0]), float(t[-1])
         if not (math.isfinite(first) and math.isfinite(last)) or first <= self._time:
             return False
@@ -263,7 +264,7 @@ class Monitor:
         problems.raise_if_any()
 
     def _stress(self, p: Posterior) -> tuple[Array, ...]:
-        """Return stress, low and high (k, ns) of the spots, nan where nothing is told."""
+        """Return stress, low and high (k, ns) of the hot spots; nan without an estimate."""
         moved = p.deviations(slice(None))
         told = np.isfinite(p.p)
         if len(p.covariances) == 1 and np.count_nonzero(told) == told.size:
@@ -279,14 +280,14 @@ class Monitor:
         return found
 
     def finish(self) -> tuple[tuple[Alarm, ...], tuple[Summary, ...]]:
-        """Return the alarms and the summary of the interval that is not over yet."""
+        """Return the alarms and the summary of the unfinished interval."""
         alarms: list[Alarm] = []
         summaries = tuple(self._end(alarms))
         return tuple(alarms), summaries
 
     @property
     def life(self) -> Life | None:
-        """Damage and remaining life now."""
+        """Present damage and remaining life."""
         return None if self.meter is None else self.meter.life()
 
     def _number(self, t: float) -> float:
@@ -318,7 +319,7 @@ class Monitor:
         self._time = float(t[-1])
 
     def _end(self, alarms: list[Alarm]) -> list[Summary]:
-        """Close the present interval, if it holds anything."""
+        """Finish the present interval, if it contains samples."""
         if not self._samples:
             return []
         life = None
@@ -334,7 +335,7 @@ class Monitor:
     # -- memory -----------------------------------------------------------------------------------
 
     def save(self) -> dict[str, Array]:
-        """Return all that is remembered as numbers, for `load`."""
+        """Return the state as arrays, for `load`."""
         own = [self._time, self._interval, self._origin, float(self._samples), float(self._blind)]
         memory = {
             "monitor": np.array(own),
@@ -347,7 +348,7 @@ class Monitor:
         return memory | {f"twin.{name}": x for name, x in self.estimator.save().items()}
 
     def load(self, memory: Mapping[str, Array]) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
         own = memory["monitor"]
         self._time, self._interval, self._origin = (float(x) for x in own[:3])
         self._samples, self._blind = int(own[3]), int(own[4])
@@ -364,6 +365,6 @@ def _part(memory: Mapping[str, Array], start: str) -> dict[str, Array]:
 
 
 def _nothing(modes: StressModes) -> Posterior:
-    """Return an estimate without instants, to have names checked."""
+    """Return an estimate without instants, for the check of names."""
     n = modes.modes.shape[2]
     return Posterior(np.zeros(0), np.zeros((0, n)), np.zeros((1, n, n)), np.zeros(0, dtype=np.intp))

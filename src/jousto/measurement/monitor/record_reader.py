@@ -1,4 +1,4 @@
-"""The record of a monitoring run as it is read."""
+"""Reading the record of a monitoring run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.base.hdf5 import Group, check_dataset
 from jousto.measurement.monitor.health import STATES
 from jousto.measurement.monitor.record_writer import ENDED, open_record
 
-# columns of each table: values of a row (None: any number, 0 a single one) and kind of numbers
+# columns of each table: values per row (None: any number, 0: a scalar) and data type
 TABLES: dict[str, dict[str, tuple[str | int | None, str]]] = {
     "samples": {
         "time": (0, "f"),
@@ -42,7 +42,7 @@ WITHOUT_CURVE = ("time", "samples", "blind", "garbage", "backwards", "peak")
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened in a monitoring run.
+    """Event of a monitoring run.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Event:
     kind : str
         "start", "channel", "alarm", "garbage", "backwards", "clock", "gap", "resumed" or "end".
     text : str
-        What.
+        Description.
     """
 
     time: float
@@ -61,7 +61,7 @@ class Event:
 
 @explained
 class MonitorRecord:
-    """The record of a monitoring run; also of one that still runs or was killed.
+    """Record of a monitoring run, also of a running or a killed one.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class MonitorRecord:
     complete : bool
         Whether the source was read to its end.
     ended : str
-        How it ended.
+        Reason of the end.
 
     Raises
     ------
@@ -128,12 +128,12 @@ class MonitorRecord:
 
     @property
     def states(self) -> NDArray[np.uint8]:
-        """States of the channels (nt, nc), numbers of `STATES`; 0 is ok."""
+        """States of the channels (nt, nc), indices of `STATES`; 0 is ok."""
         return self._read("samples", "states")
 
     @property
     def stress(self) -> Array:
-        """Stress at the hot spots (nt, ns), Pa; nan where too few channels were left."""
+        """Stress at the hot spots (nt, ns), Pa; nan with too few valid channels."""
         return self._read("samples", "stress")
 
     @property
@@ -147,7 +147,7 @@ class MonitorRecord:
         return self._read("samples", "high")
 
     def summary(self, name: str) -> Array:
-        """Return a column of the summaries, a row for each interval.
+        """Return a column of the interval summaries, one row per interval.
 
         Parameters
         ----------
@@ -160,13 +160,13 @@ class MonitorRecord:
 
     @property
     def counted(self) -> bool:
-        """Whether damage was counted."""
+        """Whether the record contains damage."""
         with open_record(self.path) as file:
             return "damage" in file["summary"]
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened, in its order."""
+        """Events in order of time."""
         rows = zip(*(self._read("events", n) for n in ("time", "kind", "text")), strict=True)
         return tuple(
             Event(float(t), KINDS[int(k)], bytes(x).rstrip(b"\0").decode(errors="replace"))
@@ -180,7 +180,7 @@ class MonitorRecord:
             return str(file["model"].asstr()[()])
 
     def to_csv(self, path: str | Path) -> None:
-        """Write time and stress with its band, a line for each sample; MPa."""
+        """Write time and stress with its band as CSV, one line per sample; MPa."""
         names = [f"{s}{end} [MPa]" for s in self.spots for end in ("", " low", " high")]
         table = np.stack([self.stress, self.low, self.high], axis=2) / 1e6
         rows = np.column_stack([self.time, table.reshape(len(table), -1)])
@@ -208,7 +208,7 @@ class MonitorRecord:
             blind = int(self.summary("blind").sum())
             if any(lost.values()) or blind:
                 lines.append(
-                    f"{lost['garbage']} lines without sense, {lost['backwards']} whose time goes "
+                    f"{lost['garbage']} invalid lines, {lost['backwards']} whose time goes "
                     f"backwards; {blind} samples with too few channels"
                 )
             peak = np.fmax.reduce(self.summary("peak"), axis=0)
@@ -244,7 +244,7 @@ class MonitorRecord:
 
 
 def duration(seconds: float) -> str:
-    """Return a time that a person reads.
+    """Return a duration in s as text such as "1.5 min".
 
     Examples
     --------
@@ -265,7 +265,7 @@ def duration(seconds: float) -> str:
 
 
 def _check(file: Group, rows: dict[str, int], channels: int, spots: int) -> None:
-    """Raise an error that names the first field of a record that is not as it should be."""
+    """Raise InputError with the first invalid field of a record."""
     for name in ("criterion", "level"):
         wanted = str if name == "criterion" else float
         if not isinstance(file.attrs.get(name), wanted):
@@ -276,7 +276,7 @@ def _check(file: Group, rows: dict[str, int], channels: int, spots: int) -> None
         found = file.group(table)
         for name, (width, kinds) in columns.items():
             if table == "summary" and name not in WITHOUT_CURVE and "watched" not in found:
-                continue  # no damage was counted
+                continue  # a record without damage
             number = sizes[width] if isinstance(width, str) else width
             check_dataset(found[name], (None, number) if width != 0 else (None,), kinds)
             if not 0 <= rows[table] <= len(found[name]):

@@ -1,12 +1,12 @@
-"""The record of a monitoring run: HDF5 that grows, is whole at every moment, and can be resumed.
+"""Writing the record of a monitoring run: HDF5, complete at every moment, resumable.
 
-The way of the results file: HDF5 lays the file out in memory, plain writes bring rows to their
-places, and counters that follow say how many rows there are. The length of a stream is not known,
-so the file has room for a number of rows (a sparse file: room takes no space) and is laid out anew
-with twice the room when that is used up, next to the old one, which it replaces in one step.
+As in the results file, HDF5 lays out the file in memory, plain writes put rows at their positions,
+and counters written afterwards contain the number of rows. The length of a stream is unknown: the
+file has room for a number of rows (a sparse file: unused room takes no disk space). When the room
+is full, a file with twice the room is written beside it and replaces it in one step.
 
-What is needed to go on stands in two slots that are written in turn, each with a checksum: a
-process that is killed while it writes one leaves the other.
+The state for a resumed run is written alternately into two slots, each with a checksum: a kill
+during one write leaves the other slot intact.
 """
 
 from __future__ import annotations
@@ -34,18 +34,18 @@ from jousto.simulation.results.writer import uninterrupted
 
 FORMAT = "jousto monitor"
 FORMAT_VERSION = 1
-ROOM = 1 << 12  # rows of a new table
-TEXT = 240  # bytes of a sentence
+ROOM = 1 << 12  # rows allocated for a new table
+TEXT = 240  # bytes of a text
 ENDED = "ended"
 SLOTS = ("a", "b")
-NEW = ".new"  # ending of a file that is laid out beside the record
+NEW = ".new"  # ending of the new file beside the record during a change of layout
 AGAIN = "restore a copy of the file, or watch again with another -o"
 HEAD = np.dtype([("sequence", "<i8"), ("length", "<i8"), ("checksum", "<u4"), ("unused", "<u4")])
 
 
 @dataclass(frozen=True)
 class Column:
-    """A dataset that gets a row with each row of its table.
+    """Dataset with one row per row of its table.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Columns that grow together; `room` is how many rows they have place for."""
+    """Columns of equal length; `room` is the number of allocated rows."""
 
     name: str
     columns: tuple[Column, ...]
@@ -76,12 +76,12 @@ class Table:
 
 @dataclass(frozen=True)
 class Layout:
-    """All that stands in the file but its rows.
+    """Content of the file without its rows.
 
     Attributes
     ----------
     tables : tuple of Table
-        What grows.
+        Tables of the file.
     fixed : mapping of str to array or str
         Datasets that do not change.
     attrs : mapping
@@ -97,14 +97,14 @@ class Layout:
 
 
 class Record:
-    """Writes the tables of a monitoring run.
+    """Writer of the tables of a monitoring run.
 
     Parameters
     ----------
     path : Path
         File; `create` overwrites it, `resume` continues it.
     layout : Layout
-        What it holds.
+        Content of the file without its rows.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
@@ -132,7 +132,7 @@ class Record:
             with uninterrupted():
                 record._places, record._file = _lay_out(new, layout)
                 record._put(ENDED, _sentence("running or killed"))
-                # whole at every moment, also the first
+                # the file is complete from the beginning
                 os.replace(new, path)
         except OSError as error:
             raise unwritable(path, error) from error
@@ -140,10 +140,10 @@ class Record:
 
     @classmethod
     def resume(cls, path: Path, layout: Layout) -> tuple[Record, dict[str, Array]]:
-        """Return a record that continues, and the memory of its last checkpoint.
+        """Return a record that continues an existing file, and the state of its last checkpoint.
 
-        Rows after the checkpoint are written anew. The memory is empty if the record was given up
-        before its first checkpoint.
+        Rows after the checkpoint are written again. The state is empty if the run ended before its
+        first checkpoint.
 
         Raises
         ------
@@ -156,7 +156,7 @@ class Record:
                 raise InputError(Problem(str(path), f"{problem}; give another -o, or no --resume"))
             slots = [_slot(file, name) for name in SLOTS]
             good = [slot for slot in slots if slot is not None]
-            # none where it was killed before its first block
+            # no checkpoint: killed before the first block
             sequence, memory = max(good, key=lambda slot: slot[0], default=(0, b""))
             tables = tuple(
                 replace(table, room=len(file[f"{table.name}/{table.columns[0].name}"]))
@@ -199,7 +199,7 @@ class Record:
         self._count(table)
 
     def checkpoint(self, memory: Mapping[str, Array]) -> None:
-        """Keep what is needed to go on from the rows there are."""
+        """Store the state from which the run can continue after the present rows."""
         data = _pack({**memory, "rows": np.array(list(self.rows.values()), dtype=np.float64)})
         if len(data) > self.layout.memory:
             self._memory = data
@@ -210,7 +210,7 @@ class Record:
         self._put(f"checkpoint/{SLOTS[self._sequence % 2]}", _packed_slot(self._sequence, data))
 
     def close(self, ended: str, *, complete: bool) -> None:
-        """Say how it ended, cut the file to its length, and close it."""
+        """Write the reason of the end, cut the tables to their length, and close the file."""
         if self._file is None:
             return
         with uninterrupted():
@@ -220,7 +220,7 @@ class Record:
             try:
                 self._lay_out_again(replace(self.layout, tables=tables))
             except OSError:
-                pass  # no room for a second file: the long one is as good
+                pass  # the disk is full: keep the file with its unused rows
             self._put("complete", np.array(int(complete), "<i8").tobytes())
             self._put(ENDED, _sentence(ended))
             self._file.close()
@@ -233,7 +233,7 @@ class Record:
 
     @contextmanager
     def _named(self) -> Iterator[None]:
-        """Give errors of the disk the name of the record."""
+        """Convert disk errors to errors that name the record."""
         try:
             yield
         except OSError as error:
@@ -251,7 +251,7 @@ class Record:
             self._lay_out_again(replace(self.layout, tables=tables))
 
     def _lay_out_again(self, layout: Layout) -> None:
-        """Put a file of another layout with the same rows in the place of this one."""
+        """Replace the file by one with a different layout and the same rows."""
         assert self._file is not None
         new = self.path.with_name(self.path.name + NEW)
         with uninterrupted():
@@ -272,7 +272,7 @@ class Record:
                         _write(target, places[f"{table.name}/rows"], count)
                 _write(target, places[ENDED], _sentence("running or killed"))
                 if self._memory and self._sequence:
-                    # the slot in force, as it was written
+                    # active checkpoint slot, copied unchanged
                     with open_record(self.path) as file:
                         slots = [s for s in (_slot(file, n) for n in SLOTS) if s is not None]
                     if slots:
@@ -290,7 +290,7 @@ class Record:
 
 @contextmanager
 def open_record(path: Path) -> Iterator[Group]:
-    """Open a record for reading, also one that is written now or whose writer was killed.
+    """Return the HDF5 file of a record, also of a running or a killed run.
 
     Raises
     ------
@@ -327,7 +327,7 @@ def _lay_out(path: Path, layout: Layout) -> tuple[dict[str, int], BinaryIO]:
         target.close()
         path.unlink(missing_ok=True)
         raise
-    # rows are read back when the file grows
+    # rows can be read while the file grows
     target.close()
     return places, open(path, "r+b", buffering=0)
 
@@ -363,7 +363,7 @@ def _places(file: h5py.File | Group, layout: Layout) -> dict[str, int]:
 
 
 def _differs(file: Group, layout: Layout) -> str:
-    """Return in what a file is not of this layout, empty if it is."""
+    """Return the difference of a file from this layout; empty if there is none."""
     for name, value in layout.fixed.items():
         if name not in file:
             return f"has no {name}"
@@ -373,7 +373,7 @@ def _differs(file: Group, layout: Layout) -> str:
             if old != value:
                 return f"its {name} are {', '.join(old)}, not {', '.join(value)}"
         elif isinstance(value, str):
-            continue  # texts may change
+            continue  # texts may differ
         elif not np.array_equal(found, np.asarray(value)):
             return f"was made with another {name}"
     return ""

@@ -1,4 +1,4 @@
-"""The monitoring block of a model, and the monitor that follows from it."""
+"""Block ``monitor`` of a model file, and the monitor that it describes."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from jousto.recovery.shape import find_body
 from jousto.simulation.results.solution import Solution
 
 WIDER = 2.0
-"""How much larger than in the reference run the modal coordinates may be."""
+"""Factor on the modal coordinates of the reference run in the prior covariance."""
 
 LOOSE = 0.02
-"""Share of their variance that is not bound to other modes as in the reference run."""
+"""Share of the prior covariance in which modes are uncorrelated."""
 
 
 class Gauges(Reference[Iterable[Gauge], "tuple[Gauge, ...]"]):
-    """Gauges; a model file gives their names."""
+    """Type of fields: gauges; a model file contains their names."""
 
     form = "references"
     section = "gauges"
@@ -39,12 +39,12 @@ class Gauges(Reference[Iterable[Gauge], "tuple[Gauge, ...]"]):
     noun = "sequence of Gauge"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the gauges as a tuple."""
         return problems.several(where, self.name, value, Gauge)
 
 
 class MonitorSettings(GaugeErrors):
-    """The monitoring of a part by its gauges: stress, damage, remaining life and alarms.
+    """Settings to monitor a part by its gauges: stress, damage, remaining life and alarms.
 
     Raises
     ------
@@ -96,7 +96,7 @@ class MonitorSettings(GaugeErrors):
     together = ("gauges", "reference")
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note gauges of several bodies, and hot spots without a reference run."""
+        """Add problems: gauges of several bodies, hot spots without a reference run."""
         gauges = self.gauges
         if not gauges:
             problems.add(where, "no gauges; add sensors of type gauge to the model")
@@ -120,11 +120,11 @@ class MonitorSettings(GaugeErrors):
 
     @property
     def body(self) -> str:
-        """Name of the body."""
+        """Name of the monitored body."""
         return str(self.gauges[0].body.name)
 
     def monitor(self, run: Solution | None = None) -> Monitor:
-        """Return the monitor.
+        """Return the monitor of these settings.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class MonitorSettings(GaugeErrors):
         if isinstance(spots, int):
             if run is None:
                 raise InputError(Problem("monitor", "hot spots are found in a reference run"))
-            spots = found_spots(run, self, spots)
+            spots = hot_spots_of_run(run, self, spots)
         return Monitor(
             twin,
             reduced,
@@ -170,22 +170,22 @@ class MonitorSettings(GaugeErrors):
 
 
 def prior_of(run: Solution, body: str) -> Array:
-    """Return the covariance that modal coordinates have, about zero, from a run of the model.
+    """Return the prior covariance of modal coordinates, about zero, from a run of the model.
 
-    ``G = 4 (0.98 C + 0.02 diag C)`` with ``C = mean(p p^T)``: motions twice as large as in the run
-    are usual, and the modes need not go together quite as they did there.
+    ``G = 4 (0.98 C + 0.02 diag C)`` with ``C = mean(p p^T)``: room for motions twice as large as in
+    the run, and for a slightly different correlation of the modes.
     """
     shape = find_body(run, body)
     start = shape.q_offset + 7
     p = run.q[:, start : start + shape.n]
     C = p.T @ p / len(p)
-    # modes that the run does not move at all may still move a little
+    # modes without motion in the run get a small variance
     floor = 1e-6 * np.max(np.diag(C), initial=1e-300)
     return np.asarray(WIDER**2 * (C + LOOSE * (np.diag(np.diag(C)) - C) + floor * np.eye(len(C))))
 
 
-def found_spots(run: Solution, settings: MonitorSettings, count: int) -> tuple[str, ...]:
-    """Return the hot spots of a run, the worst first."""
+def hot_spots_of_run(run: Solution, settings: MonitorSettings, count: int) -> tuple[str, ...]:
+    """Return the hot spots of a run, largest stress first."""
     from jousto.recovery.fields.build import stress_field
     from jousto.recovery.hotspots.hot_spots import hot_spots
 

@@ -1,8 +1,8 @@
-"""Measured channels as they come: lines of numbers from a file or a pipe, whatever they hold.
+"""Stream of measured channels: lines of numbers from a file or a pipe.
 
-One line is one instant: time, then a value for each channel. Nothing that a line may hold stops
-the reader: what makes no sense is counted and told, and the next line is read. Memory does not
-grow with the length of the stream, nor with that of a line.
+One line is one instant: time, then a value for each channel. No content of a line stops the reader:
+invalid lines are counted and reported, and the next line is read. Memory is bounded for streams and
+lines of any length.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from jousto.base.errors import InputError, Problem, count
 from jousto.base.files import ENDLESS, ENDLESS_LINE
 from jousto.measurement.gauges.units import UNITS as UNITS_OF_LOGGERS
 
-PIECE = 1 << 16  # bytes that are asked for at once
-LINES = 512  # of a block; those of a file are always as many, so that a run repeats to the bit
-LONGEST = 1 << 16  # bytes of a line; more is garbage
-HEADER_WITHIN = 1000  # lines in which the header must come
-CONFIRM = 5  # lines that must agree before a jump of time is believed
-LEAP = 1000.0  # steps of time from which on a jump must be confirmed ..
-LEAST_LEAP = 10.0  # .. but at least so many seconds
+PIECE = 1 << 16  # bytes per read call
+LINES = 512  # lines per block; constant for files, so that repeated runs are identical to the bit
+LONGEST = 1 << 16  # longest valid line, bytes
+HEADER_WITHIN = 1000  # lines within which the header must occur
+CONFIRM = 5  # consecutive lines that confirm a jump of time
+LEAP = 1000.0  # length of a jump that needs confirmation, in time steps ..
+LEAST_LEAP = 10.0  # .. and in seconds
 
 PRESENT, EMPTY, NOT_A_NUMBER, INFINITE = range(4)
-"""What stood in a cell."""
+"""Content of a cell."""
 
 STRAINS = ("1", "m/m", "mm/m", "um/m", "ue", "ustrain", "microstrain", "%")
 UNITS = {"": 1.0, **{unit: UNITS_OF_LOGGERS[unit][1] for unit in STRAINS}}
@@ -40,7 +40,7 @@ SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "
 
 @dataclass(frozen=True)
 class Header:
-    """What the columns are.
+    """Meaning of the columns.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Header:
     time_factor : float
         Seconds per unit of time.
     separator : str
-        Between cells.
+        Separator between cells.
     comma : bool
         Whether numbers have a decimal comma.
     """
@@ -65,14 +65,14 @@ class Header:
 
 @dataclass(frozen=True)
 class Oddity:
-    """Something in the stream that is not as it should be.
+    """Invalid content of the stream, with its place.
 
     Attributes
     ----------
     kind : str
         "garbage", "backwards", "clock", "gap".
     line : int
-        From 1.
+        Line number from 1.
     time : float
         Last time before it, s; nan if none.
     message : str
@@ -86,18 +86,18 @@ class Oddity:
 
 @dataclass(frozen=True)
 class Block:
-    """Some instants.
+    """Consecutive instants of the stream.
 
     Attributes
     ----------
     time : (k,) array
         s, increasing.
     values : (k, nc) array
-        As written; nan where there was no number.
+        Values in the unit of the source; nan where there was no number.
     cells : (k, nc) uint8 array
         PRESENT, EMPTY, NOT_A_NUMBER or INFINITE.
     oddities : tuple of Oddity
-        What was met on the way.
+        Invalid lines in this block.
     """
 
     time: Array
@@ -111,7 +111,7 @@ class Block:
 
 @dataclass
 class Place:
-    """How far a stream was read; with it reading continues exactly.
+    """Position in a stream from which reading continues exactly.
 
     Attributes
     ----------
@@ -136,12 +136,12 @@ class Place:
     gaps: int = 0
 
     def numbers(self) -> Array:
-        """Return all of it as numbers."""
+        """Return the position as an array of numbers."""
         return np.array([float(getattr(self, name)) for name in PLACE])
 
     @classmethod
     def from_numbers(cls, values: Array) -> Place:
-        """Return the place of `numbers`."""
+        """Return the position from the array of `numbers`."""
         place = cls()
         for name, x in zip(PLACE, values, strict=True):
             setattr(place, name, type(getattr(place, name))(x))
@@ -153,29 +153,29 @@ PLACE = ("offset", "line", "time", "step", "shift", "garbage", "backwards", "clo
 
 @dataclass(frozen=True)
 class _Row:
-    """A line with sense, held back until its time is believed."""
+    """Valid line whose time is not confirmed yet."""
 
     time: float
     values: list[float]
     cells: list[int]
     line: int
-    start: int  # bytes before it
+    start: int  # byte offset of the line
 
 
 @dataclass
 class Stream:
-    """Reads blocks of instants from an open binary file.
+    """Reader of blocks of instants from an open binary file.
 
     Parameters
     ----------
     source : binary file
         A file, or a pipe.
     name : str
-        For messages.
+        Name in messages.
     place : Place, optional
-        Where reading continues; the source must stand at ``place.offset``.
+        Position where reading continues; the source must stand at ``place.offset``.
     header : Header, optional
-        Of the beginning, when reading continues; read from the source if not given.
+        Header of the beginning, when reading continues; read from the source if not given.
 
     Raises
     ------
@@ -189,34 +189,35 @@ class Stream:
     header: Header | None = None
     _rest: bytearray = field(default_factory=bytearray, repr=False)
     _too_long: bool = False
-    _thrown: int = 0  # bytes of a line that is too long
+    _thrown: int = 0  # bytes of a line that exceeds the longest valid length
     _held: deque[_Row] = field(default_factory=deque, repr=False)
     _ended: bool = False
-    _read: int = 0  # bytes before the next line
+    _read: int = 0  # byte offset of the next line
 
     def __post_init__(self) -> None:
         self._read = self.place.offset
         self._line = self.place.line
         self._oddities: list[Oddity] = []
         self._queue: deque[tuple[int, bytes]] = deque()
-        self._origin: float | None = None  # of a pipe that may begin anew
+        self._origin: float | None = None  # first time of a pipe, to detect a restart
         self._skip = False
-        self._known = 0  # lines without sense of such a pipe that were told before
-        self._unsure: list[Oddity] = []  # met before it is clear whether it begins anew
+        self._known = 0  # number of invalid lines of a pipe that were reported before its restart
+        # invalid lines found before it is clear whether the pipe restarted
+        self._unsure: list[Oddity] = []
         self._whole = bool(self.source.seekable())
-        self._headed = False  # whether the next line with text may hold the units
+        self._headed = False  # whether the next line of text may contain the units
         if self.header is None:
             self.header = self._find_header()
 
-    def go_on(self, place: Place, origin: float | None = None) -> None:
-        """Go on at a place; the header was read.
+    def continue_at(self, place: Place, origin: float | None = None) -> None:
+        """Continue at a position after the header.
 
         Parameters
         ----------
         place : Place
-            Where reading ended before.
+            Position where reading ended before.
         origin : float, optional
-            Of a pipe: the first time that was read before. If the pipe begins there again, all
+            First time of a pipe that was read before. If the pipe begins there again, all
             that was read is skipped.
         """
         if origin is None:
@@ -238,7 +239,7 @@ class Stream:
         return self.header.names
 
     def blocks(self) -> Iterator[Block]:
-        """Yield blocks of instants until the source ends; what has come so far is not kept back."""
+        """Yield blocks of instants until the source ends, without delay for incomplete blocks."""
         queue = self._queue
         while True:
             while len(queue) < LINES and not self._ended:
@@ -255,8 +256,8 @@ class Stream:
     # -- bytes to lines ---------------------------------------------------------------------------
 
     def _lines(self) -> list[tuple[int, bytes]]:
-        """Return the whole lines (bytes before it, text) of the next piece; at the end the last."""
-        # what follows the header is there already
+        """Return the complete lines (byte offset, text) of the next piece."""
+        # bytes that were read together with the header
         waiting = b"\n" in self._rest
         read = getattr(self.source, "read1", self.source.read)
         piece = b"" if waiting else read(PIECE)
@@ -270,7 +271,7 @@ class Stream:
         at = 0
         while (end := self._rest.find(b"\n", at)) >= 0:
             text = bytes(self._rest[at:end])
-            if self._too_long:  # its end; the beginning was thrown away
+            if self._too_long:  # end of a line that was too long
                 text, self._too_long = b"\0", False
             lines.append((self._took(end + 1 - at), text))
             at = end + 1
@@ -308,11 +309,11 @@ class Stream:
                         raise InputError(
                             Problem(
                                 f"{self.name}:{self._line}",
-                                f"numbers before a header: {_shown(text)}; the first line must "
+                                f"numbers before a header: {_shorten(text)}; the first line must "
                                 "name the columns, such as time [s],g1 [um/m],g2 [um/m]",
                             )
                         )
-                    self._odd("garbage", f"no header yet: {_shown(text)}")
+                    self._report("garbage", f"no header yet: {_shorten(text)}")
                     self.place.garbage += 1
                     continue
                 if found is None:
@@ -320,10 +321,10 @@ class Stream:
                 rest = lines[k + 1 :]
                 if self._whole:
                     self._read_on(rest)
-                # of a pipe it may not have come yet
-                self._headed = not any(map(_told, rest))
+                # the header of a pipe may not have arrived yet
+                self._headed = not any(map(_has_content, rest))
                 found, used = _with_unit_row(found, rest)
-                # what follows the header is read again as lines of numbers
+                # parse the lines after the header again as numbers
                 back = b"".join(raw + b"\n" for _, raw in rest[used:])
                 self._line += used
                 self._read -= len(back)
@@ -344,8 +345,8 @@ class Stream:
         )
 
     def _read_on(self, lines: list[tuple[int, bytes]]) -> None:
-        """Add lines until one of them holds something."""
-        while not self._ended and not any(map(_told, lines)):
+        """Read lines until one of them is neither empty nor a comment."""
+        while not self._ended and not any(map(_has_content, lines)):
             lines += self._lines()
 
     # -- lines to numbers -------------------------------------------------------------------------
@@ -358,7 +359,7 @@ class Stream:
             text = _text(raw)
             if not text and b"\0" not in raw:
                 continue
-            if self._headed and _told((start, raw)):
+            if self._headed and _has_content((start, raw)):
                 self._headed = False
                 self.header, used = _with_unit_row(self.header, [(start, raw)])
                 if used:
@@ -366,7 +367,7 @@ class Stream:
             row = self._row(text, start) if text else None
             if row is None:
                 if not text.startswith("#"):
-                    self._garbage(text)
+                    self._report_invalid(text)
                 continue
             self._order(row, rows)
         if self._ended and not self._queue:
@@ -386,16 +387,16 @@ class Stream:
             oddities,
         )
 
-    def _garbage(self, text: str) -> None:
-        """Count and tell a line without sense, unless it was told before the pipe began anew."""
-        message = f"no line of {len(self.channels) + 1} numbers: {_shown(text)}"
+    def _report_invalid(self, text: str) -> None:
+        """Count and report an invalid line, unless it was reported before the pipe's restart."""
+        message = f"no line of {len(self.channels) + 1} numbers: {_shorten(text)}"
         if self._origin is not None and len(self._unsure) < self._known:
             self._unsure.append(Oddity("garbage", self._line, self.place.time, message))
         elif self._skip and self._known:
             self._known -= 1
         else:
             self.place.garbage += 1
-            self._odd("garbage", message)
+            self._report("garbage", message)
 
     def _row(self, text: str, start: int) -> _Row | None:
         header = self.header
@@ -423,7 +424,7 @@ class Stream:
         return _Row(time * header.time_factor, values, kinds, self._line, start)
 
     def _order(self, row: _Row, rows: list[_Row]) -> None:
-        """Take a row whose time follows; hold others back until more of them agree."""
+        """Accept a row whose time follows; hold other rows until enough of them agree."""
         place = self.place
         time = row.time + place.shift
         if self._origin is not None:
@@ -452,20 +453,20 @@ class Stream:
         self._held.append(row)
         if len(self._held) < CONFIRM:
             return
-        # so many lines agree: the clock was set back, or nothing was written for long
+        # confirmed jump: the clock was set back, or the logger paused
         agreed = list(self._held)
         self._held.clear()
         before = place.time
         if agreed[0].time + place.shift > before:
             place.gaps += 1
             pause = agreed[0].time + place.shift - before
-            self._odd("gap", f"nothing for {pause:.6g} s", agreed[0].line)
+            self._report("gap", f"nothing for {pause:.6g} s", agreed[0].line)
         else:
             step = place.step if math.isfinite(place.step) else agreed[1].time - agreed[0].time
             back = before - agreed[0].time - place.shift
             place.shift = before + step - agreed[0].time
             place.clock += 1
-            self._odd(
+            self._report(
                 "clock", f"the clock was set back by {back:.6g} s; time continues", agreed[0].line
             )
         for one in agreed:
@@ -489,19 +490,19 @@ class Stream:
         time = row.time + self.place.shift
         if time > self.place.time:
             self.place.garbage += 1
-            self._odd("garbage", f"time {time:.9g} s is far ahead of its neighbours", row.line)
+            self._report("garbage", f"time {time:.9g} s is far ahead of its neighbours", row.line)
             return
         self.place.backwards += 1
         what = "stands still" if time == self.place.time else "goes backwards"
-        self._odd("backwards", f"time {what}: {time:.9g} s", row.line)
+        self._report("backwards", f"time {what}: {time:.9g} s", row.line)
 
-    def _odd(self, kind: str, message: str, line: int | None = None) -> None:
+    def _report(self, kind: str, message: str, line: int | None = None) -> None:
         at = self._line if line is None else line
         self._oddities.append(Oddity(kind, at, self.place.time, message))
 
 
 def read_header(text: str) -> Header | None:
-    """Return what a header line names, None if it is none: the first column must be the time.
+    """Return the content of a header line; None unless its first column is the time.
 
     Examples
     --------
@@ -532,13 +533,13 @@ def read_header(text: str) -> Header | None:
 
 
 def factor(unit: str) -> float | None:
-    """Return m/m per unit of strain, None if the unit is not known."""
+    """Return the factor from a unit of strain to m/m; None for an unknown unit."""
     return UNITS.get(unit.replace("µ", "u").replace("μ", "u").replace("ε", "e").strip())
 
 
 def _with_unit_row(header: Header, lines: list[tuple[int, bytes]]) -> tuple[Header, int]:
-    """Return the header with the units of a second row of units, and how many lines that took."""
-    at = next((k for k, line in enumerate(lines) if _told(line)), None)
+    """Return the header with the units of a second heading row, and the number of lines used."""
+    at = next((k for k, line in enumerate(lines) if _has_content(line)), None)
     if at is None:
         return header, 0
     cells = [cell.strip().strip("[]() ") for cell in _text(lines[at][1]).split(header.separator)]
@@ -558,7 +559,7 @@ def _with_unit_row(header: Header, lines: list[tuple[int, bytes]]) -> tuple[Head
     )
 
 
-def _told(line: tuple[int, bytes]) -> bool:
+def _has_content(line: tuple[int, bytes]) -> bool:
     """Return whether a line is neither empty nor a comment."""
     text = _text(line[1])
     return bool(text) and text[0] not in "#%"
@@ -579,7 +580,7 @@ def _text(raw: bytes) -> str:
 
 def _number(text: str) -> float | None:
     text = text.strip()
-    if "_" in text:  # Python reads 1_000, nobody else does
+    if "_" in text:  # Python accepts 1_000, other programs do not
         return None
     try:
         return float(text)
@@ -592,6 +593,6 @@ def _numbers(text: str) -> bool:
     return len(cells) > 1 and all(_number(cell) is not None for cell in cells)
 
 
-def _shown(text: str, most: int = 40) -> str:
+def _shorten(text: str, most: int = 40) -> str:
     shown = "".join(c if c.isprintable() else "?" for c in text[:most])
     return repr(shown + ("..." if len(text) > most else ""))

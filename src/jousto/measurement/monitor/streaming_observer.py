@@ -1,4 +1,4 @@
-"""An `Observer` in a stream, with a memory that can be kept."""
+"""Observer of a stream whose state can be saved."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from jousto.measurement.twin.observer import Observer
 
 
 class Dynamic:
-    """Takes the samples one by one; what it remembers are the state and its covariance.
+    """Modal coordinates of a stream by a Kalman filter; its state can be saved.
 
     Parameters
     ----------
     twin : Observer
-        It is begun anew and followed; give each monitor its own.
+        Observer, which is reset and then advanced; give each monitor its own.
 
     Raises
     ------
@@ -55,5 +55,5 @@ class Dynamic:
         return self.twin.save()
 
     def load(self, memory: Mapping[str, Array]) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
         self.twin.load(memory)

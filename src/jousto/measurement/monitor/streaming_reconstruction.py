@@ -1,4 +1,4 @@
-"""The twin as a stream needs it: block after block, with a memory that can be kept."""
+"""Modal coordinates of a stream, block by block, with a state that can be saved."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from jousto.measurement.twin.observer import Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
 
 KEPT = 256
-"""Combinations of channels whose gains are remembered."""
+"""Cache size: channel combinations with their gains."""
 
 
 class Estimator(Protocol):
-    """From strains to modal coordinates."""
+    """Protocol of an estimator of modal coordinates from strains."""
 
     names: tuple[str, ...]
     missed: float
 
     def estimate(self, time: Array, strain: Array) -> Posterior:
-        """Return the modal coordinates of samples (k, nc), nan where a channel is silent."""
+        """Return the modal coordinates of samples (k, nc), nan for missing channels."""
 
     def save(self) -> dict[str, Array]:
-        """Return all that is remembered as numbers."""
+        """Return the state as arrays."""
 
     def load(self, memory: Mapping[str, Array]) -> None:
-        """Go on from what `save` returned."""
+        """Restore the state that `save` returned."""
 
 
 @described
 class Static:
-    """A `Reconstruction`: every sample stands alone, nothing is remembered."""
+    """Modal coordinates by a `Reconstruction`, each sample independent of the others."""
 
     def __init__(self, twin: Reconstruction) -> None:
         self.twin = twin
@@ -47,15 +47,15 @@ class Static:
         self._whole: tuple[Array, Array] | None = None
 
     def estimate(self, time: Array, strain: Array) -> Posterior:
-        """Return the modal coordinates of samples (k, nc): ``p = K e`` of the channels there are.
+        """Return the modal coordinates of samples (k, nc): ``p = K e`` of the valid channels.
 
-        The gains of every combination of channels are worked out once; what the samples are worth
-        was checked before, by the health of the channels.
+        The gains of every combination of channels are computed once; the validity of the samples
+        was checked before.
         """
         n = self.twin.n
         seen = np.isfinite(strain)
         if np.count_nonzero(seen) == seen.size:
-            return self._of_all(time, strain)
+            return self._full_estimate(time, strain)
         masks, which = np.unique(seen, axis=0, return_inverse=True)
         which = which.reshape(-1)
         p = np.full((len(strain), n), np.nan)
@@ -72,11 +72,11 @@ class Static:
                     gains[m][:, mask] = K
         return Told(time, p, P, which, gains=gains, errors=errors)
 
-    def _of_all(self, time: Array, strain: Array) -> Posterior:
-        """Return the modal coordinates if no channel is silent, as it is most of the time."""
+    def _full_estimate(self, time: Array, strain: Array) -> Posterior:
+        """Return the modal coordinates where no channel is missing (fast path)."""
         if self._whole is None:
             gain = self.twin.gain(np.ones(strain.shape[1], dtype=bool))
-            assert gain is not None  # refused by the twin
+            assert gain is not None  # the constructor checked the full set of channels
             self._whole = gain[0], gain[1][None]
         K, P = self._whole
         errors = self.twin.errors
@@ -93,15 +93,15 @@ class Static:
         return self._gains[key]
 
     def save(self) -> dict[str, Array]:
-        """Return nothing."""
+        """Return no arrays: there is no state."""
         return {}
 
     def load(self, memory: Mapping[str, Array]) -> None:
-        """Do nothing."""
+        """Do nothing: there is no state."""
 
 
 def estimator_of(twin: Any) -> Estimator:
-    """Return what estimates the modal coordinates.
+    """Return the streaming estimator of a reconstruction or an observer.
 
     Raises
     ------

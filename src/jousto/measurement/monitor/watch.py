@@ -1,4 +1,4 @@
-"""Watch a stream: read, judge, estimate, count and record until it ends."""
+"""Monitoring of a stream: read, check, estimate, count and record until it ends."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ from jousto.simulation.results.writer import uninterrupted
 
 Show = Callable[["Progress"], None]
 
-TEXT = 160  # bytes of an event
-MOST_ODDITIES = 1000  # lines that made no sense and are recorded one by one; all are counted
-UNLIKELY = LARGE_STRAIN  # m/m; a channel without unit that is mostly above is not in m/m
+TEXT = 160  # bytes of the text of an event
+MOST_ODDITIES = 1000  # invalid lines that are recorded one by one; all of them are counted
+UNLIKELY = LARGE_STRAIN  # m/m; a channel without unit that mostly exceeds this is not in m/m
 
 
 @dataclass(frozen=True, eq=False)
 class Progress:
-    """What `show` is given after every block.
+    """Progress after a block, the argument of `show`.
 
     Attributes
     ----------
     monitor : Monitor
-        With the present states, alarms and life.
+        Monitor with the present states, alarms and life.
     update : Update
-        What the block told.
+        Results of the block.
     place : Place
         Lines so far and what was odd.
     events : tuple of (time, kind, text)
-        That were recorded with the block.
+        Events recorded with the block.
     """
 
     monitor: Monitor
@@ -73,11 +73,11 @@ def watch(
     show: Show | None = None,
     text: str = "",
 ) -> MonitorRecord:
-    """Read measured strains to their end and record what a monitor makes of them.
+    """Read measured strains to their end and record the results of a monitor.
 
-    The record is whole at every moment; after a kill `resume` continues where the last block ended.
-    A file is then read on from its place; of a pipe that starts again from the beginning what was
-    seen is skipped. Ctrl-C ends the watch and closes the record.
+    The record is complete at every moment; after a kill `resume` continues where the last block
+    ended. A file is then read from that position; of a pipe that starts again, known samples are
+    skipped. Ctrl-C ends the watch and closes the record.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def watch(
 
 
 def _to_its_end(run: _Run) -> None:
-    """Take all blocks of the source and close the record, whatever happens."""
+    """Process all blocks of the source and close the record, also after an exception."""
     ended, complete = "stopped", False
     try:
         run.all()
@@ -166,7 +166,7 @@ def _to_its_end(run: _Run) -> None:
 
 
 class _Run:
-    """What a watch does with each block."""
+    """Processing of the blocks of one monitoring run."""
 
     def __init__(
         self,
@@ -197,13 +197,13 @@ class _Run:
                 self.take(block)
 
     def take(self, block: Block) -> None:
-        if self.stream.header is not self.header:  # the units came after the names
+        if self.stream.header is not self.header:  # the units followed the names
             self.header = self.stream.header
             self.pick, self.factors = _columns(self.monitor, self.stream, self.columns, self.unit)
         values = block.values[:, self.pick] * self.factors
         self._plausible(values)
         for oddity in block.oddities:
-            self._odd(oddity)
+            self._record_invalid_line(oddity)
         update = self.monitor.push(block.time, values, block.cells[:, self.pick])
         for change in update.changes:
             self._changed(change)
@@ -239,7 +239,7 @@ class _Run:
     def note(self, time: float, kind: str, text: str) -> None:
         self.events.append((time, kind, text))
 
-    def _odd(self, oddity: Oddity) -> None:
+    def _record_invalid_line(self, oddity: Oddity) -> None:
         self.odd += 1
         if self.odd <= MOST_ODDITIES or oddity.kind in ("clock", "gap"):
             self.note(oddity.time, oddity.kind, f"line {oddity.line}: {oddity.message}")
@@ -286,7 +286,7 @@ class _Run:
         return written
 
     def _plausible(self, values: Array) -> None:
-        """Refuse a stream whose first values cannot be strains in m/m."""
+        """Raise InputError if the first values of a stream are too large for strains in m/m."""
         if np.isfinite(self.stream.place.step) and self.record.rows["samples"]:
             return
         wrong = [
@@ -319,7 +319,7 @@ LIFE = (
 
 
 def alarm_text(alarm: Alarm) -> str:
-    """Return what an alarm says."""
+    """Return the text of an alarm."""
     at = f" at {alarm.place}" if alarm.place else ""
     if alarm.kind == "stress":
         what = f"stress {alarm.value / 1e6:.4g} MPa{at}, limit {alarm.limit / 1e6:.4g} MPa"
@@ -353,7 +353,7 @@ def _opened(source: str | Path | IO[bytes]) -> Iterator[tuple[IO[bytes], str]]:
 def _columns(
     monitor: Monitor, stream: Stream, columns: Mapping[str, str], unit: str | None
 ) -> tuple[NDArray[np.intp], Array]:
-    """Return the column of each channel and m/m per unit of it."""
+    """Return the column of each channel and its factor to m/m."""
     problems = Problems()
     header = stream.header
     assert header is not None
@@ -387,7 +387,7 @@ def _columns(
 
 
 def _go_on(stream: Stream, memory: dict[str, Array]) -> None:
-    """Let a stream go on where the record ended."""
+    """Move a stream to the position at which the record ended."""
     place = Place.from_numbers(memory.pop("place"))
     if stream.source.seekable():
         end = stream.source.seek(0, 2)
@@ -398,9 +398,9 @@ def _go_on(stream: Stream, memory: dict[str, Array]) -> None:
                     f"has {end} bytes, but {place.offset} were read before; it is another file",
                 )
             )
-        stream.go_on(place)
+        stream.continue_at(place)
     else:
-        stream.go_on(place, origin=float(memory["monitor"][2]))
+        stream.continue_at(place, origin=float(memory["monitor"][2]))
 
 
 def _layout(monitor: Monitor, text: str) -> Layout:
@@ -415,7 +415,7 @@ def _layout(monitor: Monitor, text: str) -> Layout:
         column("time", 0, "s", "last instant of the interval"),
         column("samples", 0, "1", "instants of the interval", "<i8"),
         column("blind", 0, "1", "instants at which too few channels were left", "<i8"),
-        column("garbage", 0, "1", "lines without sense so far", "<i8"),
+        column("garbage", 0, "1", "invalid lines so far", "<i8"),
         column("backwards", 0, "1", "lines whose time goes backwards so far", "<i8"),
         column("peak", ns, "Pa", "largest magnitude in the interval"),
     ]

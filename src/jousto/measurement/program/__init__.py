@@ -1,1 +1,1 @@
-"""PROGRAM: a monitor as a program of C, for controllers beside the machine."""
+"""A monitor as a C program, for controllers beside the machine."""

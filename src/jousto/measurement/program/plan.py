@@ -1,4 +1,4 @@
-"""Plan: all constants of a monitor in C, and the names of what goes in and comes out."""
+"""Plan: constants of a monitor in C, and the names of its inputs and outputs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.export.constants import array, number, text
 from jousto.export.ports import identifier
 from jousto.measurement.monitor.life import PAUSE
 from jousto.measurement.monitor.monitor import Monitor
-from jousto.measurement.twin.bands.bands import BENT, points_of
+from jousto.measurement.twin.bands.bands import BENT, sample_points
 from jousto.measurement.twin.kalman import STEADY
 from jousto.measurement.twin.observer import JITTER, Observer
 from jousto.measurement.twin.reconstruction import Reconstruction
@@ -33,12 +33,12 @@ MOTION = tuple(
     )
     for axis in "xyz"
 )
-"""Inputs of a twin whose frame moves, after the gauges: name, unit, description."""
+"""Inputs of a twin with a moving frame, after the gauges: name, unit, description."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A number that goes in or comes out: name, identifier of C, unit, a line of description."""
+    """Input or output: name, C identifier, unit, one-line description."""
 
     name: str
     symbol: str
@@ -48,7 +48,7 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A monitor in C, apart from the sources around it.
+    """Constants of a monitor in C.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Plan:
 
     @property
     def header(self) -> str:
-        """The header: names of inputs and outputs with their units, and the memory."""
+        """C header: inputs and outputs with their units, and the size of the state."""
         upper = self.name.upper()
         pieces = [
             f"/* {self.name}.h - names of what goes into a twin and comes out of it.",
@@ -98,12 +98,13 @@ class Plan:
 
 
 def plan_of(monitor: Monitor, name: str) -> Plan:
-    """Return a monitor in C.
+    """Return the constants of a monitor in C.
 
     Parameters
     ----------
     monitor : Monitor
-        Its twin, hot spots, band, S-N curve and rules of channels go along; its alarms do not.
+        Monitor whose twin, hot spots, band, S-N curve and channel rules are included, not its
+        alarms.
     name : str
         Identifier of C that the names begin with.
     """
@@ -185,7 +186,7 @@ Arrays = dict[str, tuple[NDArray[Any], str]]
 
 
 def _parts(monitor: Monitor) -> tuple[dict[str, Any], Arrays, dict[str, int]]:
-    """Return plain fields of the jo_plan, its arrays with their kinds, and its sizes."""
+    """Return scalar fields of jo_plan, its arrays with their types, and its sizes."""
     twin = _twin(monitor)
     if isinstance(twin, Observer):
         values, given = _observer(twin)
@@ -287,14 +288,14 @@ def _stress(monitor: Monitor, nerror: int) -> tuple[dict[str, Any], dict[str, Ar
     values["mises"] = int(mises)
     values["criterion"] = "JO_NORM" if mises else f"JO_{NAMES[str(band.criterion)]}"
     values["criterion_scale"] = 0.5 if band.criterion == "max-shear" else 1.0
-    points = points_of(6 + nerror + int(band.scale > 0.0))
+    points = sample_points(6 + nerror + int(band.scale > 0.0))
     values["npoint"] = len(points)
     _, variances = band.rows
     return values, {"S": band.S, "missed": variances, "points": points}
 
 
 def _meters(monitor: Monitor) -> dict[str, Any]:
-    """Return the fields of the damage meters, which count as estimated, low and high."""
+    """Return the fields of the three damage meters: estimate, low and high."""
     life = monitor.meter
     if life is None:
         return {}
@@ -334,7 +335,7 @@ def _comment(about: str) -> str:
 
 
 def _bytes(size: dict[str, int], outputs: int) -> int:
-    """Return the memory of a twin, see lay_out of gauged_twin.c, rounded up generously."""
+    """Return the memory of a twin in bytes, an upper bound of lay_out in gauged_twin.c."""
     n, nx, nc, ng, ns = (size[key] for key in ("n", "nx", "nchannel", "ngauge", "nspot"))
     ne, nd = size["nerror"], size.get("nd", 0)
     side, roots = max(nx, nc), 7 + ne

@@ -1,4 +1,4 @@
-"""A monitor as files of C: one file with its header, or a project with a recipe to build it."""
+"""A monitor as C files: one file with its header, or a project with build files."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _plant(made: Plan) -> str:
 
 
 def _headers(made: Plan) -> dict[str, str]:
-    """Return all headers by name."""
+    """Return the texts of all headers by name."""
     everything = sources.headers()
     return {
         **{name: everything[name] for name in ENGINE_HEADERS},
@@ -49,14 +49,14 @@ def _headers(made: Plan) -> dict[str, str]:
 
 
 def _code(made: Plan) -> dict[str, str]:
-    """Return all files of C by name, in order."""
+    """Return the texts of all C files by name, in order of dependence."""
     engine = {name: sources.find(name) for name in ENGINE}
     hosted = {name: sources.host(name) for name in HOSTED if name.endswith(".c")}
     return {**engine, f"{made.name}_data.c": made.source, **hosted}
 
 
 def one_file(made: Plan) -> str:
-    """Return everything as one file of C."""
+    """Return the whole program as one C file."""
     about = (
         f"/* A twin of gauges in one file of C99, written by jousto {__version__}.\n *\n"
         f" * cc -O2 -DMAIN {made.name}.c -o {made.name} -lm && ./{made.name} samples.csv  reads "
@@ -76,7 +76,7 @@ def public_header(made: Plan) -> str:
 
 
 def project(made: Plan) -> dict[str, str]:
-    """Return a project by the names of its files: sources, a main program, recipes to build."""
+    """Return the files of a project by name: sources, a main program, build files."""
     inner = {*ENGINE, *ENGINE_HEADERS}
     files = {
         (f"engine/{name}" if name in inner else name): text
@@ -109,24 +109,24 @@ def _readme(made: Plan) -> str:
 
 
 def own_name(name: str) -> str:
-    """Return a name that no file of a twin and no word of C has."""
+    """Return a valid C name that no file of a twin has."""
     made = identifier(name)
     files = {Path(key).stem for key in (*ENGINE, *ENGINE_HEADERS)} | sources.hosted()
     return f"{made}_plan" if made in files | KEYWORDS or made.startswith("jo_") else made
 
 
 def write_twin(monitor: Monitor, path: str | Path, *, name: str = "") -> Path:
-    """Write a monitor as a program of C99 that needs no files, no allocation and no Python.
+    """Write a monitor as a C99 program without files, allocation or Python.
 
     Parameters
     ----------
     monitor : Monitor
-        With a `Reconstruction` or an `Observer`. Its alarms stay behind.
+        Monitor with a `Reconstruction` or an `Observer`; alarms are not included.
     path : path
         ``.c``: one file, and its header ``.h`` beside it; ``.zip``: a project with the sources, a
         main program, a Makefile and a CMakeLists.txt.
     name : str
-        What the names in C begin with; empty is the name of the file.
+        Prefix of the names in C; empty is the name of the file.
 
     Returns
     -------

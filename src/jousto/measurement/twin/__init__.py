@@ -1,4 +1,4 @@
-"""TWIN: what strain gauges tell of the whole body: stress everywhere, loads and life."""
+"""Twin: stress everywhere, loads and life of a body from a few strain gauges."""
 
 from jousto.base.lazy_exports import open_room
 

@@ -1,4 +1,4 @@
-"""What is estimated of modal coordinates: values and covariances after a step and over a record."""
+"""Estimates of modal coordinates with covariances, per step and over a record."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Posterior:
     covariances : (m, n, n) array
         The different covariances of p that occurred.
     which : (nt,) int array
-        Which of them is valid at each instant.
+        Index of the covariance at each instant.
     """
 
     time: Array
@@ -39,12 +39,12 @@ class Posterior:
     which: NDArray[np.intp]
 
     def deviations(self, instants: slice) -> Array | None:
-        """Return what errors of the gauges that stay through a record move p by.
+        """Return the deviations of p due to gauge errors that are constant over a record.
 
         Parameters
         ----------
         instants : slice
-            Which of the instants.
+            Indices of the instants.
 
         Returns
         -------
@@ -54,14 +54,14 @@ class Posterior:
         return None
 
     def systematic(self, S: Array, instants: slice) -> Array | None:
-        """Return deviations by errors that stay, of what is linear in p by rows S (..., n).
+        """Return the deviations of rows S (..., n) of p due to constant gauge errors.
 
         Parameters
         ----------
         S : (..., n) array
             Rows, such as those of the stress at sites.
         instants : slice
-            Which of the instants.
+            Indices of the instants.
 
         Returns
         -------
@@ -75,7 +75,7 @@ class Posterior:
 
     @property
     def missed(self) -> float:
-        """Standard deviation of the strain that the model misses anywhere, m/m."""
+        """Standard deviation of the model error in strain, m/m."""
         return 0.0
 
     def __len__(self) -> int:
@@ -96,7 +96,7 @@ class Posterior:
 @described
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What is known after one sample.
+    """Estimate after one sample.
 
     Attributes
     ----------
@@ -107,17 +107,17 @@ class Step:
     gain : Gain
         Gain and covariances of the step.
     system : System
-        What the state means.
+        Model of the state.
     force : (n,) array
         Known modal forces, kg^0.5 m/s2.
     innovation : (ny,) array
         Channels less their prediction; nan where nothing was seen.
     score : (ny,) array
-        The same, made independent with standard deviation 1.
+        Innovations, decorrelated and divided by their standard deviations.
     seen : (ny,) bool array
-        Which of the measured channels were used.
+        Mask of the measured channels that were used.
     drift : (nx, k) array or None
-        How far each error of the gauges that stays moves the state, for standard deviations of 1.
+        Effect of each constant gauge error on the state, for standard deviations of 1.
     """
 
     time: float
@@ -163,7 +163,7 @@ class Step:
 
 
 class Follower(Protocol):
-    """What a record uses of the observer that made it."""
+    """Protocol of the data that an estimate needs of its observer."""
 
     system: System
     channels: Channels
@@ -183,11 +183,11 @@ class Estimates(Posterior):
     Attributes
     ----------
     observer : Observer
-        What made it.
+        Observer that made the estimate.
     states : (nt, nx) array
         States.
     P : (m, nx, nx) array
-        Their different covariances; `which` gives the one of each sample.
+        Distinct covariances; `which` has the index for each sample.
     forces : (nt, n) array
         Known modal forces, kg^0.5 m/s2.
     innovations, scores : (nt, ny) arrays
@@ -195,9 +195,9 @@ class Estimates(Posterior):
     gains : tuple of Gain
         Gain of every step (the same object where it repeats).
     smoothed : bool
-        Whether the whole record is in every instant, or only what came before.
+        Whether every instant uses the whole record, or only earlier samples.
     moved : (nt, n, k) array or None
-        What each error of the gauges that stays moves p by, for standard deviations of 1.
+        Deviation of p by each constant gauge error, for standard deviations of 1.
     """
 
     observer: Follower
@@ -241,12 +241,12 @@ class Estimates(Posterior):
         )
 
     def deviations(self, instants: slice) -> Array | None:
-        """Return what the errors of the gauges move p by; see `Posterior.deviations`."""
+        """Return the deviations of p due to gauge errors; see `Posterior.deviations`."""
         return None if self.moved is None else self.moved[instants]
 
     @property
     def missed(self) -> float:
-        """Standard deviation of the strain that the model misses anywhere, m/m."""
+        """Standard deviation of the model error in strain, m/m."""
         return self.observer.system.discrepancy
 
     @property
@@ -273,7 +273,7 @@ class Estimates(Posterior):
 
     @property
     def likelihood(self) -> float:
-        """Logarithm of the likelihood of the record; larger is better, only differences count."""
+        """Log-likelihood of the record, up to a constant."""
         logs = {id(gain): 2.0 * np.sum(np.log(np.diag(gain.whiten))) for gain in self.gains}
         total = np.nansum(self.scores**2) - sum(logs[id(gain)] for gain in self.gains)
         return float(-0.5 * total)
@@ -290,7 +290,7 @@ def _drifts(steps: list[Step]) -> Array:
 
 
 def spread(system: System, P: Array) -> Array:
-    """Return covariances of p (m, n, n) of covariances of the state."""
+    """Return covariances of p (m, n, n) from covariances of the state."""
     C = system.shape
     return np.asarray(C @ P @ C.T)
 
@@ -298,26 +298,26 @@ def spread(system: System, P: Array) -> Array:
 @described
 @dataclass(frozen=True, eq=False)
 class Told(Posterior):
-    """Modal coordinates that gauges tell instant by instant, ``p = K e``.
+    """Modal coordinates from gauges at each instant, ``p = K e``.
 
     Attributes
     ----------
     gains : (m, n, ng) array, optional
         Modal coordinates per strain of each gauge, for each of the covariances.
     errors : (k, ng, n) array, optional
-        As of `Reconstruction`.
+        Gauge errors as in `Reconstruction`.
     """
 
     gains: Array | None = field(default=None, kw_only=True)
     errors: Array | None = field(default=None, kw_only=True)
 
     def deviations(self, instants: slice) -> Array | None:
-        """Return what the errors of the gauges move p by; see `Posterior.deviations`.
+        """Return the deviations of p due to gauge errors; see `Posterior.deviations`.
 
-        An error ``v_g`` of gauge g moves p by ``K_g v_g``.
+        A gauge error ``v_g`` changes p by ``K_g v_g``.
         """
         if self.errors is None or self.gains is None:
             return None
-        # errors of one gauge (factor, place, angle) are independent: one deviation of their size
+        # errors of one gauge (factor, place, angle) are independent: add their variances
         size = np.sqrt(np.sum((self.p[instants] @ np.swapaxes(self.errors, 1, 2)) ** 2, axis=0))
         return np.asarray(self.gains[self.which[instants]] * size[:, None, :])

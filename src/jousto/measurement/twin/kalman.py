@@ -1,4 +1,4 @@
-"""The covariance side of the Kalman filter: channels, gains, and what errors of gauges do."""
+"""Covariances of the Kalman filter: channels, gains, effect of gauge errors."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ from jousto.base.object_repr import described
 from jousto.measurement.twin.motion.system import Accelerometer, System
 
 STEADY = 1e-5
-"""Relative change of a covariance per step below which the gain is taken as constant."""
+"""Relative change of the covariance per step below which the gain is constant."""
 
 CENTERED = 1e-6
-"""Share of the mass that modes may move with their frame where loads balance its inertia."""
+"""Largest ``|int phi dm| / sqrt(mass)`` of a floating part, whose modes do not move its mass
+centre."""
 BALANCE = ("balance fx", "balance fy", "balance fz", "balance mx", "balance my", "balance mz")
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """What one step of the filter needs.
+    """Matrices of one step of the filter.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Gain:
     predicted, P : (nx, nx) arrays
         Covariance before and after the channels were seen.
     steady : bool
-        Whether it repeats as long as step and channels do.
+        Whether the gain repeats for equal step and channels.
     """
 
     key: tuple[float, bytes]
@@ -63,7 +64,7 @@ class Gain:
 @described
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """Rows of all channels on the state with their noise.
+    """Rows of all channels on the state, with their noise.
 
     Attributes
     ----------
@@ -81,7 +82,7 @@ class Channels:
 
 
 def first_gain(system: System, channels: Channels, mask: NDArray[np.bool_]) -> Gain:
-    """Return the gain of the first instant, before which nothing moved on."""
+    """Return the gain of the first sample, without a prediction."""
     nx = system.nx
     P = system.start()
     key = (0.0, mask.tobytes())
@@ -91,7 +92,7 @@ def first_gain(system: System, channels: Channels, mask: NDArray[np.bool_]) -> G
 def next_gain(
     last: Gain, system: System, channels: Channels, dt: float, mask: NDArray[np.bool_]
 ) -> Gain:
-    """Return the gain of the next instant; the last one itself where it repeats."""
+    """Return the gain of the next sample; the same object if it is stationary."""
     key = (round(dt, 12), mask.tobytes())
     if last.steady and last.key == key:
         return last
@@ -116,7 +117,7 @@ def _updated(
     S = H @ PH + R
     L = la.cholesky(0.5 * (S + S.T), lower=True)
     K = la.cho_solve((L, True), PH.T).T
-    # Joseph's form keeps the covariance positive
+    # Joseph's form keeps the covariance positive semidefinite
     IKH = np.eye(len(P)) - K @ H
     after = IKH @ P @ IKH.T + K @ R @ K.T
     after = 0.5 * (after + after.T)
@@ -126,13 +127,13 @@ def _updated(
         change = np.abs(after - last.P) / np.outer(size, size)
         steady = bool(change.max(initial=0.0) < STEADY)
     whiten = la.solve_triangular(L, np.diag(1.0 / scale), lower=True) if len(L) else L
-    # rows in order, so that a memory read from anywhere gives the same products to the last bit
+    # contiguous rows: products are identical to the bit after `load`
     F, Gu, K, whiten = (np.ascontiguousarray(x) for x in (F, Gu, K / scale, whiten))
     return Gain(key, mask, F, Gu, K, whiten, P, after, steady)
 
 
 def backward(this: Gain, after: Gain) -> Array:
-    """Return the smoother's gain ``P F^T (P of the next prediction)^-1`` (nx, nx)."""
+    """Return the smoother gain ``P F^T P_pred^-1`` (nx, nx)."""
     size = np.sqrt(np.maximum(np.diag(after.predicted), 1e-300))
     balanced = after.predicted / np.outer(size, size)
     values, vectors = la.eigh(0.5 * (balanced + balanced.T))
@@ -142,21 +143,21 @@ def backward(this: Gain, after: Gain) -> Array:
 
 
 def drifted(before: Array, gain: Gain, channels: Channels, errors: Array, p: Array) -> Array:
-    """Return how far each error moves the state after one sample.
+    """Return the effect of each gauge error on the state after one sample.
 
-    The filter is linear: ``D = F D_before``, then ``D + K (V - H D)`` with what the errors add to
-    the channels, ``V_g = E_g p``; the gain does not know of them.
+    The filter is linear: ``D = F D_before``, then ``D + K (V - H D)`` with the channel errors ``V_g
+    = E_g p``; the gain takes no account of them.
 
     Parameters
     ----------
     before : (nx, k ng) array
-        That of the sample before; zero at the first.
+        Effect at the sample before; zero at the first.
     gain : Gain
-        Of this sample.
+        Gain of this sample.
     channels : Channels
         Gauges first.
     errors : (k, ng, n) array
-        From `gauge_errors`.
+        Gauge errors from `gauge_errors`.
     p : (n,) array
         Modal coordinates now.
     """
@@ -180,10 +181,10 @@ def drifts(gains: tuple[Gain, ...], channels: Channels, errors: Array, p: Array)
 
 
 class Balance(Declared, by_value=True):
-    """How well the loads balance weight and inertia of the reference motion.
+    """Accuracy with which loads balance weight and inertia of the reference motion.
 
-    ``sum G_k a_k = M_rr [R'' - g; w'] - Q_v`` about the frame's origin: six equations that are
-    seen like channels, with the noise of what the reference leaves out (vibration of the frame).
+    ``sum G_k a_k = M_rr [R'' - g; w'] - Q_v`` about the frame's origin: six equations treated as
+    channels, with the noise of effects outside the reference (vibration of the frame).
     """
 
     force: Positive = field("Standard deviation of the forces", unit="N")
@@ -198,7 +199,7 @@ def channels_of(
     accelerometers: Sequence[Accelerometer],
     balance: Balance | None,
 ) -> Channels:
-    """Return what an observer sees: gauges (rows B), accelerometers, balance of the loads."""
+    """Return the channels of an observer: gauges (rows B), accelerometers, balance of loads."""
     rows = [B @ system.shape]
     if system.misses:
         rows[0][:, -system.misses :] = np.eye(len(B))
@@ -218,34 +219,35 @@ def channels_of(
 
 
 def check_balance(balance: Balance | None, system: System, reference: Any) -> None:
-    """Refuse a balance that the part or the loads cannot have."""
+    """Raise InputError for a balance that the part or the loads do not permit."""
     if balance is None:
         return
     problems = Problems()
     I = system.reduced.invariants
     if np.isnan(system.wrenches).any():
-        problems.add("Observer", "balance needs loads on nodes; a pattern's force is not known")
+        problems.add("Observer", "balance needs loads on nodes; the force of a pattern is unknown")
     if np.abs(I.I3).max(initial=0.0) > CENTERED * np.sqrt(I.mass):
         problems.add(
             "Observer",
-            "balance needs a floating part; one that `clamp` holds has a reaction at its node "
+            "balance needs a floating part; one that is fixed by `clamp` has a reaction at its "
+            "node "
             "that is no load here",
         )
     if reference is None:
-        problems.add("Observer", "balance needs a reference: what shall the loads balance?")
+        problems.add("Observer", "balance needs reference=, the motion that the loads balance")
     problems.raise_if_any()
 
 
 def check_observable(system: System, channels: Channels) -> None:
-    """Refuse loads that nothing sees; warn of combinations that only their size bounds."""
+    """Raise InputError for unobservable loads; warn of combinations bounded by the prior only."""
     if not system.na:
         return
-    # the state under loads that stay: A x = 0 for x = T a
+    # state under constant loads: A x = 0 for x = T a
     scale = system.bound / np.sqrt(np.diag(channels.R))[:, None]
-    seen = (channels.H @ system.rest) * scale
+    seen = (channels.H @ system.static_states) * scale
     _, s, Vt = np.linalg.svd(seen)
     s = np.r_[s, np.zeros(system.na - len(s))]
-    # below one standard deviation of noise for the whole size of the load: not seen
+    # unobservable: effect of the whole prior load below one standard deviation of noise
     hidden = Vt[s < 1.0]
     if not len(hidden):
         return
@@ -261,13 +263,13 @@ def check_observable(system: System, channels: Channels) -> None:
         raise InputError(
             Problem(
                 "Observer",
-                f"{found} is not seen by the channels and would wander away "
-                f"without end ({', '.join(open_ended)}); give these loads a size, "
+                f"{found} is not observable by the channels and would drift "
+                f"without bound ({', '.join(open_ended)}); give these loads a size, "
                 "or add gauges or a balance",
             )
         )
     warn(
         "Observer",
-        f"{found} is not seen by the channels and bounded by its size alone"
-        f"{f' (mainly {names})' if names else ''}; look at the bands",
+        f"{found} is not observable by the channels and bounded by its size alone"
+        f"{f' (mainly {names})' if names else ''}; check the bands",
     )

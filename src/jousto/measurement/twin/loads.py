@@ -1,4 +1,4 @@
-"""Loads from strains: modal loads by Fourier series, loads at known places, and the payload."""
+"""Loads from strains: modal loads by Fourier series, loads at known places, payload."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
 UNEVEN = 1e-6
-"""How unequal the time steps of a record may be, as a share of one."""
+"""Relative variation of time steps up to which a record counts as uniform."""
 
 
 @described
@@ -62,7 +62,7 @@ class FourierLoads:
 
     @property
     def harmonics(self) -> Array:
-        """Numbers of the harmonics, 1 .. nh."""
+        """Orders of the harmonics, 1 .. nh."""
         return np.arange(1, len(self.cosine) + 1, dtype=np.float64)
 
     @property
@@ -82,7 +82,7 @@ def identify_fourier(
     harmonics: int | None = None,
     limit: float | None = None,
 ) -> FourierLoads:
-    """Return the modal loads that a window of strains determines, by its Fourier series.
+    """Return the Fourier series of modal loads from the strains in a time window.
 
     ``f_0 = W2 B^+ e_0``, ``f_j - i s_j = (W2 - j^2 w^2 + 2 i j w Z W) B^+ (e_j - i k_j)``: exact
     for strains that repeat with the window; the response before it must have died away or repeat.
@@ -100,9 +100,9 @@ def identify_fourier(
     part : ReducedPart or (n,) or (n, n) array_like
         Modal stiffness: that of the part or ``omega^2``, 1/s2. For a body that is held, of `clamp`.
     damping : float, sequence of float or Rayleigh
-        As of `FlexibleBody`.
+        Damping as in `FlexibleBody`.
     harmonics : int, optional
-        How many, all up to half the sampling rate if not given.
+        Number of harmonics, all up to half the sampling rate if not given.
     limit : float, optional
         Highest frequency, Hz.
 
@@ -148,10 +148,10 @@ def identify_fourier(
 
 @explained
 def identify_loads(observer: Observer, time: Any, e: ArrayLike | None = None) -> Estimates:
-    """Return unknown loads over time with their bands, from a whole record of any kind.
+    """Return unknown loads over time with their bands, from a whole record.
 
-    The smoothed record of the observer: nothing need repeat, gauges may drop out, the body may
-    move. ``.loads`` and ``.load_band`` (standard deviation) are the answer.
+    Uses the smoothed record of the observer: the loads need not be periodic, gauges may drop out,
+    the body may move. ``.loads`` and ``.load_band`` (standard deviation) are the result.
 
     Parameters
     ----------
@@ -164,10 +164,10 @@ def identify_loads(observer: Observer, time: Any, e: ArrayLike | None = None) ->
 def external(
     f: ArrayLike, reduced: ReducedPart, observed_p: ArrayLike, time: ArrayLike, reference: Reference
 ) -> Array:
-    """Return the modal loads (nt, n) from outside, without those of the motion of the frame.
+    """Return the external modal loads (nt, n), without inertia of the frame motion.
 
-    ``f_ext = f + M_fr q_r'' - Q_v``: what `identify_fourier` finds of a moving body contains the
-    inertia of its gross motion, too. Modal velocities are differences of the coordinates.
+    ``f_ext = f + M_fr q_r'' - Q_v``: the loads from `identify_fourier` on a moving body contain the
+    inertia of its rigid-body motion. Modal velocities are differences of the coordinates.
 
     Parameters
     ----------
@@ -190,9 +190,9 @@ def external(
 
 
 def equivalent_load(M: Any, shapes: ArrayLike, f: ArrayLike) -> Array:
-    """Return nodal loads ``F = M Phi f`` (nt, ndof) that move the modes as the true load does.
+    """Return nodal loads ``F = M Phi f`` (nt, ndof) with the modal loads f.
 
-    Only the share of the true load that the modes see: ``Phi^T F = f``.
+    Only the part of the true load that the modes represent: ``Phi^T F = f``.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def locate_load(
     nodes: Sequence[str],
     components: Sequence[str] = ("fx", "fy", "fz"),
 ) -> list[tuple[str, float]]:
-    """Return nodes with the share of the modal loads that a load there leaves over, best first.
+    """Return nodes, best first, with the share of modal loads that a load at each leaves over.
 
     Parameters
     ----------
@@ -277,9 +277,9 @@ def locate_load(
     reduced : ReducedPart
         The part.
     nodes : sequence of str
-        Where the load may act.
+        Candidate nodes of the load.
     components : sequence of str
-        Its components.
+        Components of the load.
     """
     rests = [
         (node, place_loads(f, [UnknownLoad(node, tuple(components))], reduced)[1]) for node in nodes
@@ -291,17 +291,16 @@ def locate_load(
 def identify_payload(
     observed: Estimates, place: str, *, draws: int = 100, seed: int = 1
 ) -> tuple[float, float]:
-    """Return mass and its standard deviation, kg, of the payload of a body at a node.
+    """Return the payload mass at a node of a body and its standard deviation, kg.
 
-    Least squares of ``F = -m s`` over the record, with the force F at the node that the gauges
-    tell and the acceleration less gravity s of the node from the reference; the deviation from
-    histories that the record allows (`sample_posterior`). Components that are no unknown loads
-    are left out.
+    Least squares of ``F = -m s`` over the record, with the estimated force F at the node, and the
+    node's acceleration minus gravity s from the reference; the deviation comes from sampled
+    histories (`sample_posterior`). Components that are no unknown loads are left out.
 
     Parameters
     ----------
     observed : Estimates
-        From `Observer.run`; its observer has a reference and an unknown force at the node.
+        Estimates from `Observer.run` with a reference and an unknown force at the node.
     place : str
         The node.
     draws, seed : int
@@ -318,7 +317,8 @@ def identify_payload(
     problems = Problems()
     if observer.reference is None:
         problems.add(
-            "identify_payload", "the observer has no reference, so weight has no direction"
+            "identify_payload",
+            "the observer has no reference, so the direction of the weight is unknown",
         )
     if not axes:
         problems.add("identify_payload", f"no unknown force fx, fy or fz at '{place}'")

@@ -1,4 +1,4 @@
-"""Observer: a Kalman filter that follows a flexible body by its gauges, at rest or moving."""
+"""Observer: Kalman filter for the modal coordinates of a body with strain gauges."""
 
 from __future__ import annotations
 
@@ -40,15 +40,15 @@ from jousto.reduction.damping import modal_damping
 from jousto.reduction.reduced import ReducedPart
 
 JITTER = 1e-3
-"""Share of a step by which a clock may jitter without being followed."""
+"""Clock jitter relative to a step that is ignored."""
 MEMORY = ("F", "Gu", "K", "whiten", "predicted", "P")
-"""Arrays of the gain that a step leaves behind for the next."""
+"""Arrays of a gain that the next step needs."""
 
 
 @explained
 @described
 class Observer:
-    """Follows modal coordinates and unknown loads of a flexible body in real time.
+    """Real-time estimate of modal coordinates and unknown loads of a flexible body.
 
     State ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)`` and
     loads a that wander at random; the channels are strains ``e = B p``, accelerations, and the
@@ -60,16 +60,16 @@ class Observer:
     Parameters
     ----------
     reduced : ReducedPart
-        From `reduce`: the body floats and the loads at *all* its joints are unknown. From `clamp`:
-        it is held at a node whose motion is the reference.
+        Part from `reduce`: the body floats and the loads at *all* its joints are unknown. From
+        `clamp`: it is held at a node whose motion is the reference.
     gauges : (ng, n) array_like, sequence of gauges or Reconstruction
         Strain of each mode at each gauge.
     loads : sequence of UnknownLoad
-        Where loads act that are not measured.
+        Unmeasured loads.
     step : float
         Usual time between two samples, s.
     damping : float, sequence of float or Rayleigh
-        As of `FlexibleBody`: ratio of the modes of this part.
+        Damping ratio of the modes of this part, as in `FlexibleBody`.
     noise : float, (ng,) or (ng, ng) array_like
         Standard deviation of the gauges, m/m, or their covariance.
     reference : Reference, optional
@@ -167,7 +167,8 @@ class Observer:
         if not len(B):
             problems.add(
                 where,
-                "no strain channel: accelerations do not see loads that stay, so that the estimate "
+                "no strain channel: accelerations are insensitive to constant loads, so that "
+                "the estimate "
                 "drifts away; add at least one gauge",
             )
         R = read_noise(problems, where, "noise", noise, len(B), "m/m", LARGEST)
@@ -213,7 +214,7 @@ class Observer:
         check_observable(self.system, self.channels)
         self.reset()
 
-    # -- what it is made of -------------------------------------------------------------------
+    # -- channels -----------------------------------------------------------------------------
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -223,18 +224,18 @@ class Observer:
     # -- stepping -----------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Forget everything measured; the next step is the first."""
+        """Reset the filter: the next sample is the first one."""
         self.time: float | None = None
         self._x = np.zeros(self.system.nx)
         self._gain: Gain | None = None
         self._f = np.zeros(self.reduced.n)
-        # how far errors of the gauges that stay move the state
+        # effect of constant gauge errors on the state
         self._drift: Array | None = None
         if self.errors is not None:
             self._drift = np.zeros((self.system.nx, self.errors[..., 0].size))
 
     def save(self) -> dict[str, Array]:
-        """Return all that is remembered of the samples so far, as plain arrays.
+        """Return the state of the filter as arrays, for `load`.
 
         Returns
         -------
@@ -256,12 +257,12 @@ class Observer:
         return own | {name: np.array(getattr(gain, name)) for name in MEMORY}
 
     def load(self, memory: Mapping[str, ArrayLike]) -> None:
-        """Go on from what `save` returned; the next steps are then the same to the last bit.
+        """Restore the state that `save` returned; further steps are identical to the bit.
 
         Raises
         ------
         InputError
-            If it is the memory of another observer; this one stays as it is.
+            If it is the state of another observer; this one stays as it is.
         """
         if not memory:
             self.reset()
@@ -275,16 +276,18 @@ class Observer:
         problems = Problems()
         for name in wanted:
             if name not in kept:
-                problems.add("Observer.load", f"the memory holds no {name!r}; give what save made")
+                problems.add(
+                    "Observer.load", f"the state has no {name!r}; give the result of save()"
+                )
             elif name in known and kept[name].shape != known[name]:
                 problems.add(
                     "Observer.load",
                     f"{name!r} has shape {kept[name].shape}, must be {known[name]}: it is the "
-                    "memory of an observer with other modes, loads or channels",
+                    "state of an observer with other modes, loads or channels",
                 )
         if not problems.found and kept["names"] != self._fingerprint():
             problems.add(
-                "Observer.load", "it is the memory of an observer with other loads or channels"
+                "Observer.load", "it is the state of an observer with other loads or channels"
             )
         problems.raise_if_any()
         time, step, steady = (float(x) for x in kept["clock"])
@@ -295,12 +298,12 @@ class Observer:
         self._drift = kept.get("drift")
 
     def _fingerprint(self) -> Array:
-        """Return a number (1,) of the names of loads and channels."""
+        """Return a hash (1,) of the names of loads and channels."""
         text = "\n".join((*self.system.labels, "", *self.channels.names))
         return np.array([float(zlib.crc32(text.encode()))])
 
     def step(self, t: float, e: ArrayLike, motion: Motion | None = None) -> Step:
-        """Take one sample of all channels and return what is known now.
+        """Process one sample of all channels and return the estimate.
 
         Parameters
         ----------
@@ -337,13 +340,13 @@ class Observer:
         system, channels = self.system, self.channels
         if motion is None:
             motion = STILL if self.reference is None else self.reference.at(t)
-        # known forces by the state so far; what p changes in them is of second order
-        f = system.known(self._force, motion, system.shape @ self._x, system.rates @ self._x)
-        y = np.zeros(len(channels.names))  # the balance is always zero
+        # known forces at the predicted state; their change with p is of second order
+        f = system.known_forces(self._force, motion, system.shape @ self._x, system.rates @ self._x)
+        y = np.zeros(len(channels.names))  # the balance channels always read zero
         y[: len(sample)] = sample
         y -= self._offset(motion, f, self._x)
         seen = np.isfinite(y)
-        dt = 0.0 if self.time is None else self._rounded(t - self.time)
+        dt = 0.0 if self.time is None else self._round_time(t - self.time)
         before = self._gain
         gain, x, innovation = self._predicted(before, dt, seen, f, y)
         if self.gate is not None:
@@ -365,8 +368,8 @@ class Observer:
         score[gain.mask] = gain.whiten @ innovation
         return Step(t, self._x, gain, system, f, whole, score, seen[: len(sample)], self._drift)
 
-    def _rounded(self, dt: float) -> float:
-        """Return a whole number of steps if a time is as good as that: the gains repeat then."""
+    def _round_time(self, dt: float) -> float:
+        """Return a time as a whole number of steps within the jitter, so that gains repeat."""
         whole = round(dt / self.dt) * self.dt
         return whole if whole > 0.0 and abs(dt - whole) < JITTER * self.dt else dt
 
@@ -375,15 +378,15 @@ class Observer:
     ) -> tuple[Gain, Array, Array]:
         if before is None:
             gain = first_gain(self.system, self.channels, seen)
-            x = self._rest(f)
+            x = self._static_state(f)
         else:
             gain = next_gain(before, self.system, self.channels, dt, seen)
             d = self.system.dynamic
             x = gain.F @ self._x + gain.Gu @ (0.5 * (self._f[d] + f[d]))
         return gain, x, y[seen] - self.channels.H[seen] @ x
 
-    def _rest(self, f: Array) -> Array:
-        """Return the state in which known forces are borne at rest."""
+    def _static_state(self, f: Array) -> Array:
+        """Return the state in static equilibrium with the known forces."""
         x = np.zeros(self.system.nx)
         d = self.system.dynamic
         x[: self.system.nd] = f[d] / self.reduced.stiffness[d]
@@ -396,16 +399,17 @@ class Observer:
         return np.asarray(1.0 / (inverse**2).sum(axis=1))
 
     def _offset(self, motion: Motion, f: Array, x: Array) -> Array:
-        """Return what the channels show of known forces and motion alone (ny,).
+        """Return the readings due to known forces and frame motion alone (ny,).
 
-        The state so far gives how far the deformation moves the loads: they act on the bent body.
+        The predicted state gives the displacement of the load points: loads act on the deformed
+        body.
         """
         system, reduced = self.system, self.reduced
         static = np.where(system.dynamic, 0.0, f / reduced.stiffness)
         parts = [self.B @ static]
         moved = np.where(system.dynamic, f, 0.0)
         parts += [
-            np.array([x.row(reduced) @ moved + x.of_frame(reduced, motion)])
+            np.array([x.row(reduced) @ moved + x.frame_reading(reduced, motion)])
             for x in self.accelerometers
         ]
         if self.balance is not None:
@@ -416,7 +420,7 @@ class Observer:
         return np.concatenate(parts)
 
     def _inertia(self, motion: Motion) -> Array:
-        """Return force and moment (6,) about the frame's origin that the motion takes."""
+        """Return the inertial force and moment (6,) about the frame's origin."""
         a, w, dw = motion
         I = self.reduced.invariants
         S, J = I.first_moment, self.inertia
@@ -426,7 +430,7 @@ class Observer:
     # -- whole records ------------------------------------------------------------------------
 
     def run(self, time: Any, e: ArrayLike | None = None) -> Estimates:
-        """Return the estimate of a whole record, from its start; the observer does not change.
+        """Return the estimate of a whole record; the observer itself is unchanged.
 
         Parameters
         ----------
@@ -482,7 +486,7 @@ class Observer:
         loads: tuple[UnknownLoad, ...] | None = None,
         reference: Reference | None = None,
     ) -> Observer:
-        """Return an observer with other standard deviations, or another motion.
+        """Return an observer with other standard deviations or another motion.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""place_gauges: where few gauges tell most of the modes, or of the stress at hot spots."""
+"""Placement of gauges for the smallest variance of modes or of stress at hot spots."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ SWEEPS = 50
 @described
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Gauges chosen from candidates.
+    """Gauges selected from candidates.
 
     Attributes
     ----------
     names : tuple of str
         Names of the chosen candidates, the most telling first.
     index : (ng,) int array
-        Their places among the candidates.
+        Indices of the selected candidates.
     rows : (ng, n) array
         Strain of each mode at the gauges.
     criterion : str
@@ -83,13 +83,12 @@ def place_gauges(
     exclude: Any = (),
     separation: float = 0.0,
 ) -> Placement:
-    """Choose gauges from candidates so that modes, or hot spots, are known best.
+    """Select gauges from candidates for the smallest variance of modes or hot spots.
 
-    "D" takes the rows with the largest ``log det(B^T Rn^-1 B + G^-1)``, "I" those with the least
-    ``trace(S_hot P S_hot^T)``, ``P = (B^T Rn^-1 B + G^-1)^-1``: better for watching stress. One
-    gauge after the other is added, then gauges are exchanged for candidates as long as that helps
-    (Fedorov 1972). Of candidates that help as much, as symmetric places do, the first by its name
-    is taken.
+    "D" maximises ``log det(B^T Rn^-1 B + G^-1)``, "I" minimises ``trace(S_hot P S_hot^T)``, ``P =
+    (B^T Rn^-1 B + G^-1)^-1``: better for stress monitoring. Gauges are added one by one, then
+    exchanged for candidates as long as the criterion improves (Fedorov 1972). Of equally good
+    candidates, for example symmetric ones, the first by name is selected.
 
     Parameters
     ----------
@@ -99,21 +98,21 @@ def place_gauges(
     count : int
         Number of gauges.
     criterion : {"D", "I"}
-        See above.
+        Criterion, see above.
     hot : (k, n) array_like or StressModes
         Stress of each mode where it shall be known, Pa, for "I": rows of components, or stress
         modes, of which all components count.
     noise : float or (nc,) array_like
         Standard deviation of the candidates, m/m.
     prior : float, (n,) or (n, n) array_like, optional
-        As of `Reconstruction`.
+        Prior covariance as in `Reconstruction`.
     trajectory : (nt, n) array_like, optional
         Modal coordinates of a run, ``run.coordinates(body)[:, 7:]``: its mean square over the
         whole motion becomes the prior, so that modes count by how much they move. Not with `prior`.
     names : sequence of str, optional
         Names of the candidates.
     positions : (nc, 3) array_like, optional
-        Where they are, m; known for a part and for gauges with a position.
+        Positions of candidates, m; known for a part and for gauges with a position.
     exclude : sequence of InBox, InSphere, InCylinder or tuple (point, radius)
         Zones without gauges: welds, hot surfaces, places that nobody reaches.
     separation : float
@@ -166,13 +165,13 @@ def place_gauges(
         raise InputError(
             Problem(
                 where,
-                f"{count} gauges cannot tell {n} modes apart; take more, {FEWER}, or give a prior "
+                f"{count} gauges cannot distinguish {n} modes; take more, {FEWER}, or give a prior "
                 "or the trajectory of a run",
             )
         )
     free = np.ones(len(B), dtype=bool)
     for zone in exclude:
-        free[_inside(zone, places)] = False
+        free[_is_in_zone(zone, places)] = False
     sd = np.sqrt(np.diag(R))
     W = B / sd[:, None]
     search = _Search(W, G, S, places, separation, free, labels)
@@ -196,7 +195,7 @@ def place_gauges(
 
 
 class _Search:
-    """Greedy choice and exchange over candidates; larger values are better."""
+    """Greedy selection and exchange of candidates; a larger value is better."""
 
     def __init__(
         self,
@@ -211,7 +210,7 @@ class _Search:
         self.W, self.S, self.places, self.labels = W, S, places, labels
         self.separation, self.free = separation, free
         scale = float(np.mean(np.einsum("ij,ij->i", W, W))) or 1.0
-        # without a prior the first gauges leave modes open: a weak one stands in
+        # weak prior: the first gauges do not determine all modes
         self.base = np.linalg.inv(G) if G is not None else 1e-9 * scale * np.eye(W.shape[1])
 
     def information(self, chosen: list[int]) -> Array:
@@ -225,7 +224,7 @@ class _Search:
         return -float(np.einsum("ij,ji->", self.S, np.linalg.solve(A, self.S.T)))
 
     def gains(self, A: Array) -> Array:
-        """Return what each candidate adds to the value with information A."""
+        """Return the increase of the value by each candidate for information matrix A."""
         P = np.linalg.inv(A)
         WP = self.W @ P
         h = np.einsum("ij,ij->i", WP, self.W)
@@ -275,7 +274,7 @@ class _Search:
 
 
 def _candidates(candidates: Any) -> tuple[Array, tuple[str, ...], Array | None]:
-    """Return rows, names and, if known, positions."""
+    """Return rows, names and (if known) positions of the candidates."""
     if isinstance(candidates, ReducedPart):
         stress = candidates.stress
         if stress is None or stress.elasticity is None:
@@ -303,8 +302,8 @@ def _candidates(candidates: Any) -> tuple[Array, tuple[str, ...], Array | None]:
     return rows, names, places
 
 
-def _inside(zone: Any, places: Array | None) -> NDArray[np.intp]:
-    """Return the candidates in a zone."""
+def _is_in_zone(zone: Any, places: Array | None) -> NDArray[np.intp]:
+    """Return the candidates inside a zone."""
     assert places is not None
     if hasattr(zone, "of"):
         return np.asarray(zone.of(places), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Reconstruction: modal coordinates of a body from its strain gauges, instant by instant."""
+"""Reconstruction: modal coordinates of a body from its strain gauges at each instant."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain, re
 NOISE = 1e-6
 """Default standard deviation of a gauge, m/m."""
 CONDITION = 1e4
-"""Condition number from which on a basis without prior is reported to amplify the noise."""
+"""Condition number from which a basis without prior amplifies noise (reported)."""
 FAR_OFF = 10.0
-"""Score of most gauges from which on the estimate is reported as doubtful; 1 is right."""
+"""Leave-one-out score of most gauges from which an estimate is doubtful; 1 is ideal."""
 PARALLEL = 1e-9
-"""How near to 1 the cosine of the rows of two gauges is if they say the same."""
+"""Cosine of two gauge rows from which they carry the same information: 1 - this value."""
 UNSEEN = 1e-9
-"""Strain of a mode, of the largest of any mode, that is rounding."""
+"""Strain of a mode relative to the largest mode below which it is rounding."""
 FEWER = (
     "reduce the part with fewer modes= (not by reduced.keep: the static shapes of its interfaces, "
     "by which loads are found, are spread over all modes)"
 )
-"""How to get a part with fewer modes that still tells loads."""
+"""Advice on a part with fewer modes that still represents the loads."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Estimate(Told):
-    """Modal coordinates from gauges, with measures of their quality.
+    """Modal coordinates from gauges with quality measures.
 
     Attributes
     ----------
@@ -54,9 +54,9 @@ class Estimate(Told):
     names : tuple of str
         Names of the gauges.
     discrepancy : float
-        What the model misses, m/m, from `Reconstruction.calibrated`.
+        Model error in strain, m/m, from `Reconstruction.calibrated`.
     gains, errors : arrays, optional
-        As of `Told`.
+        Data as in `Told`.
     """
 
     residual: Array
@@ -68,12 +68,12 @@ class Estimate(Told):
 
     @property
     def missed(self) -> float:
-        """Standard deviation of the strain that the model misses anywhere, m/m."""
+        """Standard deviation of the model error in strain, m/m."""
         return self.discrepancy
 
     @property
     def score(self) -> Array:
-        """Root mean square of `leave_one_out` over `expected` for each gauge (ng,); 1 is right."""
+        """Score (ng,): rms of `leave_one_out` divided by `expected`; 1 is ideal."""
         with np.errstate(invalid="ignore"):
             ratio = self.leave_one_out / self.expected
         ratio[~np.isfinite(ratio)] = np.nan
@@ -116,11 +116,11 @@ class Estimate(Told):
 class Reconstruction:
     """Modal coordinates from strains, ``p = (B^T Rn^-1 B + G^-1)^-1 B^T Rn^-1 e``.
 
-    The weighted, regularised least squares estimate of ``e = B p + noise`` with its covariance
-    ``P = (B^T Rn^-1 B + G^-1)^-1``; without prior the first is ``B^+ e`` (pseudoinverse) for
-    equal noise. Every instant stands alone: no model of the motion, no delay. The basis should
-    hold the static shapes of the loads (interfaces of a `CraigBampton` reduction do), or stress
-    near loads and clamps is wrong.
+    Weighted, regularised least-squares estimate of ``e = B p + noise`` with covariance ``P = (B^T
+    Rn^-1 B + G^-1)^-1``; without prior and with equal noise the gain is the pseudoinverse ``B^+``.
+    Each instant is independent: no model of the motion, no delay. The basis should contain the
+    static shapes of the loads (as interfaces of a `CraigBampton` reduction do); else stress near
+    loads and clamps is wrong.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ class Reconstruction:
 
     @property
     def condition(self) -> float:
-        """Condition number of the whitened rows; inf if some modes are not seen."""
+        """Condition number of the whitened rows; inf with unobservable modes."""
         s = la.svdvals(self.whitened)
         if len(self.B) < self.n or s[-1] <= 1e-12 * s[0]:
             return float("inf")
@@ -220,11 +220,11 @@ class Reconstruction:
 
     @property
     def unobservable(self) -> Array:
-        """Combinations of modes that no gauge sees (n, k), orthonormal columns."""
+        """Mode combinations without effect on any gauge (n, k), orthonormal columns."""
         return np.asarray(la.null_space(self.B, rcond=1e-9))
 
     def estimate(self, e: ArrayLike, time: ArrayLike | None = None) -> Estimate:
-        """Return the modal coordinates from measured strains.
+        """Return the modal coordinates of measured strains.
 
         Parameters
         ----------
@@ -275,7 +275,8 @@ class Reconstruction:
         if blind:
             warn(
                 "Reconstruction.estimate",
-                f"at {count(blind, 'instant')} of {len(strain)} too few gauges are left to tell "
+                f"at {count(blind, 'instant')} of {len(strain)} too few gauges are left to "
+                "determine "
                 f"{count(self.n, 'mode')}; p is nan there, give a prior to continue",
             )
         residual = strain - p @ self.B.T
@@ -304,12 +305,11 @@ class Reconstruction:
         return found
 
     def calibrated(self, e: ArrayLike) -> Reconstruction:
-        """Return the reconstruction with the noise that measured strains show.
+        """Return the reconstruction with noise scaled to measured strains.
 
-        The noise covariance is multiplied so that the prediction of gauges by one another (the
-        leave-one-out residual) has the size that it must have, on average over the gauges: model
-        errors, too, are then part of the band; what the noise grows by is taken as the discrepancy
-        of the model everywhere.
+        The factor makes the leave-one-out residuals, averaged over the gauges, equal to their
+        expected size. The noise then includes model errors, and its increase is taken as the model
+        error everywhere.
 
         Raises
         ------
@@ -317,8 +317,8 @@ class Reconstruction:
             As `estimate`; also if no gauge can be distinguished from the others.
         """
         scaled = self
-        for _ in range(20):  # the prior does not scale along, so the factor is found by repetition
-            with warnings.catch_warnings():  # scores far above 1 are what is put right here
+        for _ in range(20):  # fixed-point iteration: the prior does not scale with the noise
+            with warnings.catch_warnings():  # high scores are expected before the calibration
                 warnings.filterwarnings("ignore", message=".*contradict one another")
                 score = scaled.estimate(e).score
             good = score[np.isfinite(score)]
@@ -338,18 +338,18 @@ class Reconstruction:
         return scaled._with_noise(scaled.noise, float(np.sqrt(max(grown, 0.0))))
 
     def _with_noise(self, R: Array, discrepancy: float = 0.0) -> Reconstruction:
-        with warnings.catch_warnings():  # what is to be said of the rows was said before
+        with warnings.catch_warnings():  # the rows are unchanged and were checked before
             warnings.simplefilter("ignore")
             return replace(self, noise=R, discrepancy=discrepancy)
 
     def gain(self, mask: NDArray[np.bool_]) -> tuple[Array, Array] | None:
         """Return gain (n, k) and covariance (n, n) with the k gauges of a mask (ng,).
 
-        None if they cannot distinguish the modes and there is no prior.
+        None if the gauges cannot distinguish the modes and there is no prior.
         """
         B, R = self.B[mask], self.noise[np.ix_(mask, mask)]
         if self.prior is not None:
-            # the form that needs no inverse of a prior that may be singular
+            # form without inverse of the prior, which may be singular
             GB = self.prior @ B.T
             if not len(B):
                 return np.zeros((self.n, 0)), np.asarray(self.prior)
@@ -381,13 +381,13 @@ class Reconstruction:
         diagonal = np.diag(inverse - weighted @ P @ weighted.T)
         told = diagonal > 1e-9 * np.diag(inverse)
         safe = np.where(told, diagonal, 1.0)
-        # Q e is Rn^-1 (e - B p)
+        # Q e = Rn^-1 (e - B p)
         value = np.where(told, residual @ inverse.T / safe, np.inf)
         size = np.where(told, 1.0 / np.sqrt(safe), np.inf)
         return value, np.broadcast_to(size, value.shape)
 
     def _check(self) -> None:
-        """Refuse what cannot be solved; warn of what the prior alone decides."""
+        """Raise InputError for unsolvable systems; warn of modes that depend on the prior alone."""
         ng, n = self.B.shape
         hidden = self.unobservable
         pairs = _parallel(self.B, self.names)
@@ -402,7 +402,7 @@ class Reconstruction:
                 )
             return
         rank = n - hidden.shape[1]
-        found = f"{count(ng, 'gauge')} tell {rank} of {count(n, 'mode')} apart{alike}"
+        found = f"{count(ng, 'gauge')} distinguish {rank} of {count(n, 'mode')}{alike}"
         size = np.linalg.norm(self.B, axis=0)
         blank = np.flatnonzero(size <= UNSEEN * size.max())
         which = ""
@@ -422,13 +422,13 @@ class Reconstruction:
             )
         warn(
             "Reconstruction",
-            f"{found}{which}; the prior alone decides the other "
-            f"{count(hidden.shape[1], 'combination')}, look at the bands",
+            f"{found}{which}; the prior alone determines the other "
+            f"{count(hidden.shape[1], 'combination')}, check the bands",
         )
 
 
 def _parallel(B: Array, names: Sequence[str]) -> str:
-    """Return the names of gauges whose rows are parallel, empty if there are none."""
+    """Return the names of gauges with parallel rows; empty if there are none."""
     length = np.linalg.norm(B, axis=1)
     unit = B / np.where(length > 0.0, length, 1.0)[:, None]
     cosine = np.abs(unit @ unit.T)
@@ -440,7 +440,7 @@ def _parallel(B: Array, names: Sequence[str]) -> str:
     ]
     blind = [f"'{name}'" for name, size in zip(names, length, strict=True) if size == 0.0]
     text = ", ".join(found[:4]) + (", ..." if len(found) > 4 else "")
-    return text if not blind else f"{text}{', ' if text else ''}{', '.join(blind)} (sees nothing)"
+    return text if not blind else f"{text}{', ' if text else ''}{', '.join(blind)} (zero row)"
 
 
 def _even(P: Array) -> Array:

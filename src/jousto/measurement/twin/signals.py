@@ -1,4 +1,4 @@
-"""Measured signals: checks, the noise given for them, and what a gauge may be wrong by."""
+"""Measured signals: checks, noise, and errors of gauges."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from jousto.base.numbers import Number
 from jousto.mechanism.sensors.gauge import Gauge, outward
 
 LARGEST = LARGE_STRAIN
-"""Strain beyond which no elastic part goes, m/m, the same for every door of the package."""
+"""Largest plausible elastic strain, m/m."""
 
 
 TURN = 1e-2
-"""Angle of the difference for the derivative by the direction, rad."""
+"""Step of the derivative by the direction, rad."""
 
 
 def read_strain(
     problems: Problems, where: str, e: Any, names: Sequence[str], strains: int | None = None
 ) -> Array | None:
-    """Return strains (nt, ng), with nan for silent gauges, or note what is wrong.
+    """Return strains (nt, ng), nan for missing gauges, and add their problems.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def read_strain(
     names : sequence of str
         The channels.
     strains : int, optional
-        How many of the first channels are strains; all of them if not given.
+        Number of leading channels that are strains; all of them if not given.
     """
     if (
         isinstance(e, np.ndarray)
@@ -48,7 +48,7 @@ def read_strain(
         and bool((np.abs(e[:strains]) <= LARGEST).all())
         and bool(np.isfinite(e).all())
     ):
-        return e[None]  # the usual sample of a stream
+        return e[None]  # one sample of a stream
     try:
         strain = np.atleast_2d(np.array(e, dtype=np.float64))
     except (TypeError, ValueError):
@@ -89,7 +89,7 @@ def read_strain(
 
 
 def read_time(problems: Problems, where: str, time: Any, strain: Array | None) -> Array | None:
-    """Return the instants, 0, 1, 2 .. if none are given, or note what is wrong."""
+    """Return the instants (0, 1, 2 .. by default), and add their problems."""
     nt = 0 if strain is None else len(strain)
     if time is None:
         return np.arange(nt, dtype=np.float64)
@@ -114,7 +114,7 @@ def read_time(problems: Problems, where: str, time: Any, strain: Array | None) -
 def read_noise(
     problems: Problems, where: str, key: str, value: Any, size: int, unit: str, largest: float
 ) -> Array | None:
-    """Return a covariance matrix from standard deviations or a matrix, or note what is wrong."""
+    """Return a covariance matrix from standard deviations or a matrix; add its problems."""
     try:
         given = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -158,7 +158,7 @@ def read_noise(
 
 
 class GaugeErrors(Declared, kw_only=True):
-    """Standard deviations of errors that stay through a record and that no record shows."""
+    """Standard deviations of errors that are constant over a record."""
 
     scale: Number = field(
         "Of all stress, relative: modulus, common gauge factor, as of `stress_band`",
@@ -195,7 +195,7 @@ def gauge_errors(
     position: float = 0.0,
     angle: float = 0.0,
 ) -> Array:
-    """Return the standard deviation of the strain that each gauge shows wrongly, per mode.
+    """Return the standard deviation of each gauge's error in strain per unit mode.
 
     ``factor B_g``, ``position dB_g/dx`` and ``angle dB_g/dtheta``: the derivatives are differences
     of the strain field of the modes, along the grid (beams and solids) and, of solids, across it.
@@ -244,19 +244,23 @@ def gauge_errors(
     if factor:
         found.append([factor * gauge.rows for gauge in gauges])
     if position:
-        found.append([position * _slope(gauge, gauge.axis, position) for gauge in gauges])
-        across = [_across(gauge) for gauge in gauges]
+        found.append(
+            [position * _position_derivative(gauge, gauge.axis, position) for gauge in gauges]
+        )
+        across = [_across_grid(gauge) for gauge in gauges]
         if all(direction is not None for direction in across):
             pairs = zip(gauges, across, strict=True)
-            found.append([position * _slope(g, d, position) for g, d in pairs if d is not None])
+            found.append(
+                [position * _position_derivative(g, d, position) for g, d in pairs if d is not None]
+            )
     if angle:
-        found.append([angle * _turn(gauge) for gauge in gauges])
+        found.append([angle * _angle_derivative(gauge) for gauge in gauges])
     n = gauges[0].rows.shape[1]
     return np.array(found).reshape(-1, len(gauges), n)
 
 
 def _rows(gauge: Gauge, at: Array, direction: Array) -> Array:
-    """Return the row (1, n) of a gauge that sticks elsewhere."""
+    """Return the row (1, n) of a gauge at another place."""
     return Gauge(
         gauge.name,
         gauge.reduced,
@@ -271,28 +275,29 @@ def _rows(gauge: Gauge, at: Array, direction: Array) -> Array:
     ).rows
 
 
-def _slope(gauge: Gauge, direction: Array, h: float) -> Array:
+def _position_derivative(gauge: Gauge, direction: Array, h: float) -> Array:
     """Return the derivative of the row by the position, per m; one-sided at edges."""
     ends, span = [], 0.0
     for sign in (1.0, -1.0):
         try:
             ends.append(_rows(gauge, gauge.position + sign * h * direction, gauge.axis))
             span += h
-        except InputError:  # the surface ends there
+        except InputError:  # edge of the surface
             ends.append(gauge.rows)
     if not span:
-        _rows(gauge, gauge.position + h * direction, gauge.axis)  # says why
+        # raises the InputError with its reason
+        _rows(gauge, gauge.position + h * direction, gauge.axis)
     return (ends[0] - ends[1]) / span
 
 
-def _across(gauge: Gauge) -> Array | None:
-    """Return the direction across the grid along the surface, None on beams."""
+def _across_grid(gauge: Gauge) -> Array | None:
+    """Return the in-surface direction across the grid; None on beams."""
     if not gauge.reduced.faces:
         return None
     return np.asarray(np.cross(outward(gauge), gauge.axis))
 
 
-def _turn(gauge: Gauge) -> Array:
+def _angle_derivative(gauge: Gauge) -> Array:
     """Return the derivative of the row by the angle about the normal, per rad."""
     across = np.cross(outward(gauge), gauge.axis)
     c, s = math.cos(TURN), math.sin(TURN)

@@ -1,4 +1,4 @@
-"""Estimates of every instant from a whole record, and samples of the histories that it allows."""
+"""Smoothed estimates from a whole record, and sampled histories."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from jousto.measurement.twin.kalman import STEADY, Gain, backward, drifts
 
 
 def smooth(observed: Estimates) -> Estimates:
-    """Return modes and loads with the whole record in every instant.
+    """Return modes and loads at every instant from the whole record.
 
-    The smoother of Rauch, Tung and Striebel (AIAA Journal 3, 1965) backwards over a record that
-    `Observer.run` took: no delay between loads and their effect, and narrower bands. What comes
-    after an instant is used, so it is not for real time.
+    Rauch-Tung-Striebel smoother (AIAA Journal 3, 1965), backwards over a record that `Observer.run`
+    processed: no delay between loads and their effect, and narrower bands. It uses later samples,
+    so it is not for real time.
 
     Parameters
     ----------
     observed : Estimates
-        From `Observer.run`.
+        Estimates from `Observer.run`.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def smooth(observed: Estimates) -> Estimates:
 @described
 @dataclass(frozen=True, eq=False)
 class Histories:
-    """Histories of the modal coordinates that a record allows, each as likely as the other.
+    """Sampled histories of the modal coordinates, equally likely given the record.
 
     Attributes
     ----------
@@ -97,20 +97,20 @@ class Histories:
 
 
 def sample_posterior(observed: Estimates, count: int = 50, *, seed: int = 1) -> Histories:
-    """Return histories of modes and loads that fit a record, drawn from their distribution.
+    """Return sampled histories of modes and loads given a record (posterior distribution).
 
-    Durbin and Koopman, Biometrika 89 (2002) 603: a history of the model itself is simulated, its
-    channels are measured, filtered and smoothed as the record was, and what the smoother misses of
-    it is added to the smoothed record. For what depends on whole histories, as damage does.
+    Durbin and Koopman, Biometrika 89 (2002) 603: a history of the model is simulated, its channels
+    are measured, filtered and smoothed like the record, and the error of the smoother is added to
+    the smoothed record. Use it for quantities of whole histories, such as damage.
 
     Parameters
     ----------
     observed : Estimates
-        From `Observer.run`, smoothed or not.
+        Estimates from `Observer.run`, smoothed or not.
     count : int
         Number of histories.
     seed : int
-        Of the random numbers.
+        Seed of the random numbers.
     """
     smoothed = observed if observed.smoothed else smooth(observed)
     system, channels = observed.observer.system, observed.observer.channels
@@ -143,7 +143,7 @@ def sample_posterior(observed: Estimates, count: int = 50, *, seed: int = 1) -> 
 
 
 class _Backward:
-    """Gains of the smoother for pairs of gains of the filter, each formed once."""
+    """Smoother gains for pairs of filter gains, cached."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], Array] = {}
@@ -158,7 +158,7 @@ class _Backward:
 
 
 def _inputs(observed: Estimates) -> Array:
-    """Return what known forces added to the state in each step (nt, nx)."""
+    """Return the effect of known forces on the state in each step (nt, nx)."""
     d = observed.observer.system.dynamic
     f = observed.forces[:, d]
     added = np.zeros_like(observed.states)
@@ -168,7 +168,7 @@ def _inputs(observed: Estimates) -> Array:
 
 
 def _root(P: Array) -> Array:
-    """Return a root of a covariance that may be singular."""
+    """Return a square root of a covariance that may be singular."""
     size = np.sqrt(np.maximum(np.diag(P), 1e-300))
     values, vectors = np.linalg.eigh(P / np.outer(size, size))
     return np.asarray(size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

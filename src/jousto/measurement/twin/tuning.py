@@ -1,4 +1,4 @@
-"""Noise from data: the test of the innovations, and the factors that make them right."""
+"""Noise from data: innovation test and maximum likelihood."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from jousto.measurement.twin.signals import LARGEST
 from jousto.measurement.twin.smoother import smooth
 
 TOLERANCE = 0.25
-"""Share by which bands may be wrong before an innovation test fails."""
+"""Relative error of the bands up to which the innovation test passes."""
 FARTHEST = 8.0
-"""Logarithm of the largest factor by which a standard deviation is changed."""
+"""Logarithm of the largest factor on a standard deviation."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class InnovationTest:
-    """Whether the innovations of a filter agree with its noise.
+    """Comparison of the innovations of a filter with its noise.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class InnovationTest:
         Mean square of the independent innovations; 1 is right, more means that bands are too
         narrow, less that they are too wide.
     low, high : float
-        Where `size` lies with a probability of 95 % if all is right.
+        95 % interval of `size` for correct noise.
     whiteness : float
         Correlation of one innovation with the next; 0 is right.
     limit : float
@@ -61,38 +61,38 @@ class InnovationTest:
 
     @property
     def ratio(self) -> float:
-        """Effect of the size: innovations are so many times as large as by the bands."""
+        """Effect of the size: rms of the normalised innovations."""
         return float(np.sqrt(self.size))
 
     @property
     def largest_correlation(self) -> float:
-        """Correlation r that makes the band of a mean too narrow by the tolerance.
+        """Correlation r at which the band of a mean is too narrow by the tolerance.
 
-        Innovations that follow one another with correlations r, r^2, .. have means with
-        ``sqrt((1 + r) / (1 - r))`` times the deviation of independent ones.
+        Innovations with autocorrelations r, r^2, .. have means with ``sqrt((1 + r) / (1 - r))``
+        times the deviation of independent ones.
         """
         square = (1.0 + self.tolerance) ** 2
         return (square - 1.0) / (square + 1.0)
 
     @property
     def significant(self) -> tuple[bool, bool]:
-        """Whether chance does not explain size and whiteness; in a long record it never does."""
+        """Whether size or whiteness differ significantly; long records always do."""
         return not self.low <= self.size <= self.high, abs(self.whiteness) > self.limit
 
     @property
     def relevant(self) -> tuple[bool, bool]:
-        """Whether size and whiteness are off by more than the tolerance of the bands."""
+        """Whether size or whiteness differ by more than the tolerance of the bands."""
         wide = 1.0 + self.tolerance
         return not 1.0 / wide <= self.ratio <= wide, abs(self.whiteness) > self.largest_correlation
 
     @property
     def passed(self) -> bool:
-        """Whether neither size nor whiteness is off both beyond chance and beyond the tolerance."""
+        """Whether no difference is both significant and above the tolerance."""
         return not any(a and b for a, b in zip(self.significant, self.relevant, strict=True))
 
     @property
     def verdict(self) -> str:
-        """What it means for the bands."""
+        """Conclusion for the bands, as a sentence."""
         if not self.passed:
             return "not in agreement with the noise"
         near = any(self.significant)
@@ -114,17 +114,17 @@ class InnovationTest:
 def innovation_test(
     observed: Estimates, *, skip: int = 20, tolerance: float = TOLERANCE
 ) -> InnovationTest:
-    """Return whether the innovations are independent and have the size that they must have.
+    """Return the test of innovations for independence and size.
 
     Mehra, IEEE Trans. Automatic Control 15 (1970) 175: with the right noise they are white, and
     their mean square over their own covariance is chi-squared. No model is exact, and a record that
-    is long enough shows it; so the verdict asks besides whether it matters, whether the bands are
+    is long enough shows it; so the verdict also depends on its size, on whether the bands are
     wrong by more than the tolerance.
 
     Parameters
     ----------
     observed : Estimates
-        From `Observer.run`.
+        Estimates from `Observer.run`.
     skip : int
         Samples at the start that are left out.
     tolerance : float
@@ -143,7 +143,7 @@ def innovation_test(
         raise InputError(
             Problem("innovation_test", f"{len(observed)} samples, needs {skip + 10} or more")
         )
-    # of the channels alone: the loads are free to fulfil a balance
+    # without the balance, which free loads always satisfy
     measured = observed.observer.names
     scores = observed.scores[skip:, : len(measured)]
     good = np.isfinite(scores)
@@ -172,24 +172,25 @@ def innovation_test(
 
 
 def tune(observer: Observer, time: Any, e: ArrayLike, *, rounds: int = 2) -> Observer:
-    """Return the observer with the noise that makes a record most likely.
+    """Return the observer with the maximum-likelihood noise of a record.
 
-    In turns, the mean, size and rate of every smooth load become those of the smoothed record, with
-    what is uncertain of it (expectation maximisation), and the noise of the channels, the
-    discrepancy of the model and the rates of rough loads those for which the innovations of the
-    filter have the largest likelihood. Nothing but the record is used.
+    The steps alternate: mean, size and rate of every smooth load become those of the smoothed
+    record, including its uncertainty (expectation maximisation); noise of the channels, model error
+    and rates of rough loads become those of the largest likelihood of the innovations. Only the
+    record is used.
 
     Parameters
     ----------
     observer : Observer
-        With noise and rates to start from, right within a factor of some hundred, and the balance
-        as it is: the loads are free to fulfil it, so that the record contains no information on it.
+        Observer with start values of noise and rates, right within a factor of some hundred, and
+        the balance as it is: the loads are free to fulfil it, so that the record contains no
+        information on it.
     time : (nt,) array_like
         Instants, s; some hundred samples with typical motion.
     e : (nt, ny) array_like
         Samples as for `Observer.run`.
     rounds : int
-        How often.
+        Number of rounds.
 
     Raises
     ------
@@ -208,7 +209,7 @@ def tune(observer: Observer, time: Any, e: ArrayLike, *, rounds: int = 2) -> Obs
 
 
 def _expected_loads(observer: Observer, time: Any, e: ArrayLike) -> Observer:
-    """Return the observer with means, sizes and rates of smooth loads as a record shows them."""
+    """Return the observer with means, sizes and rates of smooth loads from a record."""
     system = observer.system
     smoothed = smooth(observer.run(time, e))
     variances = np.einsum("mjj->mj", smoothed.P)[smoothed.which]
@@ -233,10 +234,10 @@ def _expected_loads(observer: Observer, time: Any, e: ArrayLike) -> Observer:
 
 
 def _likeliest(observer: Observer, time: Any, e: ArrayLike, reach: float) -> Observer:
-    """Return the observer with the likeliest noise, discrepancy and rates of rough loads."""
+    """Return the observer with maximum-likelihood noise, model error and rates of rough loads."""
     observed = observer.run(time, e)
-    # channels without what known forces do: that does not change with the noise
-    before = np.vstack([observer._rest(observed.forces[0])[None], observed.states[:-1]])
+    # channels minus the effect of known forces, which does not depend on the noise
+    before = np.vstack([observer._static_state(observed.forces[0])[None], observed.states[:-1]])
     predicted = [
         observer.channels.H @ (gain.F @ x + gain.Gu @ f)
         for gain, x, f in zip(observed.gains, before, _means(observed), strict=True)
@@ -257,7 +258,7 @@ def _likeliest(observer: Observer, time: Any, e: ArrayLike, reach: float) -> Obs
         over = float(np.sum(np.maximum(np.abs(logs) - FARTHEST, 0.0)))
         try:
             return -_likelihood(made(logs), steps, y, observed.forces) + 1e3 * over
-        except np.linalg.LinAlgError:  # far off
+        except np.linalg.LinAlgError:  # far from the optimum
             return 1e30
 
     n = 2 + len(rough)
@@ -267,16 +268,16 @@ def _likeliest(observer: Observer, time: Any, e: ArrayLike, reach: float) -> Obs
 
 
 def _means(observed: Estimates) -> Array:
-    """Return the known forces that acted in each step (nt, nd)."""
+    """Return the known forces in each step (nt, nd)."""
     f = observed.forces[:, observed.observer.system.dynamic]
     return np.vstack([np.zeros_like(f[:1]), 0.5 * (f[:-1] + f[1:])])
 
 
 def _likelihood(observer: Observer, steps: Array, y: Array, forces: Array) -> float:
-    """Return the logarithm of the likelihood of channels y (nt, ny) without known offsets."""
+    """Return the log-likelihood of channels y (nt, ny) without known offsets."""
     system, channels = observer.system, observer.channels
     d = system.dynamic
-    x = observer._rest(forces[0])
+    x = observer._static_state(forces[0])
     total = 0.0
     gain: Gain | None = None
     for k, sample in enumerate(y):
@@ -285,7 +286,7 @@ def _likelihood(observer: Observer, steps: Array, y: Array, forces: Array) -> fl
         if gain is None:
             gain = first_gain(system, channels, seen)
         else:
-            gain = next_gain(gain, system, channels, observer._rounded(float(steps[k])), seen)
+            gain = next_gain(gain, system, channels, observer._round_time(float(steps[k])), seen)
             x = gain.F @ x
             if system.nd:
                 x = x + gain.Gu @ (0.5 * (forces[k - 1, d] + forces[k, d]))

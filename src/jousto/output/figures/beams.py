@@ -1,4 +1,4 @@
-"""Pictures of exact beams: resultants along them, their bent shapes, and files for ParaView."""
+"""Pictures of exact beams: resultants and deformed shapes, and files for ParaView."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from jousto.scene.make import make_scene
 from jousto.scene.values_at_rows import rows_at, section_axes, stresses, vertices
 from jousto.simulation.results.solution import Solution
 
-WIDTH = 7.2  # inch
+WIDTH = 7.2  # width of a picture, inch
 TIMES: LinearSegmentedColormap = LinearSegmentedColormap.from_list("times", ("#B9C4D0", COLORS[0]))
-SHOWN = 9  # instants of a shape if none are given
+SHOWN = 9  # default number of instants of a deformed shape
 
 
 @drawing
@@ -36,12 +36,12 @@ def plot_section_forces(
     times: ArrayLike | None = None,
     at: float | str | None = None,
 ) -> Picture:
-    """Draw resultants of a beam: along it at some instants with the envelope, or over time.
+    """Draw resultants along a beam at some instants with their envelope, or over time.
 
     Parameters
     ----------
     forces : SectionForces
-        See `section_forces`.
+        Forces as in `section_forces`.
     components : sequence of str, optional
         Some of "N", "Qy", "Qz", "Mx", "My", "Mz"; those that are not zero if not given.
     times : (nt,) array_like, optional
@@ -92,7 +92,7 @@ def plot_section_forces(
 
 
 def _present(forces: SectionForces) -> list[str]:
-    """Return the resultants that matter: by their size beside the others of their kind."""
+    """Return the resultants that are not negligible beside others of the same unit."""
     size = np.abs(forces.ends).max(axis=(0, 1, 2))
     top = np.repeat([size[:3].max(), size[3:].max()], 3)
     kept = [name for name, x, y in zip(RESULTANTS, size, top, strict=True) if x > 1e-3 * y]
@@ -117,7 +117,7 @@ def plot_beam(
     times : (nt,) array_like, optional
         Instants, s; nine over the run if not given.
     view : View, "xy", "xz" or "yz", optional
-        From where; None chooses.
+        Direction of view; None chooses.
     path : path, optional
         File to write: png, svg, pdf, jpg, webp or eps.
 

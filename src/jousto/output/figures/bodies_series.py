@@ -1,4 +1,4 @@
-"""All bodies of a run for ParaView, as they move: surfaces, lines, and exact beams as tubes."""
+"""ParaView series of all bodies of a run: surfaces, lines, and exact beams as tubes."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def write_run(
     times: ArrayLike | None = None,
     scale: float = 1.0,
 ) -> Path:
-    """Write all bodies of a run for ParaView, where they are in the world.
+    """Write all bodies of a run at their positions in the world for ParaView.
 
-    Solids are their surfaces, frames and exact beams tubes of their sections, rigid bodies what
-    pictures show of them. Point data: ``body``, its number from 1 in the order of ``run.bodies``
-    and then of ``run.beams``; ``displacement (m)`` since the first instant of the run, of which
-    "Warp By Vector" with a factor of -1 is the start; and ``von Mises (Pa)``, nan where the
-    stress is not known, if any body has some.
+    Solids are written as surfaces, frames and exact beams as tubes of their sections, rigid bodies
+    in their displayed shape. Point data: ``body``, its number from 1 in the order of ``run.bodies``
+    and then of ``run.beams``; ``displacement (m)`` since the first instant of the run ("Warp By
+    Vector" with factor -1 gives the start); and ``von Mises (Pa)``, nan where unknown, if any body
+    has stress.
 
     Parameters
     ----------

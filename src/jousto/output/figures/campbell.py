@@ -12,7 +12,7 @@ from jousto.base.errors import InputError, Problem, suggest
 from jousto.output.style import COLORS, MUTED, Picture, drawing
 from jousto.simulation.modes.campbell import Campbell
 
-SIZE = (8.0, 4.6)  # inch
+SIZE = (8.0, 4.6)  # width and height, inch
 KINDS = ("frequencies", "root locus")
 
 
@@ -28,7 +28,7 @@ def plot_campbell(
     Parameters
     ----------
     data : Campbell
-        From `campbell`.
+        Result of `campbell`.
     kind : {"frequencies", "root locus"}
         A root locus draws the eigenvalues in the complex plane, a dot at the first value.
     orders : sequence of float

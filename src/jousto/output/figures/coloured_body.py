@@ -1,4 +1,4 @@
-"""One body in the colours of values at its nodes, with numbered places: damage and hot spots."""
+"""One body coloured by nodal values, with numbered marks: damage and hot spots."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from jousto.output.scenes.view import View
 from jousto.output.style import INK, PAPER
 from jousto.simulation.results.records import BodyShape
 
-PIECES = 8  # of one element of a line, each of one colour
-FADED = 0.6  # of the ink of a mark behind the body
+PIECES = 8  # pieces of a line element, each of one colour
+FADED = 0.6  # opacity of a mark behind the body
 
 
 def extent(shape: BodyShape, view: View) -> tuple[Array, Array]:
-    """Return middle and size (2,) of the picture of a body, with a margin, m."""
+    """Return centre and size (2,) of the picture of a body with its margin, m."""
     x = view.project(shape.nodes)[:, :2]
     low, high = x.min(axis=0), x.max(axis=0)
     size = np.maximum(high - low, 1e-9)
@@ -27,7 +27,7 @@ def extent(shape: BodyShape, view: View) -> tuple[Array, Array]:
     return 0.5 * (low + high), size
 
 
-def paint(
+def paint_body(
     ax: Axes,
     shape: BodyShape,
     view: View,
@@ -36,7 +36,7 @@ def paint(
     *,
     decades: bool = False,
 ) -> None:
-    """Draw a body in the colours of its nodes; lines between them straight or in decades."""
+    """Draw a body coloured by nodal values; `decades`: lines interpolate in logarithms."""
     middle, size = extent(shape, view)
     ax.set_xlim(middle[0] - 0.5 * size[0], middle[0] + 0.5 * size[0])
     ax.set_ylim(middle[1] - 0.5 * size[1], middle[1] + 0.5 * size[1])
@@ -64,13 +64,13 @@ def paint(
     )
 
 
-def mark(
+def mark_place(
     ax: Axes, shape: BodyShape, view: View, position: Array, number: int, color: str = INK
 ) -> None:
-    """Mark a place by a numbered point; behind the body it is faded, its number in brackets."""
+    """Mark a place by a numbered point, in brackets and faded if it is behind the body."""
     at = view.project(position[None])[0]
-    seen = not hidden(shape, view, position)
-    below = at[1] < extent(shape, view)[0][1]  # the number stands away from the middle
+    seen = not is_hidden(shape, view, position)
+    below = at[1] < extent(shape, view)[0][1]  # place the number on the outer side of the point
     ax.plot(
         at[0],
         at[1],
@@ -97,8 +97,8 @@ def mark(
     )
 
 
-def hidden(shape: BodyShape, view: View, position: Array) -> bool:
-    """Return whether a part of the surface of a body is in front of a place; lines hide nothing."""
+def is_hidden(shape: BodyShape, view: View, position: Array) -> bool:
+    """Return whether the surface of a body is in front of a place; lines hide nothing."""
     if shape.elements.ndim != 2 or shape.elements.shape[1] != 3 or not len(shape.elements):
         return False
     x, p = view.project(shape.nodes), view.project(position[None])[0]
@@ -106,11 +106,11 @@ def hidden(shape: BodyShape, view: View, position: Array) -> bool:
     a, b, c = (x[shape.elements[:, k]] for k in range(3))
     u, v, w = b - a, c - a, p - a
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    flat = np.abs(area) < 1e-12 * size**2  # seen from its edge
+    flat = np.abs(area) < 1e-12 * size**2  # triangles seen edge-on
     area = np.where(flat, 1.0, area)
     s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
     t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
     over = ~flat & (s > -1e-9) & (t > -1e-9) & (s + t < 1.0 + 1e-9)
-    # nearness of the triangle there
+    # distance towards the eye of the triangle's plane at the place
     nearer = a[:, 2] + s * u[:, 2] + t * v[:, 2] - p[2]
     return bool(np.any(over & (nearer > 1e-5 * size)))

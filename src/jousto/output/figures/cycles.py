@@ -1,4 +1,4 @@
-"""Pictures of fatigue: S-N curves with cycles, loops at a notch, spectra of random stress."""
+"""Fatigue pictures: S-N curves with cycles, hysteresis loops, stress spectra."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from jousto.fatigue.random.random_response import RandomResponse
     from jousto.materials.strength.strain_life import StrainLife
 
-WIDTH = 7.2  # inch
+WIDTH = 7.2  # width of a picture, inch
 
 
-SIZE = (6.4, 4.6)  # inch
-MOST = 80  # turning points that are drawn
+SIZE = (6.4, 4.6)  # width and height, inch
+MOST = 80  # turning points drawn
 
 
 @drawing
@@ -38,13 +38,13 @@ def plot_sn(
     *,
     mean: MeanStress | None = None,
 ) -> Picture:
-    """Draw S-N curves, and the cycles of a history as the steps of how many are as large.
+    """Draw S-N curves, and the load spectrum of counted cycles as steps.
 
     Parameters
     ----------
     curves : SN or sequence of SN
     cycles : Cycles, optional
-        From `rainflow`.
+        Result of `rainflow`.
     mean : MeanStress, optional
         Correction of the amplitudes of the cycles.
     path : path, optional
@@ -80,7 +80,7 @@ def plot_cycles(
     Parameters
     ----------
     cycles : Cycles
-        From `rainflow`.
+        Result of `rainflow`.
     sn : SN, optional
     mean : MeanStress, optional
         Correction of the amplitudes in the S-N plot.
@@ -123,7 +123,7 @@ def _sn(ax: Axes, curves: Sequence[SN], cycles: Cycles | None, mean: MeanStress 
     S: Any = np.zeros(0)
     if cycles is not None and len(cycles):
         S = equivalents(cycles, mean)
-        # what is round-off against the largest is left out
+        # leave out cycles at rounding level
         known = np.isfinite(S) & (S > 1e-4 * float(S[np.isfinite(S)].max(initial=0.0)))
         order = np.argsort(S[known])[::-1]
         S, n = S[known][order], np.cumsum(cycles.count[known][order])
@@ -169,7 +169,7 @@ def _matrix(figure: Picture, ax: Axes, cycles: Cycles, bins: int) -> None:
 
 def _levels(ax: Axes, cycles: Cycles) -> None:
     levels, count = cycles.levels(200)
-    if not len(levels):  # of a duty cycle, whose events have levels of their own
+    if not len(levels):  # duty cycles have levels per event only
         _title(ax, "ranges")
         amplitude, number = cycles.exceedance()
         ax.step(np.append(number[:1], number), 2e-6 * np.append(amplitude, 0.0), color=COLORS[0])
@@ -192,7 +192,7 @@ def plot_hysteresis(
     *,
     rule: Rule = "neuber",
 ) -> Picture:
-    """Draw local stress over local strain at a notch, the first 80 reversals.
+    """Draw the hysteresis of local stress over local strain at a notch, first 80 reversals.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def plot_hysteresis(
     e, s = [0.0], [0.0]
     for k, end in enumerate(S):
         start = S[k - 1] if k else 0.0
-        # on its way a branch ends as if it turned there
+        # path of a branch: local_path of the series that turns at each point of the branch
         for part in np.linspace(start, end, 25)[1:]:
             there = local_path([*S[:k], part], material, rule=rule)
             e.append(float(there.strain[-1]))
@@ -246,7 +246,7 @@ def plot_spectrum(
     Parameters
     ----------
     response : RandomResponse
-        From `random_response`.
+        Result of `random_response`.
     sites : str or sequence of str
         Labels of the places.
     criterion : str

@@ -1,4 +1,4 @@
-"""Damage over a body: pictures, and files for ParaView."""
+"""Damage over a body as pictures and ParaView files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.fatigue.miner.damage_field import DamageField
-from jousto.output.figures.coloured_body import extent, mark, paint
+from jousto.output.figures.coloured_body import extent, mark_place, paint_body
 from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.stage import UNKNOWN
 from jousto.output.scenes.surface import STRESS_COLORS
@@ -23,8 +23,8 @@ from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
-WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.82  # inch
-DECADES = 8.0  # of damage that the colours show
+WIDTH, LEGEND, GAP, TOP = 7.2, 1.15, 0.2, 0.82  # inch: width, colour legend, gap, top margin
+DECADES = 8.0  # decades of damage in the colour range
 QUANTITIES = ("damage", "life", "safety")
 
 
@@ -42,13 +42,13 @@ def plot_damage(
     Parameters
     ----------
     field : DamageField
-        From `damage_field`.
+        Result of `damage_field`.
     run : Solution
         A run with that body, for its shape.
     quantity : str
         "damage", "life" (s; both in decades) or "safety" (to 5).
     view : View, "xy", "xz" or "yz", optional
-        From where it is looked at, in its own frame.
+        Direction of view in the body frame.
     marks : int
         Worst places that are numbered; those behind the body are faded, in brackets.
     path : path, optional
@@ -75,8 +75,8 @@ def plot_damage(
 def write_damage(field: DamageField, path: str | Path, run: Solution) -> Path:
     """Write damage, its decimal logarithm, life and safety at the nodes of a body for ParaView.
 
-    Nodes of which no stress is known are NaN; of several places at a node, such as the points of a
-    beam's section, the worst.
+    Nodes without stress are NaN; nodes with several places, such as the points of a beam section,
+    have the largest value.
 
     Parameters
     ----------
@@ -109,13 +109,13 @@ def write_damage(field: DamageField, path: str | Path, run: Solution) -> Path:
 def node_values(
     shape: BodyShape, field: DamageField, values: Array, worst: Callable[..., Any]
 ) -> Array:
-    """Return the worst value at each node (nn,) of a body, nan where none is known."""
+    """Return the largest damage at each node (nn,) of a body, nan where unknown."""
     high = worst is max
     out = np.full(len(shape.nodes), -np.inf if high else np.inf)
     known = np.zeros(len(out), dtype=bool)
     nodes: Any = field.nodes
     if nodes is None or np.any(nodes < 0):
-        from scipy.spatial import cKDTree  # slow to import and rarely needed
+        from scipy.spatial import cKDTree  # slow import, rarely needed
 
         nearest = cKDTree(shape.nodes).query(field.positions)[1]
         nodes = nearest if nodes is None else np.where(nodes < 0, nearest, nodes)
@@ -125,7 +125,7 @@ def node_values(
 
 
 def _norm(values: Array, quantity: str) -> tuple[Any, bool]:
-    """Return the scale of the colours, and whether small values are the bad ones."""
+    """Return the colour scale, and whether small values are critical."""
     known = values[np.isfinite(values)]
     if quantity == "safety":
         return Normalize(0.0, 5.0), True
@@ -156,19 +156,19 @@ def _picture(
         found[np.isnan(of)] = to_rgb(UNKNOWN)
         return found
 
-    paint(ax, shape, view, values, colors, decades=True)
+    paint_body(ax, shape, view, values, colors, decades=True)
     near = 0.03 * float(size.max())
     marked: list[Array] = []
     places: list[str] = []
     for label in field.worst(20 * marks):
         position = field.positions[field.labels.index(label)]
         at = view.project(position[None])[0]
-        # the points of one section, or of one notch, are one place in a picture
+        # points of one section or one notch get one mark
         if len(marked) == marks or any(np.hypot(*(at - m)[:2]) < near for m in marked):
             continue
         marked.append(at)
         places.append(f"{len(marked)} {label}")
-        mark(ax, shape, view, position, len(marked))
+        mark_place(ax, shape, view, position, len(marked))
     title = f"{quantity} of {field.body}: {field.sn.name or 'S-N curve'}, {field.criterion}"
     figure.text(GAP / WIDTH, 1 - 0.2 / total, title, fontsize=10.5, fontweight="bold", va="center")
     mean = "not corrected" if field.mean is None else str(field.mean)

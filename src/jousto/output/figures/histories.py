@@ -1,4 +1,4 @@
-"""Sensors and diagnostics of a run against time: what is drawn, and how."""
+"""Sensors and diagnostics of a run over time."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ from jousto.simulation.results.solution import Solution
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
 PREFIXED = ("m", "m/s", "m/s²", "m/m", "N", "N m", "Pa", "J", "rad")
-NONE = (None, None)  # no dashes
-LABELLED = 10  # more lines than this are not named one by one
+NONE = (None, None)  # solid line: no dash pattern
+LABELLED = 10  # number of lines up to which each line has a label
 
 
 DIAGNOSTICS = ("energy", "residuals")
 TERMS = ("kinetic", "strain", "potential", "springs", "dissipated", "friction", "work")
-MANY = 8  # more curves than this: leave out those that are always zero
-POINTS = 3000  # a picture has no room for more
+MANY = 8  # number of curves above which curves that are always zero are left out
+POINTS = 3000  # points of a curve
 STEPS = 200  # intervals of an envelope
-NOTHING = 1e-18  # residuals are drawn on a logarithmic axis, which has no zero
+NOTHING = 1e-18  # lower limit of residuals on the logarithmic axis
 
 
 @drawing
 def plot_run(run: Solution | Mapping[str, Solution], *names: str) -> Picture:
-    """Draw sensors against time, one panel below the other.
+    """Draw sensors over time, one panel per quantity.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def plot_run(run: Solution | Mapping[str, Solution], *names: str) -> Picture:
 
 
 def draw(rows: list[Panel], labels: tuple[str, ...]) -> Picture:
-    """Return the figure of these panels; `labels` name the runs."""
+    """Return the figure of panels; `labels` are the names of the runs."""
     figure, axes = panels_below(len(rows))
     for ax, panel in zip(axes, rows, strict=True):
         _panel(ax, panel, labels)
@@ -121,7 +121,7 @@ def _panel(ax: Axes, panel: Panel, labels: tuple[str, ...]) -> None:
 
 
 def _widen(ax: Axes, panel: Panel) -> None:
-    """Give a line that is constant but for round-off a range in which it looks constant."""
+    """Widen the range of an axis whose values differ by rounding errors only."""
     if panel.log:
         return
     low = min((float(np.nanmin(c.y)) for c in panel.curves), default=0.0)
@@ -133,11 +133,11 @@ def _widen(ax: Axes, panel: Panel) -> None:
 
 
 def _line(run: int, runs: int, component: int | None) -> dict[str, Any]:
-    """Return the look of a line; None is the look of a run as such.
+    """Return the style of a line; None gives the style of a run.
 
-    The colour is that of the component in all runs, the kind of line that of the run: the first of
-    several is broad and pale, so that the others over it do not hide it, then come solid, dashed,
-    dotted and other lines, eight kinds in all, and the same again in a paler colour.
+    The colour identifies the component, the line style the run: the first of several runs is broad
+    and pale, the next ones are solid, dashed, dotted and so on, eight styles, which then repeat in
+    a paler colour.
     """
     color = INK if component is None else COLORS[component % len(COLORS)]
     if runs == 1:
@@ -150,7 +150,7 @@ def _line(run: int, runs: int, component: int | None) -> dict[str, Any]:
 
 
 def _scale(ax: Axes, panel: Panel) -> None:
-    """Choose a decimal prefix of the unit, or a power of ten, that leaves short numbers."""
+    """Return a decimal prefix of the unit, or a power of ten, that gives short numbers."""
     size = max((float(np.nanmax(np.abs(c.y))) for c in panel.curves), default=0.0)
     power = 0 if size == 0.0 or 1e-2 <= size < 1e4 else 3 * int(np.floor(np.log10(size) / 3.0))
     if power == 0 or size < 1e-300:
@@ -165,7 +165,7 @@ def _scale(ax: Axes, panel: Panel) -> None:
 
 
 def _name_lines(ax: Axes, ends: list[tuple[float, str, str]]) -> None:
-    """Write the name of each line at its right end, moved apart where they would overlap."""
+    """Write the name of each line at its right end without overlaps."""
     transform = ax.transScale + ax.transLimits
     wanted = np.array([transform.transform((1.0, y))[1] for y, _, _ in ends])
     height = ax.get_position().height * ax.figure.get_figure().get_figheight()  # type: ignore[union-attr]
@@ -185,7 +185,7 @@ def _name_lines(ax: Axes, ends: list[tuple[float, str, str]]) -> None:
 
 
 def spread(wanted: NDArray[np.float64], gap: float) -> NDArray[np.float64]:
-    """Return places at least `gap` apart, in the same order and near the wanted ones.
+    """Return places at least `gap` apart, in the same order and near the wanted places.
 
     Examples
     --------
@@ -193,7 +193,7 @@ def spread(wanted: NDArray[np.float64], gap: float) -> NDArray[np.float64]:
     array([0.4, 0.1, 0.6])
     """
     order = np.argsort(wanted, kind="stable")
-    # places less k * gap must not fall: the nearest monotone sequence, by pooling neighbours
+    # isotonic regression of places - k gap by pooling adjacent violators
     groups: list[tuple[float, int]] = []
     for value in np.clip(wanted[order], 0.0, 1.0) - gap * np.arange(len(wanted)):
         groups.append((float(value), 1))
@@ -208,7 +208,7 @@ def spread(wanted: NDArray[np.float64], gap: float) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line: `name` of the component, `run` it belongs to, t (nt,) s and y (nt,)."""
+    """One line: component `name`, label of its `run`, t (nt,) s and y (nt,)."""
 
     name: str
     run: str
@@ -218,7 +218,7 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """Curves that share an axis."""
+    """Curves on a common axis."""
 
     title: str
     subtitle: str
@@ -228,7 +228,7 @@ class Panel:
 
 
 def panels(runs: Mapping[str, Solution], names: tuple[str, ...]) -> list[Panel]:
-    """Return the panels for these names; without names all sensors.
+    """Return the panels of named sensors; all sensors if none is named.
 
     Raises
     ------
@@ -286,7 +286,7 @@ def _panels(runs: Mapping[str, Solution], name: str) -> list[Panel]:
 
 
 def readable(unit: str) -> str:
-    """Return a unit as it is printed.
+    """Return a unit in its printed form.
 
     Examples
     --------
@@ -297,7 +297,7 @@ def readable(unit: str) -> str:
 
 
 def _worth_drawing(curves: list[Curve], unit: str) -> tuple[Curve, ...]:
-    """Leave out what is zero but for round-off: of stresses, and where there are many curves."""
+    """Return curves without those that are zero: stresses, and all if there are many."""
     if len(curves) <= MANY and unit != "Pa":
         return tuple(curves)
     sizes = {id(c): float(np.abs(c.y).max(initial=0.0)) for c in curves}
@@ -340,7 +340,7 @@ def _residuals(runs: Mapping[str, Solution]) -> list[Panel]:
 
 
 def thin(t: Array, y: Array) -> tuple[Array, Array]:
-    """Return fewer points with the same picture: the extremes of each of many short intervals."""
+    """Return fewer points of a curve: the extremes of each of many short intervals."""
     pieces = POINTS // 2
     size = -(-len(t) // pieces)
     if size <= 2:
@@ -355,7 +355,7 @@ def thin(t: Array, y: Array) -> tuple[Array, Array]:
 
 
 def envelope(t: Array, y: Array) -> tuple[Array, Array]:
-    """Return the largest value of each of many intervals, as a line of steps."""
+    """Return the largest value of each of many intervals as a step line."""
     size = -(-len(t) // STEPS)
     if size == 1:
         return t, y

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
-from jousto.output.figures.coloured_body import extent, mark, paint
+from jousto.output.figures.coloured_body import extent, mark_place, paint_body
 from jousto.output.files.paraview import cells_of, save_vtu
 from jousto.output.scenes.backdrop import color_bar
 from jousto.output.scenes.stage import UNKNOWN
@@ -25,10 +25,10 @@ from jousto.recovery.shape import find_body
 from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
-WIDTH, LEGEND, GAP = 7.2, 1.1, 0.2  # inch
+WIDTH, LEGEND, GAP = 7.2, 1.1, 0.2  # inch: width, colour legend, gap
 CURVES = 5  # histories in a picture
-VALUES = 2e8  # that the colours are worked out from, at most
-POINTS = 4000  # of a curve
+VALUES = 2e8  # maximum number of stress values behind the colours
+POINTS = 4000  # points of a curve
 
 
 @drawing
@@ -38,20 +38,20 @@ def plot_hotspots(
     *,
     view: View | str | None = None,
 ) -> Picture:
-    """Draw the worst value at every place, the numbered hot spots, and their histories.
+    """Draw the largest value at every place, numbered hot spots, and their histories.
 
-    Numbers in brackets are of places behind the body. Of very long runs the colours are those of
-    the instants of the hot spots and of evenly chosen ones, which the picture notes; the table is
-    always of all instants.
+    Numbers in brackets mark places behind the body. For very long runs the colours use the instants
+    of the hot spots and evenly spaced ones, with a note in the picture; the table covers all
+    instants.
 
     Parameters
     ----------
     found : HotSpots
-        From `hot_spots`.
+        Result of `hot_spots`.
     run : Solution
-        Where they were found.
+        Run of the hot spots.
     view : View, "xy", "xz" or "yz", optional
-        From where bodies are looked at, in their own frame.
+        Direction of view in the body frames.
     path : path, optional
         File to write: png, svg, pdf, jpg, webp or eps.
 
@@ -66,7 +66,7 @@ def plot_hotspots(
 
 @explained_as("write")
 def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
-    """Write the worst value at every node, when it was, and the ranks of hot spots for ParaView.
+    """Write largest value, its time and hot-spot rank at every node for ParaView.
 
     One file holds all bodies, each undeformed in its own frame; the field ``body`` counts them.
 
@@ -76,7 +76,7 @@ def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
     path : path
         Ends with .vtu.
     run : Solution
-        Where they were found.
+        Run of the hot spots.
 
     Raises
     ------
@@ -107,9 +107,9 @@ def write_hotspots(found: HotSpots, path: str | Path, run: Solution) -> Path:
 
 
 def node_values(shape: BodyShape, found: HotSpots, k: int) -> tuple[Array, int]:
-    """Return the worst ranked value at the nodes (nn,) of a body, and every how many instants.
+    """Return the largest value at the nodes (nn,) of a body, and the stride of its instants.
 
-    nan where it is not known; the larger value of places that share a node.
+    nan where unknown; the larger value where places share a node.
     """
     field = found.fields[k].during(found.start, found.end)
     every = max(1, int(np.ceil(field.ns * field.nt / VALUES)))
@@ -192,12 +192,12 @@ def _height(shape: BodyShape, view: View) -> float:
 
 
 def _body(ax: Axes, shape: BodyShape, view: View, shares: Array, found: HotSpots) -> None:
-    """Draw a body in the colours of its nodes, with its hot spots."""
-    paint(ax, shape, view, shares, _colors)
+    """Draw a body coloured by nodal values with its hot spots."""
+    paint_body(ax, shape, view, shares, _colors)
     for spot in reversed(found.spots):
         if spot.body == shape.name:
             color = COLORS[(spot.rank - 1) % len(COLORS)] if spot.rank <= CURVES else INK
-            mark(ax, shape, view, spot.position, spot.rank, color)
+            mark_place(ax, shape, view, spot.position, spot.rank, color)
 
 
 def _colors(shares: Array) -> Any:
@@ -220,7 +220,7 @@ def _histories(ax: Axes, found: HotSpots) -> None:
 
 
 def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return a curve of fewer points that looks the same: the extremes of each piece."""
+    """Return a curve with fewer points: the extremes of each piece."""
     if len(values) <= POINTS:
         return time, values
     step = -(-2 * len(values) // POINTS)

@@ -1,4 +1,4 @@
-"""Equilibria over a load, as a picture and as a table."""
+"""Equilibrium paths as pictures and tables."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from jousto.base.files import write_table
 from jousto.output.style import COLORS, INK, MUTED, Picture, drawing, target
 from jousto.simulation.statics.load_path_result import LoadPath
 
-SIZE = (7.6, 4.6)  # inch
+SIZE = (7.6, 4.6)  # width and height, inch
 AXES = "xyz"
-CLOSE = 0.06  # distance of two critical points, by the size of the picture, that share a text
+CLOSE = 0.06  # distance of critical points, relative to the picture, below which they share a label
 
 
 def sensor_place(counts: Mapping[str, int], sensor: str) -> tuple[str, int]:
-    """Return the sensor and the place of its value that ``sensor``, ``sensor.y``, ``sensor.1`` say.
+    """Return sensor and component index of ``sensor``, ``sensor.y`` or ``sensor.1``.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def sensor_place(counts: Mapping[str, int], sensor: str) -> tuple[str, int]:
 
 
 def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
-    """Return the values of ``sensor``, ``sensor.y`` or ``sensor.1`` and a label."""
+    """Return the values of ``sensor``, ``sensor.y`` or ``sensor.1`` with an axis label."""
     counts = {n: v.shape[1] if v.ndim == 2 else 1 for n, v in data.sensors.items()}
     name, k = sensor_place(counts, sensor)
     values, unit = data.sensors[name], data.units.get(name, "")
@@ -56,12 +56,12 @@ def _column(data: LoadPath, sensor: str) -> tuple[NDArray[np.float64], str]:
 
 @drawing
 def plot_load_path(data: LoadPath, sensor: str) -> Picture:
-    """Draw the load over a sensor value; unstable equilibria dashed, critical points marked.
+    """Draw load over a sensor value, unstable parts dashed, critical points marked.
 
     Parameters
     ----------
     data : LoadPath
-        From `load_path`.
+        Result of `load_path`.
     sensor : str
         Name, with the component if it has several: "tip.y" or "tip.1".
     path : path, optional
@@ -89,7 +89,7 @@ def plot_load_path(data: LoadPath, sensor: str) -> Picture:
 
 
 def _mark_critical(ax: Axes, data: LoadPath, values: NDArray[np.float64]) -> None:
-    """Mark limit and bifurcation points by numbers, whose loads stand beside the picture."""
+    """Mark limit and bifurcation points by numbers, with their loads beside the picture."""
     spans = np.ptp(values) or 1.0, np.ptp(data.load) or 1.0
     groups: list[tuple[float, float, list[str]]] = []
     for number, found in enumerate(data.critical, 1):
@@ -101,7 +101,7 @@ def _mark_critical(ax: Axes, data: LoadPath, values: NDArray[np.float64]) -> Non
         marker = "o" if found.kind == "limit" else "D"
         label = f"{number} {found.kind} {found.load:.5g}"
         ax.plot(x, found.load, marker, color=COLORS[1], markersize=6, label=label, linestyle="none")
-        for left, up, numbers in groups:  # points that nearly coincide share one text
+        for left, up, numbers in groups:  # nearly coincident points share one label
             if np.hypot((x - left) / spans[0], (found.load - up) / spans[1]) < CLOSE:
                 numbers.append(str(number))
                 break
@@ -128,7 +128,7 @@ def write_load_path(data: LoadPath, path: str | Path) -> Path:
     Parameters
     ----------
     data : LoadPath
-        From `load_path`.
+        Result of `load_path`.
     path : path
         Ends with .csv.
 

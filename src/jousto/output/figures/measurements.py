@@ -1,4 +1,4 @@
-"""Pictures of what was measured: gauges over virtual ones, bands of stress, monitoring runs."""
+"""Pictures of measurements: gauges with virtual gauges, stress bands, monitoring runs."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from jousto.output.style import COLORS, INK, MUTED, Picture, blend, drawing, hea
 if TYPE_CHECKING:
     from jousto.measurement.monitor.record_reader import MonitorRecord
 
-PANELS = 12  # panels
+PANELS = 12  # maximum number of panels
 
 
-PLACES = 6  # places in a picture
-POINTS = 4000  # points of a line; more are drawn as smallest and largest of their neighbours
+PLACES = 6  # maximum number of places in a picture
+POINTS = 4000  # points of a line; longer lines are drawn as minimum and maximum of intervals
 BAD = COLORS[1]
 
 
 @drawing
 def plot_gauges(comparison: GaugeComparison) -> Picture:
-    """Draw measured channels and virtual gauges over one another, a panel for each pair.
+    """Draw measured channels with their virtual gauges, one panel per pair.
 
     Parameters
     ----------
     comparison : GaugeComparison
-        From `compare_gauges`.
+        Result of `compare_gauges`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -44,11 +44,11 @@ def plot_gauges(comparison: GaugeComparison) -> Picture:
     Raises
     ------
     InputError
-        For an unknown suffix or an unwritable path, or more pairs than a picture holds.
+        For an unknown suffix or an unwritable path, or more pairs than a picture has at most.
     """
     pairs = comparison.pairs
     if len(pairs) > PANELS:
-        raise InputError(Problem("plot", f"{len(pairs)} pairs; a picture holds {PANELS}"))
+        raise InputError(Problem("plot", f"{len(pairs)} pairs; a picture has at most {PANELS}"))
     figure, axes = panels_below(len(pairs))
     for ax, pair in zip(axes, pairs, strict=True):
         unit, factor = shown_unit(pair.unit)
@@ -77,14 +77,14 @@ def plot_band(
     sites: Sequence[str] | str | None = None,
     truth: ArrayLike | None = None,
 ) -> Picture:
-    """Draw the stress of some places over time with its band, one panel each.
+    """Draw the stress of some places over time with its band, one panel per place.
 
     Parameters
     ----------
     band : Band
-        From `stress_band`.
+        Result of `stress_band`.
     sites : sequence of str, optional
-        Which places, six at most; the first ones if not given.
+        Places, six at most; the first ones if not given.
     truth : (nt, ns) array_like, optional
         Stress of the same places from elsewhere, Pa: measured there, or simulated.
     path : path, optional
@@ -130,12 +130,12 @@ def plot_band(
 
 @drawing
 def plot_monitor(record: MonitorRecord) -> Picture:
-    """Draw stress with its band, damage, and the health of the channels over time.
+    """Draw stress with its band, damage, and the states of the channels over time.
 
     Parameters
     ----------
     record : MonitorRecord
-        From `watch`, or of a file.
+        Record from `watch`, or of a file.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -166,7 +166,7 @@ def plot_monitor(record: MonitorRecord) -> Picture:
         loc="left",
     )
     if len(record.spots) <= 8:
-        # above the axes: within them it would cover peaks
+        # text above the axes: inside it would cover peaks
         top.legend(
             loc="lower right",
             bbox_to_anchor=(1.0, 1.0),
@@ -209,7 +209,7 @@ def plot_monitor(record: MonitorRecord) -> Picture:
 def thinned(
     time: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Return times and the smallest and largest value around each, at most POINTS of them."""
+    """Return times with minimum and maximum of intervals, at most POINTS of them."""
     step = max(1, -(-len(time) // POINTS))
     starts = np.arange(0, len(time), step)
     if step == 1 or not len(time):
@@ -218,7 +218,7 @@ def thinned(
 
 
 def pieces(states: NDArray[np.uint8]) -> list[tuple[int, int, int]]:
-    """Return first and last index and state of each piece of equal states."""
+    """Return first and last index and state of each run of equal states."""
     if not len(states):
         return []
     cuts = [0, *(np.flatnonzero(np.diff(states.astype(int))) + 1).tolist(), len(states)]

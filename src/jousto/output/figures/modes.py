@@ -1,4 +1,4 @@
-"""The modes of a machine: its bodies in a mode over their places at rest."""
+"""Natural modes of a machine drawn over its equilibrium."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import Facts
 
-AMPLITUDE = 0.12  # largest displacement in a picture, by the size of the machine
+AMPLITUDE = 0.12  # largest displacement in a picture, relative to the size of the machine
 
 
 @drawing
@@ -32,21 +32,21 @@ def plot_modes(
     scale: float = AMPLITUDE,
     view: View | str | None = None,
 ) -> Picture:
-    """Draw a machine in a mode over its pale shape at rest.
+    """Draw a machine in a mode over a pale picture of its equilibrium.
 
-    Of a damped mode, whose points do not move at the same time, the instant is drawn at which the
-    point that moves most is farthest.
+    The points of a damped mode do not move in phase: the picture shows the instant of the largest
+    displacement.
 
     Parameters
     ----------
     data : MechanismModes
-        From `modes`.
+        Result of `modes`.
     mode : int
-        Which mode, from 0; the title counts from 1.
+        Index of the mode from 0; the title counts from 1.
     scale : float
         Largest displacement in the picture, by the size of the machine.
     view : View or str, optional
-        From where it is seen, as for `animate`.
+        Direction of view, as for `animate`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -69,7 +69,7 @@ def plot_modes(
     found = f"{data.frequencies[mode]:.5g} Hz"
     value = data.eigenvalues[mode]
     if value.real > abs(value.imag):
-        found = f"falls away, {value.real:.5g} 1/s"
+        found = f"unstable, grows with {value.real:.5g} 1/s"
     name = data.model.name
     figure, ax = new_picture(stage, f"{name}, mode {mode + 1}: {found}", "")
     overlay(ax, stage)
@@ -85,14 +85,14 @@ def plot_modes(
 
 
 def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
-    """Return a run of two instants: the machine at rest, and in the mode with its joints closed."""
+    """Return a run of two instants: equilibrium, and mode shape with closed joints."""
     model, q = data.model, data.state.q
     x = data.increments[:, mode]
     moved = [u.ravel() for u in nodal(model, q, x[:, None]).values()]
-    # bodies of one point may turn on the spot: then their turning counts
+    # point-like bodies: use their rotations if there are no displacements
     seen = [u for u in moved if u.any()] or [x]
     farthest = max((u[np.abs(u).argmax()] for u in seen), key=abs)
-    # turned in the complex plane to the instant at which that point is farthest
+    # complex phase at which that point has its largest displacement
     x = np.real(x * np.conj(farthest)) / abs(farthest)
     size = max(np.abs(u).max(initial=0.0) for u in nodal(model, q, x[:, None]).values())
     size = size or _extent(model, q) * np.abs(x).max()
@@ -100,7 +100,7 @@ def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
     engine.q[:] = displaced(model, q, scale * _extent(model, q) / size * (turning(model, q) @ x))
     engine.time[0] = data.state.time
     far = np.array(engine.q)
-    with suppress(SimulationError):  # it is drawn with gaps then
+    with suppress(SimulationError):  # joints that do not close are drawn with gaps
         engine.assemble()
         far = np.array(engine.q)
     pieces = columns(model)
@@ -114,7 +114,7 @@ def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
 
 
 def _extent(model: Model, q: Array) -> float:
-    """Return the size of the machine: of its nodes and markers, m."""
+    """Return the size of the machine from its nodes and markers, m."""
     points = [marker.u0[None] for marker in model.markers if marker.body < 0]
     frames = zip(model.bodies, model.shapes, rotations(model, q), strict=True)
     for k, (body, shape, A) in enumerate(frames):

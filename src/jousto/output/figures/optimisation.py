@@ -1,4 +1,4 @@
-"""How an optimisation went, by one method or by several."""
+"""History of an optimisation by one or several methods."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def plot_optimum(found: Optimum) -> Picture:
     Parameters
     ----------
     found : Optimum
-        From `optimise`.
+        Result of `optimise`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -47,12 +47,12 @@ def plot_optimum(found: Optimum) -> Picture:
 
 @drawing
 def plot_comparison(found: Comparison) -> Picture:
-    """Draw cost and largest ratio over the runs of several methods, and the parameters they found.
+    """Draw cost and largest ratio over the runs of several methods, and their parameters.
 
     Parameters
     ----------
     found : Comparison
-        Of optima.
+        Comparison of optima.
     path : path, optional
         File to write; the suffix chooses the format.
 

@@ -1,4 +1,4 @@
-"""Shapes of a planar frame, and its energies or its load path."""
+"""Shapes of a planar frame with its energies or its load path."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from jousto.output.style import COLORS, MUTED, Picture, blend, drawing
 from jousto.planar.results import PlanarPath, PlanarRun
 
-SHAPES = 7  # drawn of a motion
+SHAPES = 7  # shapes drawn of a motion
 
 
 @drawing
 def plot_planar(run: PlanarRun | PlanarPath) -> Picture:
-    """Draw shapes of a frame, the last one darkest, and what goes with them.
+    """Draw shapes of a frame, the last one darkest, with energies or load path.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Reliability: what matters for an index, how a probability settles, how a design was found."""
+"""Reliability pictures: importance, convergence of samples, linearisation error, design."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from jousto.design.reliability.sampling import LinearisationCheck, SamplingResul
 from jousto.design.reliability.targets.rbdo import RbdoResult
 from jousto.output.style import COLORS, MUTED, PAPER, Picture, blend, drawing
 
-SIZE = (8.0, 3.4)  # inch
-MOST = 12  # variables that are shown, those that matter most
-CAP = 3.0  # times the largest target, where bars of large indices end
-BAND = 1.96  # deviations of 95 %
+SIZE = (8.0, 3.4)  # width and height, inch
+MOST = 12  # number of variables shown, most important first
+CAP = 3.0  # multiple of the largest target at which bars are cut
+BAND = 1.96  # half width of a 95 % interval, standard deviations
 
 
 @drawing
 def plot_form(data: FormResult) -> Picture:
-    """Draw what matters for an index: importance, and its change by a deviation of each moment.
+    """Draw importance factors and sensitivities of a reliability index.
 
     Parameters
     ----------
     data : FormResult
-        From `form`.
+        Result of `form`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -61,12 +61,12 @@ def plot_form(data: FormResult) -> Picture:
 
 @drawing
 def plot_sampling(data: SamplingResult) -> Picture:
-    """Draw how a probability settles with its 95 % band, or the levels of a subset simulation.
+    """Draw the convergence of a sampled probability, or the levels of a subset simulation.
 
     Parameters
     ----------
     data : SamplingResult
-        From `monte_carlo`, `importance_sampling` or `subset_simulation`.
+        Result of `monte_carlo`, `importance_sampling` or `subset_simulation`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -99,12 +99,12 @@ def plot_sampling(data: SamplingResult) -> Picture:
 
 @drawing
 def plot_linearisation(data: LinearisationCheck) -> Picture:
-    """Draw indices by FORM beside sampled ones with their intervals.
+    """Draw FORM indices and sampled indices with their confidence intervals.
 
     Parameters
     ----------
     data : LinearisationCheck
-        From `check_linearisation`.
+        Result of `check_linearisation`.
     path : path, optional
         File to write; the suffix chooses the format.
 
@@ -139,12 +139,12 @@ def plot_linearisation(data: LinearisationCheck) -> Picture:
 
 @drawing
 def plot_rbdo(data: RbdoResult) -> Picture:
-    """Draw the cost over the cycles of a design and its indices beside their targets.
+    """Draw the cost over the cycles of a design, and its indices with their targets.
 
     Parameters
     ----------
     data : RbdoResult
-        From `rbdo`.
+        Result of `rbdo`.
     path : path, optional
         File to write; the suffix chooses the format.
 

@@ -1,4 +1,4 @@
-"""Histories and tables of stress fields, with and without friction."""
+"""Histories and tables of stress fields; stress with and without friction."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def plot_stress(
     Parameters
     ----------
     field : StressField
-        Of at most ten places: ``field.only("e1.a.top")``.
+        Stress field of at most ten places: ``field.only("e1.a.top")``.
     criterion : str or Plane
-        See `jousto.recovery.fields.criteria.evaluate`.
+        Criterion, see `jousto.recovery.fields.criteria.evaluate`.
     path : path, optional
         File to write: png, svg, pdf, jpg, webp or eps.
 
@@ -67,7 +67,7 @@ def write_stress(
     time: float | None = None,
     histories: bool = False,
 ) -> Path:
-    """Write a criterion as a table: its envelope at every place, an instant, or histories.
+    """Write a criterion as a table: envelope of every place, one instant, or histories.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def write_stress(
     path : path
         Ends with .csv.
     criterion : str or Plane
-        See `jousto.recovery.fields.criteria.evaluate`.
+        Criterion, see `jousto.recovery.fields.criteria.evaluate`.
     time : float, optional
         The instant, s; the envelope over all instants if not given.
     histories : bool
@@ -116,12 +116,12 @@ def write_stress(
 
 @drawing
 def plot_friction_stress(found: FrictionStress, *, site: str | None = None) -> Picture:
-    """Draw von Mises stress with and without friction at a place, and that of their difference.
+    """Draw von Mises stress with and without friction at a place, and of their difference.
 
     Parameters
     ----------
     found : FrictionStress
-        From `friction_stress`.
+        Result of `friction_stress`.
     site : str, optional
         Label of the place; None for that of the largest stress due to friction.
     path : path, optional

@@ -1,4 +1,4 @@
-"""Studies: outcomes over parameters, scatter, response surfaces, parallel coordinates."""
+"""Study pictures: outcomes over parameters, scatter, response surface, parallel axes."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from jousto.design.studies.table import StudyTable
 from jousto.output.style import COLORS, FAINT, MUTED, PICTURES, Picture, save, styled, target
 
 KINDS = ("lines", "scatter", "surface", "parallel")
-WIDE, HIGH = 3.4, 2.6  # inch, of one axis
+WIDE, HIGH = 3.4, 2.6  # inch, width and height of one axis
 SHADES = LinearSegmentedColormap.from_list("jousto", [COLORS[0], FAINT, COLORS[1]])
-FEW = 7  # values of a parameter that are told apart as lines
+FEW = 7  # number of parameter values up to which each value gets its own line
 
 
 @explained_as("plot")
@@ -30,12 +30,12 @@ def plot_study(
     kind: Literal["lines", "scatter", "surface", "parallel"] | None = None,
     path: str | Path | None = None,
 ) -> Picture:
-    """Draw the points of a study; failed ones are left out and counted.
+    """Draw the points of a study; failed points are left out and their number is stated.
 
     Parameters
     ----------
     table : StudyTable
-        From ``study.run``.
+        Table from ``study.run``.
     *names : str
         Columns; all of them if none is named. Of a surface two parameters and an outcome.
     kind : {"lines", "scatter", "surface", "parallel"}, optional
@@ -83,7 +83,7 @@ def plot_study(
 
 
 def _kind(columns: dict[str, Array], across: Sequence[str]) -> str:
-    """Return how columns are best drawn."""
+    """Return the kind of picture that suits the columns."""
     if len(across) < 2:
         return "lines"
     few = min(len(np.unique(columns[name])) for name in across)
@@ -93,7 +93,7 @@ def _kind(columns: dict[str, Array], across: Sequence[str]) -> str:
 def _lines(
     table: StudyTable, columns: dict[str, Array], across: Sequence[str], up: Sequence[str]
 ) -> Picture:
-    """Outcomes over the parameter of most values, a line for each value of the next one."""
+    """Draw outcomes over the parameter with most values, a line per value of the next one."""
     order = sorted(across, key=lambda name: -len(np.unique(columns[name])))
     x, second = order[0], order[1] if len(order) > 1 else None
     groups = [slice(None)] if second is None else list(np.unique(columns[second]))
@@ -118,7 +118,7 @@ def _color(k: int, count: int) -> Any:
 
 
 def _scatter(table: StudyTable, columns: dict[str, Array]) -> Picture:
-    """Every column against every other, histograms on the diagonal."""
+    """Draw every column over every other, with histograms on the diagonal."""
     names, n = list(columns), len(columns)
     size = max(1.5, min(2.2, 12.0 / n))
     figure = Picture(figsize=(size * n, size * n), layout="constrained")
@@ -148,7 +148,7 @@ def _scatter(table: StudyTable, columns: dict[str, Array]) -> Picture:
 def _surface(
     table: StudyTable, columns: dict[str, Array], across: Sequence[str], up: Sequence[str]
 ) -> Picture:
-    """Outcomes over two parameters, as colours between the points."""
+    """Draw outcomes over two parameters as interpolated colours."""
     if len(across) != 2:
         found = ", ".join(across)
         message = f"a surface is over two parameters that vary; there are: {found}; name two"
@@ -173,7 +173,7 @@ def _surface(
 
 
 def _parallel(table: StudyTable, columns: dict[str, Array]) -> Picture:
-    """One line for each point through all columns, coloured by the last."""
+    """Draw one line per point through all columns, coloured by the last column."""
     names = list(columns)
     low = {name: float(columns[name].min()) for name in names}
     span = {name: float(np.ptp(columns[name])) or 1.0 for name in names}

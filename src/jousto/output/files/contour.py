@@ -1,4 +1,4 @@
-"""Stress of a body for ParaView: an envelope, an instant, or a series of instants."""
+"""Stress of a body for ParaView: envelope, one instant, or a series of instants."""
 
 from __future__ import annotations
 
@@ -31,21 +31,21 @@ def write_contour(
 ) -> Path:
     """Write a criterion over a body for ParaView.
 
-    Without `times` a .vtu file holds the envelope of all instants of the field: the smallest and
-    the largest value at every node and when they were, on the undeformed body in its own frame.
-    With one instant it holds the value then, on the deformed body where it is in the world. A
-    .pvd file names one such file for each of several instants, which ParaView plays as a film.
+    Without `times` a .vtu file contains the envelope over all instants of the field: smallest and
+    largest value at every node with their times, on the undeformed body in its own frame. With one
+    instant it contains the value at that time, on the deformed body at its position in the world. A
+    .pvd file lists such files for several instants, which ParaView plays as a film.
 
     Parameters
     ----------
     field : StressField
-        Of all places of a body, or some of them; the others are nan.
+        Stress field of all places of a body, or some of them; the others are nan.
     path : path
         Ends with .vtu, or .pvd for a series.
     run : Solution
-        Where the field comes from.
+        Run of the field.
     criterion : str or Plane
-        See `jousto.recovery.fields.criteria.evaluate`.
+        Criterion, see `jousto.recovery.fields.criteria.evaluate`.
     times : (nt,) array_like, optional
         Instants, s; of a .pvd file all of the field if not given.
     scale : float
@@ -93,11 +93,11 @@ def write_contour(
 
 
 def _winners(shape: BodyShape, nodes: NDArray[np.int64], values: Array) -> NDArray[np.intp]:
-    """Return the place (nn,) of the largest value at each node, -1 where none is known."""
+    """Return the place (nn,) with the largest value at each node, -1 where unknown."""
     out = np.full(len(shape.nodes), -1, dtype=np.intp)
     order = np.argsort(values, kind="stable")
     order = order[nodes[order] >= 0]
-    out[nodes[order]] = order  # the largest comes last
+    out[nodes[order]] = order  # later assignments win: largest value last
     return out
 
 

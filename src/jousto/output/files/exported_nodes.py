@@ -1,4 +1,4 @@
-"""What the writers of reduced parts share: the nodes that other programs see, and damping."""
+"""Nodes and damping ratios in the files of reduced parts for other programs."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jousto.base.files import written
 from jousto.reduction.reduced import ReducedPart
 
 ALL_UP_TO = 500
-"""Nodes of a part that are all written where none are named."""
+"""Number of nodes up to which all nodes are written by default."""
 
 
 def exposed_nodes(
     reduced: ReducedPart, nodes: Sequence[str | int] | None, where: str
 ) -> tuple[Index, list[str]]:
-    """Return the nodes to write and their names.
+    """Return the indices and names of the nodes to write.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def exposed_nodes(
         Node sets or node numbers from 0. If not given all nodes, or, of parts with many, those
         of interfaces and of sets of one node that have a name of their own.
     where : str
-        For messages.
+        Name in messages.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def exposed_nodes(
                 problems.add(
                     where,
                     f"the part has {len(reduced.nodes)} nodes and {len(chosen)} of them are"
-                    " interfaces or named; say with nodes= which to write",
+                    " interfaces or named; name the nodes to write with nodes=",
                 )
     for item in nodes if nodes is not None else ():
         if isinstance(item, str) and item not in reduced.node_sets:
@@ -73,7 +73,7 @@ def exposed_nodes(
 
 
 def node_modes(reduced: ReducedPart, nodes: Index) -> tuple[Array, Array]:
-    """Return translations and rotations (nn, 3, n) of nodes; zero where a node does not turn."""
+    """Return translations and rotations (nn, 3, n) of nodes; rotation 0 for solid nodes."""
     turns = np.zeros((len(nodes), 3, reduced.n))
     for k, i in enumerate(nodes):
         own = reduced.rotation(int(i))
@@ -101,7 +101,7 @@ def damping_ratios(reduced: ReducedPart, damping: float | Sequence[float], where
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file.
+    """Write a text file.
 
     Raises
     ------

@@ -75,7 +75,7 @@ def write_fem(
     lines += [*_record(9, "MODAL MASS MATRIX"), *_rows(np.eye(n))]
     lines += [*_record(10, "MODAL STIFFNESS MATRIX"), *_rows(np.diag(reduced.stiffness))]
 
-    # about the centre of mass
+    # inertia about the centre of mass
     centre = inv.I2 / inv.mass
     about = inv.I7 - inv.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
     lines += [*_record(12, "RIGID BODY INERTIA MATRIX"), f"{inv.mass:.16e}"]
@@ -86,7 +86,7 @@ def write_fem(
     if invariants:
         lines += [*_record(14, "INVARIANT 3"), *_rows(inv.I3)]
         lines += [*_record(15, "INVARIANT 4"), *_rows(inv.I4)]
-        # rows of 3 x 3 blocks side by side; their phi~ phi~ is minus our phi~^T phi~
+        # 3 x 3 blocks side by side; MBDyn's phi~ phi~ is minus our phi~^T phi~
         lines += [*_record(16, "INVARIANT 8"), *_rows(inv.I8.transpose(1, 0, 2).reshape(3, -1))]
         lines += [*_record(17, "INVARIANT 5"), *_rows(inv.I5.transpose(1, 0, 2).reshape(3, -1))]
         blocks = -inv.I9.transpose(2, 0, 1, 3).reshape(3, -1)

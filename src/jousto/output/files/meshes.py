@@ -1,4 +1,4 @@
-"""A mesh as a file for other programs."""
+"""Mesh files for other programs."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from jousto.output.style import target
 
 @explained_as("write")
 def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
-    """Write a mesh to a file that other programs read, and `read_mesh`, too.
+    """Write a mesh to a file of another program; `read_mesh` reads it again.
 
     Parameters
     ----------
     mesh : Mesh
     path : path
-        Its ending is the format: .vtu (ParaView; sets are data of points and cells), .vtk, .inp
-        (Abaqus, CalculiX; sets keep their names), .msh (Gmsh 2.2), .med, .bdf, .nas, or .stl for
-        the surface alone. The last ones keep no sets.
+        File; its suffix selects the format: .vtu (ParaView; sets are data of points and cells),
+        .vtk, .inp (Abaqus, CalculiX; sets keep their names), .msh (Gmsh 2.2), .med, .bdf, .nas, or
+        .stl for the surface alone. The last ones keep no sets.
     unit : str
         Unit of length in the file; positions have eleven digits.
 
@@ -56,7 +56,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
         warn(
             out.name, "this format is written without the sets of the mesh; .vtu and .inp keep them"
         )
-    if suffix != "stl" and (lost := _lost(mesh, suffix)):
+    if suffix != "stl" and (lost := _unsupported(mesh, suffix)):
         told = "give formulation= to Part.solid where the file is read"
         warn(out.name, f"this format has no element for {lost}; {told}")
     try:
@@ -65,7 +65,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
         raise InputError(
             Problem(out.name, "writing meshes needs the package meshio: pip install meshio")
         ) from None
-    # eleven digits: some writers cannot do with long numbers such as 1e-17
+    # eleven digits: some writers fail with long numbers such as 1e-17
     x = mesh.nodes / factor
     size = float(np.abs(x).max(initial=1e-300))
     x = np.round(x, 10 - int(np.floor(np.log10(size)))) + 0.0
@@ -77,7 +77,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     else:
         cells = [(block.kind, block.nodes) for block in mesh.cells]
         content = meshio.Mesh(x, cells, **_sets(mesh, suffix))
-    # meshio prints remarks and may leave the program
+    # meshio prints remarks and may call sys.exit
     heard = io.StringIO()
     try:
         with (
@@ -96,7 +96,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
     return out
 
 
-# types of Abaqus for the formulations of solids; meshio writes modified and hybrid ones
+# Abaqus types of solid formulations; meshio writes modified and hybrid elements
 _TYPES = {
     ("tetra", "full"): "C3D4",
     ("tetra10", "full"): "C3D10",
@@ -113,7 +113,7 @@ _NEAREST = {"wedge": "C3D6", "wedge15": "C3D15"}
 
 
 def _types(path: Path, mesh: Mesh) -> None:
-    """Write the types of elements that belong to their formulations."""
+    """Write the element types of the formulations."""
     blocks = iter(mesh.cells)
 
     def named(found: re.Match[str]) -> str:
@@ -126,8 +126,8 @@ def _types(path: Path, mesh: Mesh) -> None:
     path.write_text(text, encoding="utf-8")
 
 
-def _lost(mesh: Mesh, suffix: str) -> str:
-    """Return which formulations a format does not keep, empty if it keeps all."""
+def _unsupported(mesh: Mesh, suffix: str) -> str:
+    """Return the formulations that a format does not support; empty if there are none."""
     lost = []
     for block in mesh.solids:
         way = (block.kind, block.formulation)
@@ -137,7 +137,7 @@ def _lost(mesh: Mesh, suffix: str) -> str:
 
 
 def _sets(mesh: Mesh, suffix: str) -> dict[str, Any]:
-    """Return node and element sets as meshio wants them."""
+    """Return node and element sets in meshio's form."""
     starts = np.cumsum([0, *(len(block) for block in mesh.solids)])
     solids = {
         id(block): (a, b) for block, a, b in zip(mesh.solids, starts, starts[1:], strict=False)

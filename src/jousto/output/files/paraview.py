@@ -1,4 +1,4 @@
-"""Files of ParaView: points with values, once or as a series of instants."""
+"""ParaView files: points with values, one instant or a series."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Cells = Sequence[tuple[str, Any]]
 
 
 def cells_of(elements: Any, offset: int = 0) -> list[tuple[str, Any]]:
-    """Return the lines or triangles (ne, 2 or 3) of a body as cells, none if they are neither."""
+    """Return lines or triangles (ne, 2 or 3) of a body as cells; empty for other elements."""
     corners = elements.shape[1] if elements.ndim == 2 else 0
     return [(KINDS[corners], elements + offset)] if len(elements) and corners in KINDS else []
 
 
 def save_vtu(path: Path, x: Array, cells: Cells, fields: Mapping[str, Any]) -> Path:
-    """Write points (nn, 3), their cells, or if there are none the points alone, and values."""
+    """Write points (nn, 3) with values and their cells (single points without cells)."""
     import meshio
 
     shown = list(cells) or [("vertex", np.arange(len(x))[:, None])]
@@ -38,7 +38,7 @@ def save_vtu(path: Path, x: Array, cells: Cells, fields: Mapping[str, Any]) -> P
 def save_series(
     path: Path, instants: Array, content: Callable[[float], tuple[Array, Cells, Mapping[str, Any]]]
 ) -> Path:
-    """Write one instant as a .vtu file, or several and the .pvd file that names them.
+    """Write one instant as .vtu file, or several with a .pvd file that lists them.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Compiled models as programs and units of their own."""
+"""Compiled models as C programs and functional mock-up units."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def write_fmu(
 
 
 def picture(model: Model, state: State | None = None) -> bytes:
-    """Return a machine at its start as a PNG; empty if there is nothing to see."""
+    """Return a PNG of a machine at its start; empty if it has no visible shape."""
     from jousto.output.scenes.animate import still
     from jousto.scene.machine import at_state
 

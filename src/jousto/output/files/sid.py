@@ -1,4 +1,4 @@
-"""Standard input data (SID) of flexible bodies: the text format that multibody programs share."""
+"""Standard input data (SID) of flexible bodies, a text format of multibody programs."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SPIN = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 
 @dataclass(frozen=True, eq=False)
 class Taylor:
-    """``M(q) = M0 + sum_k M1[:, :, k] q_k``; M1 is left out where it is None."""
+    """Taylor expansion ``M(q) = M0 + sum_k M1[:, :, k] q_k``; M1 is None if it is zero."""
 
     M0: Array
     M1: Array | None = None
     symmetric: bool = False
 
     def lines(self, name: str, indent: str) -> list[str]:
-        """Return the block of the file; structure 0 is a zero matrix, 2 symmetric, 3 full."""
+        """Return the lines of the block; structure 0 is a zero matrix, 2 symmetric, 3 full."""
         rows, columns = self.M0.shape
         nq = 0 if self.M1 is None else self.M1.shape[2]
         structure = 0 if not self.M0.any() else 2 if self.symmetric else 3
@@ -128,7 +128,7 @@ def sid_matrices(reduced: ReducedPart, ratios: Array) -> dict[str, Taylor]:
     """Return the matrices of the body by their names in the file."""
     inv, n = reduced.invariants, reduced.n
     I5, I8, I9 = inv.I5, inv.I8, inv.I9
-    # centrifugal: the force on mode j is -Oe [wx^2 wy^2 wz^2 wx wy wy wz wz wx]
+    # centrifugal force on mode j: -Oe [wx^2 wy^2 wz^2 wx wy wy wz wz wx]
     C, Cq = -I8, -I9
     if reduced.stiffening is not None:
         N = reduced.stiffening.second_moment
@@ -161,7 +161,7 @@ def sid_matrices(reduced: ReducedPart, ratios: Array) -> dict[str, Taylor]:
 
 
 def _node(reduced: ReducedPart, i: int, phi: Array, psi: Array) -> dict[str, Taylor]:
-    """Return the data of a node: position, shapes of translation and rotation, orientation."""
+    """Return the data of a node: position, translation and rotation shapes, orientation."""
     more = reduced.stiffening
     return {
         "origin": Taylor(reduced.nodes[i][:, None], phi[:, None, :]),
@@ -173,5 +173,5 @@ def _node(reduced: ReducedPart, i: int, phi: Array, psi: Array) -> dict[str, Tay
 
 
 def _number(value: float) -> str:
-    """Return the number with Fortran's exponent, which readers of this format expect."""
+    """Return a number with the exponent letter D of Fortran."""
     return f"{value:23.15E}".replace("E", "D")

@@ -1,4 +1,4 @@
-"""Results as a table of text."""
+"""Results as a CSV table."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def write_csv(run: Solution, path: str | Path, *names: Names, sensors: Names = (
     *names : str or list of str
         Sensors, or components such as ``hinge.Fx``; all sensors if none is named.
     sensors : str or list of str
-        The same by keyword.
+        Sensors by keyword, as `names`.
 
     Returns
     -------

@@ -22,17 +22,17 @@ KINDS = {
     10: "tetra10",
     20: "hexahedron20",
 }
-"""Cells by their number of nodes; four are a tetrahedron, or a quadrilateral if they lie flat."""
+"""Cell types by number of nodes; four nodes: tetrahedron, or quadrilateral if planar."""
 
 
 @explained_as("write")
 def write_vtu(reduced: ReducedPart, path: str | Path, *, stress: bool = True) -> Path:
     """Write nodes, elements, modes and modal stress for ParaView.
 
-    Each mode is a vector field of the points (mass-normalised, kg^-0.5): "Warp By Vector" shows
-    its shape. Parts with stress at their nodes get a symmetric tensor field for each mode, Pa per
-    unit modal coordinate, part frame, in ParaView's order xx yy zz xy yz xz. Where the stress of a
-    node is known several times, as on the border of two materials, that is the mean.
+    Each mode is a vector field of the points (mass-normalised, kg^-0.5): "Warp By Vector" shows its
+    shape. Parts with stress at their nodes get a symmetric tensor field for each mode, Pa per unit
+    modal coordinate, part frame, in ParaView's order xx yy zz xy yz xz. A node with several stress
+    values, as on the border of two materials, gets their mean.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ def _kind(reduced: ReducedPart) -> str:
 
 
 def _nodal_stress(reduced: ReducedPart) -> Array | None:
-    """Return the modal stress (nn, 6, n) in the part frame, NaN where it is not known.
+    """Return the modal stress (nn, 6, n) in the part frame, nan where unknown.
 
     None if the places are not nodes, such as the points of the sections of beams.
     """
     if reduced.stress is None:
         return None
-    from scipy.spatial import cKDTree  # slow to import and rarely needed
+    from scipy.spatial import cKDTree  # slow import, rarely needed
 
     places = reduced.stress.positions
     distance, node = cKDTree(reduced.nodes).query(places)
@@ -95,13 +95,13 @@ def _nodal_stress(reduced: ReducedPart) -> Array | None:
     if np.any(distance > 1e-9 * size):
         return None
     s = reduced.stress.modes
-    # [s11 s22 s33 s12 s23 s13] as tensors, turned from the axes of the places
+    # [s11 s22 s33 s12 s23 s13] as tensors, rotated from the axes of the places
     tensor = s[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     A = reduced.stress.axes
     turned = np.einsum("sia,sabn,sjb->sijn", A, tensor, A, optimize=True)
     out = np.zeros((len(reduced.nodes), 6, reduced.n))
     np.add.at(out, node, turned[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]])
-    # one value for each node, NaN for those without any
+    # mean value of each node, nan without any
     times = np.bincount(node, minlength=len(out)).astype(float)
     times[times == 0.0] = np.nan
     return np.asarray(out / times[:, None, None])

@@ -1,1 +1,1 @@
-"""Pages: documents for people, such as the certificate of a part."""
+"""HTML pages: certificates of parts, verifications and optimisations."""

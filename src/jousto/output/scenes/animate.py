@@ -1,4 +1,4 @@
-"""animate: films of the moving, deformed bodies; still: several instants in one picture."""
+"""Films of moving, deformed bodies, and pictures of several instants."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ from jousto.simulation.results.solution import Solution
 Report = Callable[[int, int], None]
 
 DPI = 100
-AFTERGLOW = 1.0  # s of the film for which a trail stays visible
+AFTERGLOW = 1.0  # s of film time for which a trail remains visible
 INSTANTS = 8
-GLOW_PIECES, GLOW_FINE = 25, 6  # shades of a trail, points of each
+GLOW_PIECES, GLOW_FINE = 25, 6  # shades of a trail, points per shade
 
 
 @explained
@@ -72,7 +72,7 @@ def animate(
         Factor on the deformation of each body in its own moving frame. Other than 1, it also moves
         the ends of the bodies, so that joints no longer close in the picture.
     view : View, "xy", "xz" or "yz", optional
-        From where; None looks at the plane of a plane motion, else from the front and above.
+        Direction of view; None takes the plane of a plane motion, else from the front and above.
     trail : str or sequence of str, optional
         Position sensors that leave a trail.
     stills : int or (k,) array_like
@@ -128,7 +128,7 @@ def still(
     trail: Sequence[str] | str | None = None,
     stress: bool | float = False,
 ) -> Path:
-    """Write one picture with several instants over one another, the first ones pale.
+    """Write one picture of several instants, early ones pale.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def still(
 
 
 def _instants(run: Solution, fps: float, speed: float, most: int) -> tuple[Array, float]:
-    """Return the instants of the frames and the speed, raised if there were too many frames."""
+    """Return the instants of the frames and the speed, raised to limit the frame count."""
     start, end = float(run.time[0]), float(run.time[-1])
     wanted = (end - start) / speed * fps + 1.0  # may be infinite
     count = max(2, round(min(wanted, 1.0 + most)))
@@ -201,7 +201,7 @@ def _note(speed: float, scale: float) -> str:
 
 
 def overlay(ax: Axes, stage: Stage) -> None:
-    """Draw all instants of the stage into one picture and name some of them."""
+    """Draw all instants of a stage into one picture, with labels for some of them."""
     count, width = len(stage.times), stage.line_width
     for k, path in enumerate(stage.trails):
         ax.plot(*path[:, :2].T, color=blend(body_color(k), 0.55), linewidth=1.0, zorder=2)
@@ -255,7 +255,7 @@ def _add_skin(ax: Axes, corners: Array, shades: Array, order: float) -> None:
 def _frames(
     stage: Stage, title: str, note: str, fps: float, speed: float, progress: Report | None
 ) -> Iterator[Pixels]:
-    """Yield the frames; what does not move is drawn once."""
+    """Yield the frames; the static background is drawn once."""
     figure, ax = new_picture(stage, title, note)
     figure.set_dpi(DPI)
     canvas: Any = FigureCanvasAgg(figure)
@@ -310,7 +310,7 @@ def _frames(
 
 
 class _Pen:
-    """Draws one body again and again: a white edge, the lines, the dots at its ends."""
+    """Drawing of one body in successive frames: white edge, lines, end dots."""
 
     def __init__(self, ax: Axes, k: int, stage: Stage) -> None:
         width, color = stage.line_width, body_color(k)
@@ -341,7 +341,7 @@ class _Pen:
 
 
 def _glow(trail: LineCollection, stage: Stage, k: int, t: float, seconds: float) -> None:
-    """Let a trail show the path of the last `seconds`, fading."""
+    """Draw the fading trail of the last `seconds`."""
     times = np.linspace(max(t - seconds, stage.trail_times[0]), t, GLOW_PIECES * GLOW_FINE + 1)
     path = np.stack(
         [np.interp(times, stage.trail_times, stage.trails[k][:, i]) for i in range(2)], axis=1

@@ -1,4 +1,4 @@
-"""The paper of a picture: rulers or a floor, the world frame, colours of stress."""
+"""Background of a picture: rulers or floor, world frame, stress colour bar."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jousto.output.scenes.surface import STRESS_COLORS
 from jousto.output.scenes.view import View
 from jousto.output.style import MUTED, Picture, scale_at
 
-WIDTH = 7.2  # inch
-LEGEND = 0.8  # inch, room for the colours of stress
+WIDTH = 7.2  # width of a picture, inch
+LEGEND = 0.8  # width of the stress colour bar, inch
 
 
 def new_picture(stage: Stage, title: str, note: str) -> tuple[Picture, Axes]:
-    """Return a figure with everything in it that does not move."""
+    """Return a figure with all content that does not move."""
     size = stage.box[1] - stage.box[0]
     left, right, bottom, top = (0.62, 0.2, 0.55, 0.5) if stage.flat else (0.15, 0.15, 0.15, 0.5)
     right += LEGEND if stage.limit else 0.0
@@ -36,7 +36,7 @@ def new_picture(stage: Stage, title: str, note: str) -> tuple[Picture, Axes]:
     _origin(ax, stage)
     figure.text(left / WIDTH, 1 - 0.3 / total, title, fontsize=10.5, fontweight="bold", va="center")
     if note:
-        x = 1 - right / WIDTH  # beside the colours of stress, never below them
+        x = 1 - right / WIDTH  # beside the colour bar, never below it
         figure.text(x, 0.14 / total, note, color=MUTED, fontsize=8.5, ha="right", va="center")
     if stage.limit:
         color_bar(
@@ -52,7 +52,7 @@ def color_bar(
     title: str = "von Mises",
     unit: str = "Pa",
 ) -> None:
-    """Draw the colours of stress from 0 to a limit; place is left, bottom and height."""
+    """Draw the stress colour bar from 0 to a limit; place is left, bottom and height."""
     power, prefix = next(
         ((p, s) for p, s in ((6, "M"), (3, "k"), (0, "")) if limit >= 10.0**p), (0, "")
     )

@@ -1,4 +1,4 @@
-"""draw: one picture of a mesh, a part or a reduced part, still or in a mode."""
+"""Picture of a mesh, a part or a reduced part, undeformed or in a mode."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.mesh.mesh import Mesh
 from jousto.output.scenes.backdrop import color_bar
-from jousto.output.scenes.stage import Drawn, body_color, drawn
+from jousto.output.scenes.stage import DrawnBody, body_color, drawn_bodies
 from jousto.output.scenes.surface import (
     DARKEST,
     DARKEST_STRESS,
@@ -35,12 +35,12 @@ from jousto.recovery.fields.criteria import von_mises
 from jousto.reduction.reduced import ReducedPart
 from jousto.scene.make import make_scene
 
-WIDTH, LEGEND, GAP = 7.2, 1.35, 0.2  # inch
-MOST_FACES = 40_000  # whose edges are drawn
-AMPLITUDE = 0.08  # largest displacement of a mode in a picture, by the size of the part
+WIDTH, LEGEND, GAP = 7.2, 1.35, 0.2  # inch: width, colour legend, gap
+MOST_FACES = 40_000  # number of faces up to which their edges are drawn
+AMPLITUDE = 0.08  # largest displacement of a mode in a picture, relative to the size of the part
 STEEL = "#A9B7C6"
 EDGE = "#44505E"
-# nodes of a face in the order along its edge, by their number
+# nodes of a face in order along its boundary, by number of nodes
 AROUND = {
     3: [0, 1, 2],
     4: [0, 1, 2, 3],
@@ -48,19 +48,19 @@ AROUND = {
     8: [0, 4, 1, 5, 2, 6, 3, 7],
 }
 METAL = np.array(to_rgb(STEEL))
-GHOST = 0.35 * METAL + 0.65  # the undeformed shape under a mode
+GHOST = 0.35 * METAL + 0.65  # colour of the undeformed shape under a mode
 
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What is drawn: a body, where its vertices are, the faces with edges (nf, k), named nodes.
+    """Body to draw: vertex positions, faces with edges (nf, k), named nodes.
 
     `nodes` (nn, 3) are those of faces and names, `size` (3,) is the body's without a mode, `still`
     are the vertices of the undeformed body.
     """
 
     title: str
-    one: Drawn
+    one: DrawnBody
     x: Array
     nodes: Array
     size: Array
@@ -81,11 +81,10 @@ def draw(
     scale: float = AMPLITUDE,
     view: View | str | None = None,
 ) -> Path:
-    """Write a picture of a mesh or a part, or of the shape of a mode.
+    """Write a picture of a mesh or a part, or of a mode shape.
 
-    Meshes are drawn with the edges of their elements and with dots on the nodes of their sets. A
-    mode is drawn deformed, in the colours of its von Mises stress where that is known, else of
-    its displacement.
+    Meshes are drawn with element edges and with dots on the nodes of their sets. A mode is drawn
+    deformed, coloured by its von Mises stress if known, else by displacement.
 
     Parameters
     ----------
@@ -96,12 +95,12 @@ def draw(
         Node sets that get coloured dots; None takes those that interfaces of a part hold, and no
         set of a mesh.
     mode : int, optional
-        Which mode of a ReducedPart, from 0; the title counts from 1. Under it is the undeformed
-        shape, pale.
+        Index of the mode of a ReducedPart from 0; the title counts from 1. Under it is the
+        undeformed shape, pale.
     scale : float
         Largest displacement of the mode in the picture, by the longest side of the part.
     view : View, "xy", "xz" or "yz", optional
-        From where; None looks from the front right and above.
+        Direction of view; None looks from the front right and above.
 
     Returns
     -------
@@ -121,7 +120,7 @@ def draw(
 
 
 def _subject(thing: Any, sets: Any, mode: int | None, scale: float) -> Subject:
-    """Return what is drawn of a mesh, a part or a reduced part."""
+    """Return the body to draw of a mesh, a part or a reduced part."""
     if not isinstance(thing, (Mesh, Part, ReducedPart)):
         message = f"{thing!r} cannot be drawn; give a Mesh, a Part or a ReducedPart"
         raise InputError(Problem("draw", message))
@@ -149,7 +148,7 @@ def _subject(thing: Any, sets: Any, mode: int | None, scale: float) -> Subject:
     marks = _marks(thing, sets, where, problems)
     problems.raise_if_any()
     scene, nodes = make_scene(thing), np.asarray(thing.nodes).real
-    one, size = drawn(scene)[0], np.ptp(scene.bodies[0].positions, axis=0)
+    one, size = drawn_bodies(scene)[0], np.ptp(scene.bodies[0].positions, axis=0)
     body, title = one.body, thing.name
     if mode is None or not isinstance(thing, ReducedPart):
         return Subject(title, one, body.positions, nodes, size, faces, marks)
@@ -180,7 +179,7 @@ def _subject(thing: Any, sets: Any, mode: int | None, scale: float) -> Subject:
 def _marks(
     thing: Mesh | Part | ReducedPart, sets: Any, where: str, problems: Problems
 ) -> dict[str, NDArray[np.intp]]:
-    """Return the nodes that get a dot."""
+    """Return the indices of the nodes marked by dots."""
     if sets is None:
         ties = thing.ties if isinstance(thing, Part) else ()
         return {tie.name: np.asarray(tie.nodes) for tie in ties}
@@ -196,7 +195,7 @@ def _marks(
 
 
 def _picture(subject: Subject, view: View | str | None) -> Picture:
-    """Return the figure."""
+    """Return the figure of a body."""
     chosen = choose_view(view, subject.nodes, None)
     x = chosen.project(subject.nodes)
     seen = subject.x
@@ -237,9 +236,9 @@ def _picture(subject: Subject, view: View | str | None) -> Picture:
 
 
 def _skin(
-    ax: Axes, one: Drawn, vertices: Array, view: View, metal: Array, values: Array | None = None
+    ax: Axes, one: DrawnBody, vertices: Array, view: View, metal: Array, values: Array | None = None
 ) -> None:
-    """Draw a body in one colour, or in that of its values (nv,); one without surface as lines."""
+    """Draw a body in one colour or coloured by values (nv,); without surface as lines."""
     x = view.project(vertices)
     if one.surface is None:
         color, width = (GHOST, 1.5) if metal is GHOST else (body_color(0), 3.0)
@@ -256,7 +255,7 @@ def _skin(
 
 
 def _net(ax: Axes, subject: Subject, x: Array) -> None:
-    """Draw the faces that are seen with the edges of their elements, far ones first."""
+    """Draw the visible faces with their element edges, far ones first."""
     polygons, depths, shades = [], [], []
     light = LIGHT / np.linalg.norm(LIGHT)
     for block in subject.faces:
@@ -270,7 +269,7 @@ def _net(ax: Axes, subject: Subject, x: Array) -> None:
         shades.append(DARKEST + (1.0 - DARKEST) * np.clip(normals[seen] @ light, 0.0, 1.0))
     order = np.argsort(np.concatenate(depths), kind="stable")
     colors = METAL * np.concatenate(shades)[order, None]
-    # thin lines where there are many faces
+    # thinner lines with more faces
     width = float(np.clip(9.0 / np.sqrt(len(order) + 1.0), 0.08, 0.5))
     ax.add_collection(
         PolyCollection(

@@ -1,4 +1,4 @@
-"""Films from pictures: GIF, MP4 and a web page that plays them without anything else."""
+"""Films from pictures: GIF, MP4, and a self-contained web page with a player."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Pixels = NDArray[np.uint8]
 
 FILMS = ("gif", "mp4", "html")
 MOST_FRAMES = {"gif": 400, "html": 400, "mp4": 4000}
-COLORS = 128  # of a GIF
+COLORS = 128  # colours of a GIF
 
 
 def frame_rate(suffix: str, fps: float) -> float:
-    """Return the nearest frame rate the format can have: a GIF counts hundredths of a second."""
+    """Return the nearest frame rate of the format: GIF delays are multiples of 0.01 s."""
     return 100.0 / max(2, round(100.0 / fps)) if suffix == "gif" else fps
 
 
@@ -51,7 +51,7 @@ def write_film(path: Path, frames: Iterable[Pixels], count: int, fps: float) -> 
 
 
 def _write_gif(path: Path, frames: list[Pixels], fps: float) -> None:
-    # one palette for all frames, from a few of them, keeps still parts still and the file small
+    # one palette from a few frames: constant areas stay constant, and the file small
     palette = Palette([frames[i] for i in np.linspace(0, len(frames) - 1, 5).astype(int)])
     images = [palette.index(frame) for frame in frames]
     images[0].save(
@@ -66,7 +66,7 @@ def _write_gif(path: Path, frames: list[Pixels], fps: float) -> None:
 
 
 class Palette:
-    """The colours of a film: the commonest ones exactly, the nearest of them for all others.
+    """Palette of a film: frequent colours exactly, others by the nearest of them.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ class Palette:
         codes, counts = np.unique(packed, return_counts=True)
         codes = codes[np.argsort(-counts, kind="stable")]
         colors = np.stack([codes >> 16, (codes >> 8) & 255, codes & 255], axis=1).astype(np.uint8)
-        # the commonest colour of each cell; the commonest of these, then those that are least like
-        # what there is, so that no thin line loses its colour
+        # most frequent colour of each cell; of these the most frequent ones, then the most
+        # distant ones from the chosen colours, so that thin lines keep their colour
         _, first = np.unique(self._cell(colors), return_index=True)
         colors = colors[np.sort(first)]
         chosen, wanted = list(range(min(len(colors), count // 2))), colors.astype(np.float64)
@@ -100,19 +100,19 @@ class Palette:
 
     @staticmethod
     def _cell(pixels: Pixels) -> NDArray[np.intp]:
-        """Return in which of 32 x 32 x 32 boxes of colours a pixel is."""
+        """Return the index of each pixel's cell in a 32 x 32 x 32 grid of colours."""
         r, g, b = np.moveaxis(pixels.astype(np.intp) >> 3, -1, 0)
         return np.asarray((r << 10) | (g << 5) | b)
 
     def index(self, frame: Pixels) -> Image.Image:
-        """Return a frame in these colours."""
+        """Return the palette indices of a frame."""
         image = Image.fromarray(self._nearest[self._cell(frame)])
         image.putpalette(self.colors.tobytes())
         return image
 
 
 def find_ffmpeg(path: Path) -> str:
-    """Return the ffmpeg program.
+    """Return the path of the ffmpeg program.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def find_ffmpeg(path: Path) -> str:
     """
     found = shutil.which("ffmpeg")
     if found is None:
-        try:  # a package that brings the program along
+        try:  # a Python package with an ffmpeg binary
             found = str(importlib.import_module("imageio_ffmpeg").get_ffmpeg_exe())
         except (ImportError, RuntimeError):
             raise InputError(
@@ -136,7 +136,7 @@ def find_ffmpeg(path: Path) -> str:
 
 def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -> None:
     first = next(frames)
-    height, width = (2 * (n // 2) for n in first.shape[:2])  # the codec wants even numbers
+    height, width = (2 * (n // 2) for n in first.shape[:2])  # the codec requires even sizes
     command = [find_ffmpeg(path), "-y", "-loglevel", "error", "-f", "rawvideo"]
     command += ["-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", f"{fps:g}", "-i", "-"]
     command += ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", str(beside)]
@@ -151,7 +151,7 @@ def _write_mp4(path: Path, beside: Path, frames: Iterator[Pixels], fps: float) -
                 process.stdin.write(frame[:height, :width].tobytes())
             process.stdin.close()
         except BrokenPipeError:
-            pass  # ffmpeg says below what it did not like
+            pass  # the exit code and stderr of ffmpeg are checked below
         said = process.stderr.read().decode(errors="replace").strip()
         if process.wait() != 0:
             raise InputError(Problem(str(path), f"ffmpeg failed: {said}"))

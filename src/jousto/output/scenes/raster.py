@@ -1,4 +1,4 @@
-"""Triangles as pixels, the nearest in front at each of them: no order of drawing hides wrongly."""
+"""Rasterised triangles with a depth buffer: the nearest triangle at each sample."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 
-FINE = 2  # samples of a pixel along each side, so that edges are smooth
-MOST = 1 << 19  # samples that are looked at together
-LEVELS = 1e7  # of nearness; at the same level the later triangle is seen, so that faces of two
-# bodies that lie in one plane do not mix
+FINE = 2  # samples per pixel and direction, for smooth edges
+MOST = 1 << 19  # samples per block
+# depth levels; at the same level the later triangle wins, so that coplanar faces of two
+# bodies do not mix
+LEVELS = 1e7
 
 
 def rasterize(corners: Array, shades: Array, width: int, height: int) -> Array:
-    """Return a picture of triangles, of which the nearest is seen at each place.
+    """Return a picture of triangles with the nearest one at each pixel.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ def rasterize(corners: Array, shades: Array, width: int, height: int) -> Array:
     blocks = owner.reshape(height, FINE, width, FINE).transpose(0, 2, 1, 3)
     samples = blocks.reshape(height * width, FINE**2)
     picture = np.zeros((height * width, 4))
-    # within a triangle the colour in the middle of a pixel is the mean of its samples
+    # inside a triangle the pixel colour is the mean of its samples
     same = (samples == samples[:, :1]).all(axis=1)
     whole = np.flatnonzero(same & (samples[:, 0] >= 0))
     row, column = np.divmod(whole, width)
@@ -59,10 +60,10 @@ def rasterize(corners: Array, shades: Array, width: int, height: int) -> Array:
 
 
 def _shares(corners: Array) -> Array:
-    """Return the shares of the corners as forms (k, 3, 3): s_i = f_i0 x + f_i1 y + f_i2."""
+    """Return the barycentric coordinates as forms (k, 3, 3): s_i = f_i0 x + f_i1 y + f_i2."""
     a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-    # a triangle that is seen from its edge covers nothing: its shares are not numbers
+    # triangles seen edge-on have no finite forms
     area = np.where(area == 0.0, np.nan, area)
     second = np.stack([v[:, 1], -v[:, 0], v[:, 0] * a[:, 1] - v[:, 1] * a[:, 0]], axis=1)
     third = np.stack([-u[:, 1], u[:, 0], u[:, 1] * a[:, 0] - u[:, 0] * a[:, 1]], axis=1)
@@ -80,7 +81,7 @@ def _colors(triangle: Index, places: Array, shares: Array, shades: Array) -> Arr
 
 
 def _nearest(corners: Array, shares: Array, width: int, height: int) -> Index:
-    """Return the nearest triangle at each sample (height x width,), -1 where there is none."""
+    """Return the nearest triangle at each sample (height x width,), -1 without any."""
     owner = np.full(width * height, -1, dtype=np.intp)
     depth = np.full(width * height, -np.inf)
     if not len(corners):
@@ -102,13 +103,13 @@ def _nearest(corners: Array, shares: Array, width: int, height: int) -> Index:
 def _spans(
     corners: Array, shares: Array, width: int, height: int
 ) -> Iterator[tuple[Index, Index, Index, Index]]:
-    """Yield triangles, rows, first columns and counts of the samples that lie in a triangle."""
+    """Yield triangles, rows, first columns and numbers of samples inside each triangle."""
     low = np.clip(np.ceil(corners[:, :, 1].min(axis=1) - 0.5), 0, height).astype(np.intp)
     high = np.clip(np.floor(corners[:, :, 1].max(axis=1) + 0.5), 0, height).astype(np.intp)
     rows = np.maximum(high - low, 0)
     triangle = np.repeat(np.arange(len(corners)), rows)
     row = np.arange(len(triangle)) - np.repeat(np.cumsum(rows) - rows - low, rows)
-    # each share is not negative within
+    # all three barycentric coordinates must be >= 0
     slope = shares[triangle, :, 0]
     rest = shares[triangle, :, 1] * (row + 0.5)[:, None] + shares[triangle, :, 2]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""What pictures and films of a run show: its scene at some instants, projected."""
+"""Stage: the scene of a run at some instants, projected for pictures and films."""
 
 from __future__ import annotations
 
@@ -25,19 +25,26 @@ from jousto.output.style import COLORS
 from jousto.recovery.fields.criteria import evaluate
 from jousto.scene.make import make_scene
 from jousto.scene.scene import Body, Scene
-from jousto.scene.values_at_rows import moved, picked, rows_at, stresses, thickened, vertices
+from jousto.scene.values_at_rows import (
+    body_points,
+    rows_at,
+    select_vertices,
+    stresses,
+    thicken_body,
+    vertices,
+)
 from jousto.simulation.results.solution import Solution
 
 MARGIN = 0.07
-FLATTEST, TALLEST = 0.35, 1.0  # height of a picture by its width
-LEAST = 0.008  # thickness of a beam by the extent of the motion; thinner ones are drawn thicker
-UNKNOWN = "#B9BEC5"  # where the stress is not known
-BLOCK = 32 << 20  # bytes of positions or stress that are worked out at once
+FLATTEST, TALLEST = 0.35, 1.0  # limits of height / width of a picture
+LEAST = 0.008  # smallest beam thickness drawn, relative to the extent of the motion
+UNKNOWN = "#B9BEC5"  # colour of unknown stress
+BLOCK = 32 << 20  # bytes of positions or stress per block
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """A body of a picture: as many of its vertices as are drawn, and its surface or lines."""
+class DrawnBody:
+    """Body of a picture: drawn vertices and its surface or lines."""
 
     body: Body
     surface: Surface | None
@@ -51,7 +58,7 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """Everything that is in the picture at some instants.
+    """Content of a picture at some instants.
 
     Attributes
     ----------
@@ -65,7 +72,7 @@ class Stage:
     trails : tuple of (nt', 3) arrays
         Projected paths of sensors, m, at the instants `trail_times`.
     view : View
-        From where it is seen.
+        Direction of view.
     box : (2, 2) array
         Lower left and upper right corner of the picture, m.
     corners : (2, 3) array
@@ -73,7 +80,7 @@ class Stage:
     level, step : float
         Height and spacing of the grid on the floor, m; there is none in a plane view.
     grid : tuple of (2, 2) arrays
-        Its projected lines, m.
+        Projected lines of the floor grid, m.
     limit : float
         Stress of the highest colour, Pa; 0 if no stress is shown.
     symbols : Symbols
@@ -81,7 +88,7 @@ class Stage:
     """
 
     times: Array
-    bodies: tuple[Drawn, ...]
+    bodies: tuple[DrawnBody, ...]
     rows: Array
     scale: float
     trails: tuple[Array, ...]
@@ -97,27 +104,27 @@ class Stage:
 
     @property
     def flat(self) -> bool:
-        """Whether a coordinate plane is seen straight on."""
+        """Whether the view is normal to a coordinate plane."""
         return bool(self.view.plane)
 
     @property
     def has_origin(self) -> bool:
-        """Whether the origin of the world is in the picture."""
+        """Whether the world origin is in the picture."""
         return bool(np.all(self.corners[0] <= 0.0) and np.all(self.corners[1] >= 0.0))
 
     @property
     def line_width(self) -> float:
-        """Width of lines of bodies in points: thinner where there are many."""
+        """Line width of bodies in points; thinner with many lines."""
         return float(np.clip(7.0 - 1.1 * np.log2(max(len(self.bodies), 1)), 1.0, 6.0))
 
     def at(self, instant: int) -> Moment:
-        """Return the picture's content at an instant."""
+        """Return the content at one instant."""
         return Moment(self, self.rows[instant : instant + 1])
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A stage at one instant."""
+    """Content of a picture at one instant."""
 
     stage: Stage
     row: Array
@@ -132,7 +139,7 @@ class Moment:
         )
 
     def skin(self, share: float = 1.0) -> tuple[Array, Array]:
-        """Return the triangles (k, 3, 3) of all bodies that are turned to the eye, and colours.
+        """Return visible triangles (k, 3, 3) of all bodies, and their colours.
 
         See `lit`; a share below 1 mixes the colours with white.
         """
@@ -142,9 +149,9 @@ class Moment:
         return np.concatenate(corners), np.concatenate(shades)
 
     def lined(self) -> tuple[list[int], list[int]]:
-        """Return the bodies without surfaces, far ones first: behind the middle of what has some.
+        """Return the bodies without surface, far ones first, behind the centres of surfaces.
 
-        Of each list the farthest from the eye comes first.
+        The farthest body of each list comes first.
         """
         depth = [float(x[:, 2].mean()) for x in self.x]
         order = sorted(range(len(depth)), key=depth.__getitem__)
@@ -155,7 +162,7 @@ class Moment:
         return [k for k in rest if depth[k] < middle], [k for k in rest if depth[k] >= middle]
 
     def lines(self, k: int) -> tuple[list[Array], Array]:
-        """Return the lines (2, 2) of a body without a surface, and its dots (m, 2), m."""
+        """Return lines (2, 2) and end dots (m, 2) of a body without surface, m."""
         x, pairs = self.x[k][:, :2], self.stage.bodies[k].lines
         if len(pairs):
             return list(x[pairs]), np.zeros((0, 2))
@@ -173,7 +180,7 @@ class Moment:
             colors[np.isnan(v)] = to_rgb(UNKNOWN)
         darkest = DARKEST if found is None else DARKEST_STRESS
         corners, shades = lit(one.surface, self.x[k], colors, darkest)
-        if found is None:  # a pale colour would be read as another stress
+        if found is None:  # grey: a pale colour would look like another stress
             shades[:, :, :3] = 1.0 + share * (shades[:, :, :3] - 1.0)
         return corners, shades
 
@@ -184,7 +191,7 @@ class Moment:
         return stage.view.project(world)
 
     def shadow(self) -> Array:
-        """Return the triangles (k, 3, 3) of all bodies straight down on the floor, m."""
+        """Return the triangles (k, 3, 3) of all bodies projected onto the floor, m."""
         found = [np.zeros((0, 3, 3))]
         for k, one in enumerate(self.stage.bodies):
             if one.surface is not None:
@@ -192,7 +199,7 @@ class Moment:
         return np.concatenate(found)
 
     def shadow_lines(self) -> list[Array]:
-        """Return the lines of all bodies straight down on the floor, m."""
+        """Return the lines of all bodies projected onto the floor, m."""
         return [
             line
             for k, one in enumerate(self.stage.bodies)
@@ -202,7 +209,7 @@ class Moment:
 
 
 def body_color(k: int) -> str:
-    """Return the colour of body k."""
+    """Return the colour of the body with index k."""
     return COLORS[k % len(COLORS)]
 
 
@@ -215,13 +222,13 @@ def make_stage(
     trail: Sequence[str] | str | None,
     stress: bool | float = False,
 ) -> Stage:
-    """Return what is shown of a run at some instants.
+    """Return the projected scene of a run at some instants.
 
     Raises
     ------
     InputError
         If there is nothing to draw, a trail is not of a position sensor, the scale is no number,
-        or no body knows the stress that is to be shown.
+        or no body has the stress to be shown.
     """
     problems = Problems()
     problems.positive("animate", "scale", float(scale), "")
@@ -239,7 +246,7 @@ def make_stage(
     problems.raise_if_any()
     scene = make_scene(run)
     rows = rows_at(scene, times)
-    bodies = drawn(scene)
+    bodies = drawn_bodies(scene)
     limit = _limit(bodies, rows, stress, problems)
     problems.raise_if_any()
 
@@ -252,13 +259,13 @@ def make_stage(
     spans = [_span(x) for x in others]
     spans += [_span(x) for one in bodies for x in _blocks(one.body, rows, scale)]
     low, high = np.concatenate(spans).min(axis=0), np.concatenate(spans).max(axis=0)
-    # the world origin belongs to the picture unless it is far away
+    # include the world origin unless it is far away
     size = max(float(np.max(high - low)), 1e-9)
     near = bool(np.all(np.abs(np.clip(0.0, low, high)) <= size))
     if near:
         low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     corners = np.stack([low, high])
-    # sections and balls are thick in the plane of a plane motion, too
+    # sections and balls have a depth also in a plane motion
     thin = [_span(x) for x in (*_skeleton(run, scene, rows, scale), *others)]
     seen = np.concatenate([*thin, np.zeros((int(near), 3))])
     eye = choose_view(view, _span(seen), run.attributes.get("gravity"))
@@ -282,22 +289,22 @@ def make_stage(
     return replace(stage, box=_box(stage))
 
 
-def drawn(scene: Scene) -> tuple[Drawn, ...]:
-    """Return the bodies of a scene as they are drawn: thin beams thicker, fine surfaces coarser."""
+def drawn_bodies(scene: Scene) -> tuple[DrawnBody, ...]:
+    """Return the drawn bodies of a scene: thin beams thickened, fine surfaces coarsened."""
     least = LEAST * float(np.ptp(scene.box, axis=0).max())
     found = []
     for given in scene.bodies:
-        body = thickened(given, least)
+        body = thicken_body(given, least)
         if body.triangles is None or not len(body.triangles):
-            found.append(Drawn(body, None))
+            found.append(DrawnBody(body, None))
             continue
         surface = make_surface(body.positions, body.triangles)
-        found.append(Drawn(picked(body, surface.nodes), surface))
+        found.append(DrawnBody(select_vertices(body, surface.nodes), surface))
     return tuple(found)
 
 
 def _blocks(body: Body, rows: Array, scale: float) -> Iterator[Array]:
-    """Yield the vertices of a body in the world (k, 3), m, some instants at a time."""
+    """Yield the vertices (k, 3) of a body in the world, m, in blocks of instants."""
     for part in _parts(body, rows):
         yield vertices(body, part, scale=scale).reshape(-1, 3)
 
@@ -313,7 +320,7 @@ def _span(x: Array) -> Array:
 
 
 def _skeleton(run: Solution, scene: Scene, rows: Array, scale: float) -> list[Array]:
-    """Return points (k, 3) of all bodies that lie in the plane of a plane motion, m."""
+    """Return points (k, 3) of all bodies without their thickness, for the choice of view, m."""
     found = []
     shapes = {shape.name: shape for shape in run.bodies}
     for body in scene.bodies:
@@ -323,14 +330,16 @@ def _skeleton(run: Solution, scene: Scene, rows: Array, scale: float) -> list[Ar
         elif body.kind in ("frame", "rigid") and shapes[body.name].elements.shape[1:] != (3,):
             shape = shapes[body.name]
             phi = np.moveaxis(np.asarray(shape.modes), 2, 0)
-            found.append(moved(body.place, shape.nodes, phi, rows, scale).reshape(-1, 3))
+            found.append(body_points(body.place, shape.nodes, phi, rows, scale).reshape(-1, 3))
         else:
             found += [_span(x) for x in _blocks(body, rows, scale)]
     return found
 
 
-def _limit(bodies: Sequence[Drawn], rows: Array, wanted: bool | float, problems: Problems) -> float:
-    """Return the top of the colours of stress, Pa; 0 if none is shown."""
+def _limit(
+    bodies: Sequence[DrawnBody], rows: Array, wanted: bool | float, problems: Problems
+) -> float:
+    """Return the upper limit of the stress colours, Pa; 0 without stress."""
     if wanted is False:
         return 0.0
     highest = -1.0
@@ -354,7 +363,7 @@ def _limit(bodies: Sequence[Drawn], rows: Array, wanted: bool | float, problems:
 
 
 def _box(stage: Stage) -> Array:
-    """Return the corners of the picture, neither a slit nor a tower, around all that is in it."""
+    """Return the corners of the picture around its content, with a limited aspect ratio."""
     project = stage.view.project
     clouds = [x[:, :2] for x in stage.trails] + list(stage.grid)
     for one in stage.bodies:
@@ -373,7 +382,7 @@ def _box(stage: Stage) -> Array:
 
 
 def _floor(view: View, corners: Array) -> tuple[float, float, tuple[Array, ...]]:
-    """Return level and spacing in m of a grid under the scene, and its projected lines (2, 2)."""
+    """Return level and spacing of the floor grid, m, and its projected lines (2, 2)."""
     up = view.up
     a, b = (i for i in range(3) if i != up)
     level = float(corners[0 if view.axes[1][up] > 0 else 1][up])

@@ -1,4 +1,4 @@
-"""Bodies as shaded surfaces: triangles seen from the eye, lit, the nearest in front."""
+"""Shaded surfaces: visible, lit triangles with a depth buffer."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 from jousto.base.arrays import Array, Index
 from jousto.output.scenes.raster import rasterize
 
-MOST_TRIANGLES = 24_000  # of a body in a picture; finer surfaces are thinned
-CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle have an edge there
-LIGHT = np.array([-0.35, 0.55, 0.76])  # in the picture: right, up, to the eye
+MOST_TRIANGLES = 24_000  # triangles of a body in a picture; finer surfaces are coarsened
+CREASE = np.cos(np.deg2rad(35.0))  # faces that meet at a larger angle form an edge
+# direction to the light in the picture: right, up, to the eye
+LIGHT = np.array([-0.35, 0.55, 0.76])
 DARKEST, GLOSS = 0.5, 0.10
-DARKEST_STRESS = 0.75  # colours that mean something must be seen in the shade, too
+# lowest brightness of stress colours, so that they remain readable in the shade
+DARKEST_STRESS = 0.75
 
 STRESS_COLORS: Colormap = LinearSegmentedColormap.from_list(
     "stress", ("#2B4C9B", "#3E8FC6", "#63BFA8", "#B9D86B", "#F5D547", "#EE8A32", "#C7282D")
@@ -38,7 +40,7 @@ class Surface:
     smoothing : (3 nt, nt) sparse array
         Sums the normals of faces around each corner that meet without an edge.
     closed : bool
-        Whether every edge has a face on either side: the back is then never seen.
+        Whether every edge has a face on either side: the back is then never visible.
     """
 
     nodes: Index
@@ -48,19 +50,19 @@ class Surface:
 
 
 def is_surface(elements: Any) -> bool:
-    """Return whether elements are triangles, the outer surface of a solid."""
+    """Return whether elements are triangles: the outer surface of a solid."""
     found = np.asarray(elements)
     return bool(found.ndim == 2 and found.shape[1] == 3 and len(found))
 
 
 def make_surface(nodes: Array, triangles: Any, most: int = MOST_TRIANGLES) -> Surface:
-    """Return the surface that is drawn of triangles (nt, 3) between nodes (nn, 3), m."""
+    """Return the drawn surface of triangles (nt, 3) between nodes (nn, 3), m."""
     kept = _thinned(nodes, np.asarray(triangles, dtype=np.intp), most)
     used, corners = np.unique(kept, return_inverse=True)
     corners = corners.reshape(-1, 3).astype(np.intp)
     x = nodes[used]
     normals = face_normals(x[corners])
-    # faces at the same corner, by pairs (place of the corner, face)
+    # pairs of faces at each corner (index of the corner, face)
     count = len(corners)
     at_node = sp.csr_array(
         (np.ones(3 * count), (np.repeat(np.arange(count), 3), corners.ravel())),
@@ -77,12 +79,12 @@ def make_surface(nodes: Array, triangles: Any, most: int = MOST_TRIANGLES) -> Su
 
 
 def face_normals(x: Array) -> Array:
-    """Return the normals (nt, 3) of triangles (nt, 3, 3), as long as twice their areas."""
+    """Return normals (nt, 3) of triangles (nt, 3, 3), of length twice their area."""
     return np.asarray(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]))
 
 
 def _is_closed(corners: Index) -> bool:
-    """Return whether each edge is run through as often one way as the other."""
+    """Return whether each edge occurs equally often in both directions."""
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
     size = int(corners.max()) + 1
     there, back = edges[:, 0] * size + edges[:, 1], edges[:, 1] * size + edges[:, 0]
@@ -90,13 +92,13 @@ def _is_closed(corners: Index) -> bool:
 
 
 def _thinned(nodes: Array, triangles: Index, most: int) -> Index:
-    """Return fewer triangles: the nodes of each cell of a grid become one of them."""
+    """Return a coarser surface: the nodes in each cell of a grid are merged."""
     kept = triangles
     low, size = (
         nodes[triangles].min(axis=(0, 1)),
         float(np.ptp(nodes[triangles], axis=(0, 1)).max()),
     )
-    # a surface over a grid of k cells along the longest side has some k^2 of them
+    # a surface over a grid of k cells along its longest side has about k^2 nodes
     cells = 2.0 * np.sqrt(float(most))
     while len(kept) > most and size > 0.0:
         cell = np.floor((nodes - low) / size * cells).astype(np.int64)
@@ -108,7 +110,7 @@ def _thinned(nodes: Array, triangles: Index, most: int) -> Index:
         kept = place[triangles]
         a, b, c = kept.T
         kept = kept[(a != b) & (b != c) & (a != c)]
-        # faces that fell onto one another
+        # remove duplicate faces
         _, first = np.unique(np.sort(kept, axis=1), axis=0, return_index=True)
         kept = kept[np.sort(first)]
         cells *= 0.8
@@ -116,7 +118,7 @@ def _thinned(nodes: Array, triangles: Index, most: int) -> Index:
 
 
 def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> tuple[Array, Array]:
-    """Return the triangles of a projected surface that are turned to the eye.
+    """Return the visible triangles of a projected surface with their brightness.
 
     Parameters
     ----------
@@ -133,7 +135,7 @@ def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> 
     corners : (k, 3, 3) array
         Right, up and nearness of the corners, m.
     shades : (k, 3, 4) array
-        Their colours with shade and light.
+        Colours of the visible corners after shading.
     """
     triangles = surface.triangles
     corners = x[triangles]
@@ -154,7 +156,7 @@ def lit(surface: Surface, x: Array, colors: Array, darkest: float = DARKEST) -> 
 
 
 class Skin(Artist):
-    """Triangles with a colour at each corner, of which the nearest hide the others."""
+    """Triangles with vertex colours, drawn with a depth buffer."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -162,14 +164,14 @@ class Skin(Artist):
         self.shades: Array = np.zeros((0, 3, 4))
 
     def show(self, corners: Array, shades: Array) -> None:
-        """Take triangles (k, 3, 3), right and up in data coordinates, and colours (k, 3, 4)."""
+        """Set triangles (k, 3, 3), right and up in data coordinates, and colours (k, 3, 4)."""
         self.corners, self.shades = corners, shades
         self.stale = True
 
     def draw(self, renderer: Any) -> None:
-        """Draw onto a canvas; in files of lines it is a picture of their resolution.
+        """Draw on a canvas; in vector files as an image of their resolution.
 
-        PostScript knows no transparent pictures: there it is triangles, the farthest first.
+        PostScript has no transparent images: there the triangles are drawn, farthest first.
         """
         if not self.get_visible() or not len(self.corners):
             return
@@ -187,7 +189,7 @@ class Skin(Artist):
         corners[:, :, :2] = axes.transData.transform(corners[:, :, :2].reshape(-1, 2)).reshape(
             -1, 3, 2
         )
-        # no more of the axes than the triangles cover
+        # only the part of the axes that the triangles cover
         box = axes.bbox.extents.reshape(2, 2)
         low = np.floor(np.maximum(corners[:, :, :2].min(axis=(0, 1)), box[0]))
         high = np.ceil(np.minimum(corners[:, :, :2].max(axis=(0, 1)), box[1]))
@@ -205,5 +207,5 @@ class Skin(Artist):
 
 
 def plain(corners: Array, color: str) -> Array:
-    """Return one colour for all corners (k, 3, 4) of triangles, as of a shadow."""
+    """Return one colour for all corners (k, 3, 4) of triangles, as for a shadow."""
     return np.asarray(np.broadcast_to((*to_rgb(color), 1.0), (len(corners), 3, 4)))

@@ -1,4 +1,4 @@
-"""Joints, springs, actuators and ground in the picture of a mechanism."""
+"""Symbols of joints, springs, actuators and ground in the picture of a mechanism."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from jousto.scene.values_at_rows import points
 
 Lines = list[Array]
 
-SIZE = 0.018  # of a symbol, by the size of the picture
-COILS = 6  # of a spring
-BARREL = 0.6  # length of an actuator's cylinder by its shortest length
+SIZE = 0.018  # size of a symbol relative to the picture
+COILS = 6  # windings of a spring
+BARREL = 0.6  # length of an actuator's cylinder relative to its shortest length
 STEEL = "#5A6472"
 KINDS = {
     **dict.fromkeys(("hinge", "revolute", "spherical", "universal"), "hinge"),
@@ -29,16 +29,16 @@ KINDS = {
     **{kind: kind for kind in ("fixed", "rod", "spring", "damper", "actuator", "bushing")},
     "spring-damper": "spring",
 }
-"""Joints and forces of a scene that pictures show, and how; others have no place between two
-points, or show themselves by what they do."""
+"""Symbols of a scene that pictures show, with their drawing; other joints and forces have no two
+end points, or are visible by their effect."""
 MARKS = {"hinge": "o", "bushing": "o", "slide": "s", "fixed": "s"}
 ALONG = ("rod", "spring", "damper", "actuator")
-MOST_MARKS = 300  # joints of which each still gets a mark
+MOST_MARKS = 300  # number of joints up to which each joint gets a mark
 
 
 @dataclass(frozen=True, eq=False)
 class Symbols:
-    """What joins the bodies of a scene, projected.
+    """Symbols between the bodies of a scene, projected.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ NO_SYMBOLS = Symbols((), np.zeros((1, 0, 2, 3)), np.zeros((0, 2)))
 
 
 def make_symbols(found: Sequence[Symbol], rows: Array, scale: float, view: View | None) -> Symbols:
-    """Return the symbols that pictures show, at rows of the scene; in the world without a view."""
+    """Return the symbols of a picture at rows of the scene; without a view in the world."""
     shown = [one for one in found if one.kind in KINDS and len(one.sides) > 1]
     ends = np.zeros((len(rows), len(shown), 2, 3))
     for k, one in enumerate(shown):
@@ -72,7 +72,7 @@ def make_symbols(found: Sequence[Symbol], rows: Array, scale: float, view: View 
 
 
 def size_of(box: Array) -> float:
-    """Return the size of a symbol in a picture of these corners, m."""
+    """Return the size of a symbol for the corners of a picture, m."""
     return SIZE * float(np.max(box[1] - box[0]))
 
 
@@ -104,7 +104,7 @@ def ground_lines(point: Array, size: float) -> Lines:
 
 
 def draw_grounds(ax: Axes, symbols: Symbols, size: float, order: float) -> list[Collection]:
-    """Draw the supports, which do not move, before the bodies that would hide them."""
+    """Draw the supports before the bodies, which may hide them."""
     found = [ground_lines(point, size) for point in symbols.grounds]
     if not found:
         return []
@@ -117,14 +117,14 @@ def draw_grounds(ax: Axes, symbols: Symbols, size: float, order: float) -> list[
 
 
 class SymbolPen:
-    """Draws the symbols of one instant after another into the same axes.
+    """Drawing of symbols at successive instants in the same axes.
 
     Parameters
     ----------
     ax : Axes
     symbols : Symbols
     size : float
-        Of a symbol, m.
+        Size of a symbol, m.
     share : float
         Below 1 mixes the colours with white.
     order : float
@@ -142,7 +142,7 @@ class SymbolPen:
         self.barrels = BARREL * lengths.min(axis=0, initial=np.inf)
         self.thin = LineCollection([], colors=[ink], linewidths=1.3, zorder=order)
         self.thick = LineCollection([], colors=[steel], linewidths=5.0, zorder=order + 0.05)
-        # of several instants in a picture the last has the supports
+        # a picture of several instants has the supports at the last one
         still = draw_grounds(ax, symbols, size, order - 0.1) if share == 1.0 else []
         self.artists: list[Collection | Line2D] = [*still, self.thin, self.thick]
         for lines in (self.thin, self.thick):
@@ -166,7 +166,7 @@ class SymbolPen:
             self.artists.append(mark)
 
     def show(self, instant: int) -> None:
-        """Put everything where it is at an instant."""
+        """Move the symbols to an instant."""
         if not self.symbols.kinds:
             return
         thin: Lines = []
@@ -187,6 +187,6 @@ class SymbolPen:
             mark.set_data(*np.array(places).reshape(-1, 2).T)
 
     def draw(self) -> None:
-        """Draw at once, for films."""
+        """Draw the symbols directly, for films."""
         for artist in self.artists:
             self.ax.draw_artist(artist)

@@ -1,4 +1,4 @@
-"""From where a scene is looked at: an orthographic projection onto the picture."""
+"""View of a scene: an orthographic projection onto the picture."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from jousto.base.arrays import Array, frozen
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.rotations import parse_direction
 
-FLAT = 1e-3  # motion this much smaller in one direction than in the others is plane
+FLAT = 1e-3  # relative range of motion in a direction below which the motion is plane
 PLANES = {"xy": ((0, 0, 1), (0, 1, 0)), "xz": ((0, -1, 0), (0, 0, 1)), "yz": ((1, 0, 0), (0, 0, 1))}
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class View:
-    """Where the eye is, infinitely far away, and which way is up.
+    """Direction of view from infinity, and the upward direction.
 
     Parameters
     ----------
     direction : (3,) array_like
-        From the scene to the eye, world frame.
+        Direction from the scene to the eye, world frame.
     up : (3,) array_like
         Upwards in the picture, world frame; need not be perpendicular to the direction.
 
@@ -60,7 +60,7 @@ class View:
 
     @classmethod
     def on(cls, plane: str) -> View:
-        """Return the view that looks at a coordinate plane: "xy", "xz" or "yz".
+        """Return the view normal to a coordinate plane: "xy", "xz" or "yz".
 
         Raises
         ------
@@ -76,14 +76,14 @@ class View:
 
     @property
     def plane(self) -> str:
-        """Coordinate plane that is looked at straight on, as "xy"; empty if none is."""
+        """Coordinate plane normal to the view, as "xy"; empty if there is none."""
         if np.abs(self.axes).max(axis=1).min() < 1.0 - 1e-9:
             return ""
         return "".join("xyz"[int(np.argmax(np.abs(axis)))] for axis in self.axes[:2])
 
     @property
     def up(self) -> int:
-        """Number of the coordinate axis nearest to the picture's up."""
+        """Index of the coordinate axis nearest to the picture's upward direction."""
         return int(np.argmax(np.abs(self.axes[1])))
 
     def project(self, x: ArrayLike) -> Array:
@@ -92,18 +92,18 @@ class View:
 
 
 def choose_view(view: View | str | None, points: Array, gravity: ArrayLike | None) -> View:
-    """Return the view the user wants, else one that shows the motion well.
+    """Return the given view, or one that shows the motion well.
 
-    Plane motion is looked at straight on, other motion from the front, the right and above.
+    Plane motion is viewed along its normal, other motion from the front, the right and above.
 
     Parameters
     ----------
     view : View, "xy", "xz", "yz" or None
-        What the user says.
+        View requested by the user.
     points : (k, 3) array
         Positions that are in the picture, m.
     gravity : (3,) array or None
-        Its opposite is up; without it y is up in the xy plane, else z.
+        Gravity; its opposite is up. Without it y is up in the xy plane, else z.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def choose_view(view: View | str | None, points: Array, gravity: ArrayLike | Non
     if flat and thin != main:
         plane = {0: "yz", 1: "xz", 2: "xy"}[thin]
         return View(PLANES[plane][0], up=up)
-    # from the front right and above; x to the right
+    # from front, right and above; x to the right
     front = {0: (0.9, 0.5, 1.0), 1: (0.75, 0.9, 1.0), 2: (0.75, -1.0, 0.9)}[main]
     direction = np.array(front)
     direction[main] = 0.55 * up[main]

@@ -13,30 +13,30 @@ from jousto.base.units import KINDS, UnitError, describe, quantity
 
 
 class Entry(BaseModel):
-    """A mapping in the model file; unknown keys are errors, missing ones take Python's defaults."""
+    """Mapping in a model file; unknown keys are errors, missing keys take Python's defaults."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, protected_namespaces=(), defer_build=True
     )
 
     declared: ClassVar[Any] = None
-    """The class of the object that the entry declares, where it is made of its fields."""
+    """Declared class from whose fields the entry is made."""
 
     @model_validator(mode="before")
     @classmethod
     def _note_class(cls, data: Any, info: Any) -> Any:
-        # lets messages name the known keys of the mapping that was read as this class
+        # for messages that list the known keys of this class
         if isinstance(info.context, dict) and isinstance(data, dict):
             info.context.setdefault(id(data), cls)
         return data
 
     @classmethod
     def keys(cls) -> list[str]:
-        """Return the keys that the mapping may have in the file."""
+        """Return the keys that the mapping accepts."""
         return [key for key, field in cls.model_fields.items() if field.alias is None]
 
     def given(self, *leave_out: str) -> dict[str, Any]:
-        """Return the values that the file gives, by field; what is not given is left out."""
+        """Return the given values by field, without defaults."""
         known, given, left = vars(self), self.model_fields_set, ("type", *leave_out)
         return {
             key: value
@@ -46,12 +46,12 @@ class Entry(BaseModel):
 
 
 def fail(message: str) -> PydanticCustomError:
-    """Return an error whose message is shown as it is."""
+    """Return a validation error with a message that is shown unchanged."""
     return PydanticCustomError("jousto", "{message}", {"message": message})
 
 
 class Unit:
-    """Annotation of a number that may be a string with a unit; validated to a float in SI."""
+    """Annotation of a number or a text with unit, validated to a float in SI."""
 
     def __init__(self, unit: str, *, positive: bool = False) -> None:
         self.unit = unit
@@ -80,7 +80,7 @@ class Unit:
 
 
 class _Amount:
-    """Annotation of a number, or a string whose unit is checked where its use is known."""
+    """Annotation of a number or a text whose unit is checked by the field that uses it."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Keep strings as they are."""
@@ -107,7 +107,7 @@ Amount: TypeAlias = Annotated[float | str, _Amount()]
 
 
 class Vector:
-    """Annotation of a tuple that must be given as a list of so many numbers."""
+    """Annotation of a tuple given as a list of fixed length."""
 
     def __init__(self, length: int) -> None:
         self.length = length
@@ -151,8 +151,8 @@ Force3: TypeAlias = Annotated[tuple[ForceN, ForceN, ForceN], Vector(3)]
 Direction: TypeAlias = Annotated[tuple[Number, Number, Number], Vector(3)]
 
 
-EXPRESSION = r"^\$\{.*\}$"  # in JSON schemas; it is replaced before anything is checked
-LARGEST = 2**53  # whole numbers up to here are exact as numbers of any kind
+EXPRESSION = r"^\$\{.*\}$"  # pattern in JSON schemas; expressions are evaluated before validation
+LARGEST = 2**53  # largest whole number that floats represent exactly
 
 
 class _Integer:
@@ -177,7 +177,7 @@ class _Integer:
 
 
 class _Flag:
-    """Annotation of true or false; the yes and no, on and off of YAML 1.1 are understood."""
+    """Annotation of true or false, including the words yes, no, on and off of YAML 1.1."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Accept booleans and their words."""
@@ -222,7 +222,7 @@ class _Text:
 Count: TypeAlias = Annotated[int, _Integer()]
 Flag: TypeAlias = Annotated[bool, _Flag()]
 Text: TypeAlias = Annotated[str, _Text()]
-# number from 0, or name
+# index from 0, or name
 Component: TypeAlias = Annotated[
     Annotated[int, _Integer(), Tag("number")] | Annotated[str, _Text(), Tag("text")],
     Discriminator(lambda v: "text" if isinstance(v, str) else "number"),
@@ -244,7 +244,7 @@ class _Degrees:
     """Annotation of an angle in degrees, or a string with a unit."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Convert to degrees; what is written in degrees is kept to the digit."""
+        """Convert to degrees; values in degrees keep their digits."""
 
         def check(value: Any) -> float:
             text = f"{value}" if isinstance(value, str) else ""
@@ -268,7 +268,7 @@ _Angle: TypeAlias = Annotated[float, _Degrees()]
 
 
 class RotateEntry(Entry):
-    """A turn about an axis, `Rotate(axis, degrees=angle_deg)`."""
+    """Rotation about an axis, `Rotate(axis, degrees=angle_deg)`."""
 
     axis: Direction = Field(description="Direction of the axis")
     angle_deg: _Angle
@@ -284,17 +284,17 @@ class EulerEntry(Entry):
 
 
 def _form(value: Any) -> str:
-    """Return which form an orientation has."""
+    """Return the form in which an orientation is given."""
     if isinstance(value, EulerEntry) or isinstance(value, dict) and "euler_deg" in value:
         return "euler"
     return "rotate" if isinstance(value, dict | RotateEntry) else "numbers"
 
 
 class _Orientation:
-    """Annotation of Euler parameters, a rotation matrix, a turn about an axis or Euler angles."""
+    """Annotation of an orientation: Euler parameters, matrix, axis and angle, or Euler angles."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Hand mappings to `RotateEntry` and `EulerEntry`, check the numbers of lists."""
+        """Validate mappings by `RotateEntry` and `EulerEntry`, and lists as numbers."""
         rotate, euler = handler(RotateEntry), handler(EulerEntry)
 
         def numbers(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""How model files write what beams and their sections are made of."""
+"""Types of beams and their sections in model files."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Discriminator, Tag
 
 from jousto.base.declare import SECTIONS
-from jousto.mechanism.beams.body import BeamBody as BeamBody  # puts its class into the register
+from jousto.mechanism.beams.body import BeamBody as BeamBody  # import registers its class
 from jousto.schema.entries.base import Count, Number, Pressure, Text, Vector
 from jousto.schema.entries.choices import by_form
 from jousto.schema.entries.declared import FORMS, one_of

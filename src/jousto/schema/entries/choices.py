@@ -1,4 +1,4 @@
-"""Entries of several kinds: which class reads a mapping; each is prepared when a file needs it."""
+"""Entries of several kinds: choice of the class by the key ``type``, imported on demand."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pydantic import BaseModel, Discriminator, Tag
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
-CHOICES = "jousto_choices"  # in the metadata of a core schema
+CHOICES = "jousto_choices"  # key in the metadata of a core schema
 
 
 class Tagged:
-    """Annotation of a union of tagged classes, of which one reads a mapping by its key ``type``.
+    """Annotation of a union of tagged classes; the key ``type`` selects one of them.
 
     A class is prepared when the first entry of its kind is read: a file has few kinds of the many.
 
@@ -27,7 +27,7 @@ class Tagged:
         self.tag = tag
 
     def choose(self, value: Any) -> str | None:
-        """Return the tag of a value, None if it has none."""
+        """Return the tag of a value, None without tag."""
         if isinstance(value, BaseModel):
             return str(getattr(value, "type", ""))
         if not isinstance(value, dict):
@@ -38,16 +38,16 @@ class Tagged:
         return None if given is None else str(given)
 
     def known(self, source: Any) -> Callable[[], Mapping[str, Any]]:
-        """Return what finds the kinds of a union by their tags."""
+        """Return the lookup of the union's classes by tag."""
         classes = {_tag(item): get_args(item)[0] for item in get_args(source)}
         return lambda: classes
 
     def entry(self, kind: Any) -> type[BaseModel]:
-        """Return the class that reads a kind."""
+        """Return the class of a tag."""
         return kind  # type: ignore[no-any-return]
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Validate with the class of the tag alone."""
+        """Validate with the class of the tag only."""
         known = self.known(source)
         name = f"{self.choose.__name__}()"
         prepared: dict[Any, SchemaValidator] = {}
@@ -84,7 +84,7 @@ def tagged(tag: Callable[[dict[str, Any]], str | None] | None = None) -> Tagged:
 
 
 class Later:
-    """Annotation of one class that is prepared when a file needs it."""
+    """Annotation of one class that is imported on demand."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the class."""
@@ -92,7 +92,7 @@ class Later:
 
 
 def later(find: Callable[[], Any]) -> Any:
-    """Return the core schema of one class, which is found when a file needs it."""
+    """Return the core schema of one class that is imported on demand."""
 
     def check(value: Any, info: Any) -> Any:
         return find().model_validate(value, context=info.context)
@@ -103,7 +103,7 @@ def later(find: Callable[[], Any]) -> Any:
 
 
 def by_form() -> Discriminator:
-    """Return the choice between a mapping, a list and a scalar by what the file has."""
+    """Return the choice of a schema by the form of the value: mapping, list or scalar."""
 
     def choose(value: Any) -> str:
         if isinstance(value, dict | BaseModel):
@@ -114,21 +114,21 @@ def by_form() -> Discriminator:
 
 
 class WholeSchema(GenerateJsonSchema):
-    """The JSON schema with all classes that a file may choose from."""
+    """JSON schema with all classes that a file may use."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        self._open: list[str] = []  # that are being described: an entry may hold its like
+        self._open: list[str] = []  # classes under description: an entry may contain its own kind
 
     def function_plain_schema(self, schema: Any) -> dict[str, Any]:
-        """Describe what `Tagged` and `Later` choose from."""
+        """Describe the classes of `Tagged` and `Later`."""
         if not (classes := _classes(schema)):
             return super().function_plain_schema(schema)
         found = [self._class(item) for item in dict.fromkeys(classes)]
         return found[0] if len(found) == 1 else {"oneOf": found}
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
-        """Describe a class once, also one that is used in a single place of another."""
+        """Describe a class once, also if it is used in a single place only."""
         if _ref(_schema(schema["cls"])) in self._open:
             return super().model_schema(schema)
         return self._class(schema["cls"])
@@ -156,13 +156,13 @@ def _schema(item: type[BaseModel]) -> Any:
 
 
 def _ref(schema: Any) -> str:
-    """Return what the core schema of a class is known by."""
+    """Return the reference name of a class's core schema."""
     inner = schema["schema"] if schema["type"] == "definitions" else schema
     return str(inner["schema_ref"] if inner["type"] == "definition-ref" else inner["ref"])
 
 
 def _classes(schema: Any) -> list[type[BaseModel]]:
-    """Return the classes that a core schema of `Tagged` or `Later` chooses from."""
+    """Return the classes of a core schema of `Tagged` or `Later`."""
     found = (schema.get("metadata") or {}).get(CHOICES)
     return found() if found else []
 

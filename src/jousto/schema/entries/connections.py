@@ -1,4 +1,4 @@
-"""How model files write what joints, forces and events are made of."""
+"""Types of joints, forces and events in model files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _CoordinateText:
     """Annotation of ``joint.coordinate``."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Check that there is a dot with something on both sides."""
+        """Check for a dot with a name on both sides."""
 
         def check(value: Any) -> str:
             joint, dot, name = value.rpartition(".") if isinstance(value, str) else ("", "", "")
@@ -81,7 +81,7 @@ class _Function:
     """Annotation of ``module:function`` or ``file.py:function``."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Check that there is a colon with something on both sides."""
+        """Check for a colon with a name on both sides."""
 
         def check(value: Any) -> str:
             place, colon, name = value.rpartition(":") if isinstance(value, str) else ("", "", "")
@@ -100,12 +100,12 @@ class _Function:
 
 
 def depth(value: Any) -> int:
-    """Return how many lists are in one another."""
+    """Return the nesting depth of lists."""
     return 1 + depth(value[0]) if value and isinstance(value, list | tuple) else 0
 
 
 def shapes(unit: str, known: tuple[tuple[int | None, ...], ...]) -> Any:
-    """Return the type of an array that may have one of some shapes of one, two... dimensions."""
+    """Return the type of an array with one of several shapes."""
     tags = [f"{len(shape)}" for shape in known]
     each = [NOTED[array(unit, shape), Tag(tag)] for shape, tag in zip(known, tags, strict=True)]
     least, most = len(known[0]), len(known[-1])

@@ -1,4 +1,4 @@
-"""Entries of declared classes, made of their fields: one for each word of a section."""
+"""Entries of declared classes, made from their fields: one for each word of a section."""
 
 from __future__ import annotations
 
@@ -55,19 +55,18 @@ FORMS: dict[str, Callable[[Any], Any]] = {
     "array": lambda field: array(field.unit, field.shape),
     "orientation": lambda field: Orientation,
 }
-"""What a field of each form looks like in a model file, as a type that pydantic checks; files that
-declare other types add theirs."""
+"""Pydantic type of each kind of field; files that declare other kinds add theirs."""
 
 SPECIAL: dict[type[Declared], type[Entry]] = {}
-"""Entries of the few classes that files write in other ways than their fields say."""
+"""Entries of the few classes whose form in files differs from their fields."""
 
-# types that are put together here, which type checkers cannot follow
+# types composed at run time, which type checkers cannot follow
 NOTED: Any = Annotated
 ROW: Any = tuple
 
 
 def amount(unit: Any) -> Any:
-    """Return the type of a number; a unit that depends on other fields is checked with them."""
+    """Return the type of a number; a unit that depends on other fields is checked with these."""
     if not isinstance(unit, str):
         return Amount
     return Annotated[float, Unit(unit.replace("^", ""))]
@@ -80,12 +79,12 @@ def vector(unit: Any) -> Any:
 
 
 def item(field: Any) -> Any:
-    """Return the entry of the class of a field."""
+    """Return the entry of a field's class."""
     return entry_of(field.of)
 
 
 def array(unit: str, shape: tuple[int | None, ...]) -> Any:
-    """Return the type of an array, lists in lists."""
+    """Return the type of an array: nested lists."""
     item: Any = amount(unit or "1")
     for n in reversed(shape):
         row: Any = (item,) * (n or 0)
@@ -105,7 +104,7 @@ def entry_of(
     without: tuple[str, ...] = (),
     base: type[Entry] = Entry,
 ) -> Any:
-    """Return the entry of a class in model files: its word, and a key for each field.
+    """Return the entry of a class: its word in ``type``, and a key for each field.
 
     Parameters
     ----------
@@ -126,7 +125,7 @@ def entry_of(
 
 
 def _entry(cls: type[Declared], keys: dict[str, Any], base: type[Entry]) -> Any:
-    """Return the entry of a class with these keys."""
+    """Return the entry of a class with given keys."""
     made: Any = create_model(f"{cls.__name__}Entry", __base__=base, **keys)
     made.__doc__ = f"`{cls.__name__}`: {(inspect.getdoc(cls) or '').partition(chr(10))[0]}"
     made.declared = cls
@@ -136,7 +135,7 @@ def _entry(cls: type[Declared], keys: dict[str, Any], base: type[Entry]) -> Any:
 def keys_of(
     cls: type[Declared], without: tuple[str, ...] = (), optional: tuple[str, ...] = ()
 ) -> dict[str, Any]:
-    """Return the keys of the fields of a class; files may leave out those that are optional."""
+    """Return the keys of a class's fields; optional fields may be missing in files."""
     keys: dict[str, Any] = {}
     for field in cls.fields.values():
         if not field.file or field.name in without:
@@ -150,7 +149,7 @@ def keys_of(
 
 
 def special(cls: Any, word: str, *, implied: bool = False, base: Any = Entry, **keys: Any) -> Any:
-    """Return the entry of a class that files write in another way than its fields alone say.
+    """Return the entry of a class whose form in files differs from its fields.
 
     Parameters
     ----------
@@ -168,12 +167,12 @@ def special(cls: Any, word: str, *, implied: bool = False, base: Any = Entry, **
 
 
 def extended(entry: Any, prefix: str = "", **keys: Any) -> Any:
-    """Return an entry with further keys, and another name if there is a prefix."""
+    """Return an entry with additional keys; a prefix changes its name."""
     return create_model(f"{prefix}{entry.__name__}", __base__=entry, **keys)
 
 
 def said(field: Field[Any, Any]) -> str | None:
-    """Return what editors show of a field, None if there is nothing to say."""
+    """Return the JSON schema metadata of a field, None without any."""
     unit = f", {field.unit}" if str(field.unit) not in ("", "1") else ""
     some = field.default
     empty = some == "" or (isinstance(some, tuple | Mapping) and not any(some))
@@ -183,12 +182,12 @@ def said(field: Field[Any, Any]) -> str | None:
 
 
 def alone(cls: Any) -> Any:
-    """Return the type of an entry of a section with one class, whose ``type`` nobody says."""
+    """Return the type of an entry of a section with a single class and no key ``type``."""
     return Annotated[entry_of(cls), Later()]
 
 
 class Declarations(Tagged):
-    """Annotation of an entry of a section: one of its classes, by the key ``type``.
+    """Annotation of a section's entry: one of its classes by the key ``type``.
 
     The classes are imported and their entries made when a file has one of the section; those that
     are declared later are known, too.
@@ -225,7 +224,7 @@ class Declarations(Tagged):
         self.imported = False
 
     def known(self, source: Any) -> Callable[[], Mapping[str, Any]]:
-        """Return what finds the classes of the section by their words."""
+        """Return the lookup of the section's classes by word."""
 
         def find() -> Mapping[str, Any]:
             if not self.imported:
@@ -250,12 +249,12 @@ class Declarations(Tagged):
 
 
 def one_of(*given: Any, **named: Any) -> Any:
-    """Return the type of an entry of a section; for its arguments see `Declarations`."""
+    """Return the type of a section's entry; arguments as in `Declarations`."""
     return Annotated[Any, Declarations(*given, **named)]
 
 
 class EntryBy:
-    """Annotation of an entry that is made when a file has one.
+    """Annotation of an entry that is built at the first use.
 
     Parameters
     ----------
@@ -268,7 +267,7 @@ class EntryBy:
 
     @functools.cached_property
     def entry(self) -> Any:
-        """The entry."""
+        """Entry."""
         return self.make()
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
@@ -277,7 +276,7 @@ class EntryBy:
 
 
 class EntryOf(EntryBy):
-    """Annotation of the entry of one class, which is imported when a file has one.
+    """Annotation of the entry of one class, imported at the first use.
 
     Parameters
     ----------

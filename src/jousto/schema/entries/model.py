@@ -73,7 +73,7 @@ CouplerEntry: Any = one_of("couplings", JOINTS)
 FrictionEntry: Any = alone(Friction)
 InitialEntry: Any = alone(Initial)
 EventEntry: Any = alone(Event)
-# names of variables of a unit, with what they are joined to
+# names of unit variables with the signals connected to them
 FORMS.update(
     {
         "fmu inputs": lambda field: dict[Text, Amount],
@@ -96,7 +96,7 @@ ForceEntry: Any = one_of("forces", "jousto.mechanism.forces")
 
 
 class ParameterEntry(Entry):
-    """A number that ``${name}`` stands for, and what studies need to know of it."""
+    """Parameter: a number for ``${name}``, with its bounds and distribution for studies."""
 
     value: Amount
     bounds: tuple[Amount, Amount] | None = Field(None, description="Smallest and largest value")

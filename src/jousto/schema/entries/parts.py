@@ -40,14 +40,14 @@ MemberEntry: Any = Annotated[Any, EntryOf("jousto.parts.frames.members", "Member
 
 
 class LoadPatternEntry(Entry):
-    """A force spread evenly over nodes, of any size: its static response is then exact."""
+    """Uniform force on nodes as a residual load of the reduction: exact static response."""
 
     force: Direction = Field(description="Direction, part frame")
     nodes: Text = Field(description="A set of nodes")
 
 
 class PressurePatternEntry(Entry):
-    """A pressure on a surface of a solid, of any size: its static response is then exact."""
+    """Pressure on a solid's surface as a residual load of the reduction: exact static response."""
 
     pressure: Text = Field(description="A surface, or a set with all nodes of its faces")
 
@@ -82,7 +82,7 @@ MethodEntry: Any = one_of(*METHODS)
 
 
 class ModeChoice(Entry):
-    """Which of the computed modes to keep; at most one of the two."""
+    """Selection of computed modes; at most one of the two keys."""
 
     in_plane: Literal["xy", "yz", "xz"] | None = Field(
         None, description="Keep the modes that move in this plane only"
@@ -91,7 +91,7 @@ class ModeChoice(Entry):
 
 
 class FePart(ModeChoice):
-    """What all parts with a mesh have."""
+    """Keys of all parts with a mesh."""
 
     reduce: MethodEntry
     residual_stress: Flag | None = Field(
@@ -103,7 +103,7 @@ class FePart(ModeChoice):
 
 
 class FramePart(FePart):
-    """What all parts made of beams have besides the fields of their class."""
+    """Keys of all beam parts beside the fields of their class."""
 
     stiffening: Flag | None = Field(
         None, description="Forces along the beams stiffen or soften them"
@@ -164,13 +164,13 @@ FORMS.update(
 
 
 class MatricesChoices(ModeChoice):
-    """What matrices of other programs have besides the fields of their class."""
+    """Keys of matrix parts beside the fields of their class."""
 
     reduce: MatricesMethod
 
 
 def matrices() -> Any:
-    """Return the entry of `Part.from_file` and `Part.from_matrices`: which it is, the files say."""
+    """Return the entry of `Part.from_file` and `Part.from_matrices`; the keys select which."""
     from jousto.parts.matrices.form import MatrixFiles, PlainMatrices
 
     keys = keys_of(PlainMatrices, without=("M", "K", "nodes")) | keys_of(MatrixFiles)
@@ -178,7 +178,7 @@ def matrices() -> Any:
 
 
 class ReducedEntry(ModeChoice):
-    """`ReducedPart.load`: a part reduced before, in an HDF5 file."""
+    """`ReducedPart.load`: a reduced part in an HDF5 file."""
 
     type: Literal["reduced"] = "reduced"
     file: Text

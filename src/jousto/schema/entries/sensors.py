@@ -1,4 +1,4 @@
-"""What sensors are made of in model files."""
+"""Types of sensors in model files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _at(value: Any) -> str:
 
 
 def _expansion(value: Any) -> str:
-    """Return whether an expansion is a number, maybe in quotes, or the name of a material."""
+    """Return "number" for a thermal expansion as a number or quoted number, "text" for a name."""
     try:
         float(value)
     except (TypeError, ValueError):

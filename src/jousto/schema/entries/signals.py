@@ -1,4 +1,4 @@
-"""Signals in model files, and tables of numbers or of columns of a text file."""
+"""Signals in model files, with tables from lists or text files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ Lines: Any = FORMS["choice"](LINES)
 
 
 class Columns(Entry):
-    """What all tables have besides their numbers: how they go on between them, and a file."""
+    """Keys of all tables beside their numbers: interpolation, extrapolation and file."""
 
     interpolation: Lines | None = Field(None, description=said(LINES))
     file: Text | None = Field(

@@ -1,4 +1,4 @@
-"""Solid parts in the model file: meshes, picks of nodes, interfaces; the choice of all parts."""
+"""Solid parts in model files: meshes, node picks, interfaces; choice of all parts."""
 
 from __future__ import annotations
 
@@ -83,14 +83,14 @@ PICKS = "jousto.mesh.picks"
 
 
 class HolePick(Entry):
-    """The wall of the cylindrical hole whose middle is nearest to a point."""
+    """Wall of the cylindrical hole whose centre is nearest to a point."""
 
     near: Position
     diameter: Length | None = Field(None, description="Of this diameter, within 2 %")
 
 
 class PickEntry(Entry):
-    """Nodes of the surface by where they are: one of these."""
+    """Surface nodes selected by position; exactly one of the keys."""
 
     box: Annotated[Any, EntryOf(PICKS, "InBox")] | None = None
     cylinder: Annotated[Any, EntryOf(PICKS, "InCylinder")] | None = None
@@ -126,7 +126,7 @@ WeldToeEntry: Any = Annotated[Any, EntryOf("jousto.fatigue.welds.toes", "WeldToe
 
 
 class SolidChoices(FePart):
-    """What solids have besides the fields of their class."""
+    """Keys of solids beside the fields of their class."""
 
     mesh: MeshForm = Field(
         description="A mesh file, {file: ..., unit: mm} or {cad: ..., size: ...}"

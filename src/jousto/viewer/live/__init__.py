@@ -1,1 +1,1 @@
-"""A running machine on a page: what is opened, what the page may ask, and the handle of both."""
+"""Running machine on a page: sources, requests of the page, and the user's handle."""

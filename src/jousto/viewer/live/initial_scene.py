@@ -1,4 +1,4 @@
-"""What a page shows of a machine before it runs: its scene, its inputs, its damage meters."""
+"""Initial scene of a running machine: bodies, inputs and damage meters."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from jousto.simulation.live.ranges import InputRange
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.state import State
 
-AROUND = 0.15  # of the box at rest on every side: the machine will move
+AROUND = 0.15  # margin around the initial box, relative, for the coming motion
 
 
 def scene_at(model: Model, state: State | None, title: str) -> tuple[Solution, Scene]:
-    """Return a machine at its start, as results of one instant and as a scene that will move."""
+    """Return a machine at its start as one-instant results and as a scene."""
     run = at_state(model, state)
     scene = run_scene(run)
     low, high = np.asarray(scene.box)
@@ -32,7 +32,7 @@ def scene_at(model: Model, state: State | None, title: str) -> tuple[Solution, S
 def inputs_header(
     inputs: Iterable[InputRange], values: Mapping[str, float]
 ) -> list[dict[str, Any]]:
-    """Return the inputs as the page has them, with values that were changed."""
+    """Return the header entries of the inputs, with changed values."""
     return [
         {
             "name": x.name,
@@ -46,7 +46,7 @@ def inputs_header(
 
 
 def damages(model: Model) -> dict[str, int]:
-    """Return damage meters by the names that the page shows, and their places among the sensors."""
+    """Return damage meters by their names on the page, with their sensor columns."""
     return {
         f"{sensor.name} {label}": sensor.offset + 2 * k
         for sensor in model.sensors

@@ -1,4 +1,4 @@
-"""live: a machine that runs while it is steered and pulled, on a page in the browser."""
+"""Function `live`: a machine that runs on a page while the user steers and pulls it."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from jousto.base.progress import in_notebook
 from jousto.simulation.live.datagrams import Datagrams
 from jousto.simulation.live.runner import Glance, Runner
 from jousto.viewer.live.session import LiveDesk, Pusher
-from jousto.viewer.live.sources import Opened, opened
+from jousto.viewer.live.sources import OpenedMachine, open_machine
 from jousto.viewer.server import Server
 
 if TYPE_CHECKING:
     from jousto.mechanism.mechanism import Mechanism
     from jousto.model.model import Model
 
-HEIGHT = 640  # pixels of a cell
+HEIGHT = 640  # height of a notebook cell, pixels
 
 
 class Live:
-    """A running machine and its page; made by `live`. It ends with `close`, or with the program."""
+    """Running machine with its page, from `live`; ends with `close` or with the program."""
 
     def __init__(
         self,
-        made: Opened,
+        made: OpenedMachine,
         *,
         step: float | None,
         speed: float,
@@ -75,12 +75,12 @@ class Live:
 
     @property
     def address(self) -> str:
-        """Address of the page on this computer; whoever knows it may steer the machine."""
+        """Address of the page on this computer; anyone with it can steer the machine."""
         return self._server.address
 
     @property
     def now(self) -> Glance:
-        """The machine at this instant: q, the last row, how well time is kept."""
+        """State of the machine at this instant: q, the last row, timing."""
         return self.runner.glance
 
     @property
@@ -89,7 +89,7 @@ class Live:
         return self.now.time
 
     def set(self, name: str, value: float) -> None:
-        """Set an input.
+        """Set the value of an input.
 
         Raises
         ------
@@ -104,11 +104,11 @@ class Live:
         Parameters
         ----------
         body : str
-            Its name.
+            Name of the body.
         point : (3,) array_like
             Undeformed position in the frame of the body, m.
         target : (3,) array_like
-            In the world, m.
+            Target in the world, m.
 
         Raises
         ------
@@ -127,23 +127,23 @@ class Live:
         self.runner.do(lambda machine: machine.pull(place, here, to, speed=speed))
 
     def release(self) -> None:
-        """Let go."""
+        """Release the pulled point."""
         self.runner.do(lambda machine: machine.release())
 
     def play(self) -> None:
-        """Run."""
+        """Start or continue the run."""
         self.runner.play()
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause the run."""
         self.runner.pause()
 
     def reset(self) -> None:
-        """Go back to the start."""
+        """Return to the initial state."""
         self.runner.reset()
 
     def record(self, path: str | Path | None) -> None:
-        """Record to a results file from now on; None ends it.
+        """Start a record into a results file; None ends it.
 
         Raises
         ------
@@ -153,7 +153,7 @@ class Live:
         self.runner.record(path)
 
     def change(self, parameter: str, value: float) -> None:
-        """Give a parameter of the model file another value, in SI.
+        """Set a parameter of the model file to a new value, in SI.
 
         Raises
         ------
@@ -163,24 +163,24 @@ class Live:
         self._desk.change(parameter, value)
 
     def open(self) -> bool:
-        """Open the page in the browser; return whether there is one."""
+        """Open the page in the browser; return whether a browser exists."""
         return self._server.open()
 
     def wait(self) -> None:
-        """Wait until Ctrl-C is pressed, and end it: at the end of a script."""
+        """Wait until Ctrl-C, then close: for the end of a script."""
         try:
             self._server.wait()
         finally:
             self.close()
 
     def close(self) -> None:
-        """End the machine, its record and its page. May be called more than once."""
+        """End the machine, its record and its page; further calls have no effect."""
         self._server.close()
         self.pictures.close()
         self.runner.close()
 
     def _repr_html_(self) -> str:
-        """Return the page for the cell of a notebook."""
+        """Return the page as HTML of a notebook cell."""
         if not self._server.running:
             return f"<em>{html.escape(repr(self))}</em>"
         style = f"width: 100%; height: {HEIGHT}px; border: 0"
@@ -210,7 +210,7 @@ def live(
     Parameters
     ----------
     machine : path, Mechanism or Model
-        What runs; of a file its parameters can be changed.
+        Machine to run; parameters of a file can be changed.
     step : float, optional
         Step of the method, s; None is that of the file, or what `simulate` would take.
     speed : float
@@ -220,14 +220,14 @@ def live(
     record : path, optional
         Results file that is written from the start.
     playing : bool
-        Whether it runs at once.
+        Whether the machine runs at once.
     open : bool
         Open the browser. In a notebook the page is shown in the cell instead.
     port : int
-        Where the server listens, 0 for any free port.
+        Port of the server, 0 for any free port.
     urgent : bool
         Ask the operating system that the machine goes before other programs;
-        ``.runner.refused`` says what it does not grant.
+        ``.runner.refused`` has the reason of a refusal.
     udp : int, optional
         Port of this computer on which frames of inputs are taken and outputs sent, one a step; 0
         for any free port. ``.runner.link`` has the port and what was lost.
@@ -261,7 +261,7 @@ def live(
             problems.add("live", f"{key} is {given!r}, must be a whole number from 0 to 65535")
     problems.raise_if_any()
     made = Live(
-        opened(machine, trust=trust),
+        open_machine(machine, trust=trust),
         step=None if step is None else float(step),
         speed=float(speed),
         playing=playing,

@@ -1,4 +1,4 @@
-"""What answers the page of a running machine, and what is pushed to it."""
+"""Requests and pushed pictures of the page of a running machine."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ from jousto.simulation.live.runner import Glance, Runner
 from jousto.simulation.results.row_layout import columns
 from jousto.viewer.container import pack
 from jousto.viewer.live.initial_scene import damages, inputs_header, scene_at
-from jousto.viewer.live.sources import Opened
+from jousto.viewer.live.sources import OpenedMachine
 from jousto.viewer.packing import scene_header
 from jousto.viewer.queries import Answers
-from jousto.viewer.requests import Asked
+from jousto.viewer.requests import Request
 
-STALE = 0.5  # s after which a picture is sent although nothing was done
+STALE = 0.5  # interval, s, after which a picture is sent without a change
 
 
 class LiveDesk:
-    """The scene of a running machine, answers to its page, and pictures for it.
+    """Scene of a running machine, answers to its page, and pictures for it.
 
     Parameters
     ----------
     made : Opened
         The machine.
     runner : Runner
-        What steps it.
+        Runner that steps the machine.
     step : float or None
         Step of the method, s; None is that of the solver.
     ranges : mapping of str to (float, float)
         Ranges of inputs.
     record : Path
-        Where a record goes that the page asks for.
+        File of a record that the page requests.
     """
 
     def __init__(
         self,
-        made: Opened,
+        made: OpenedMachine,
         runner: Runner,
         *,
         step: float | None,
@@ -66,11 +66,11 @@ class LiveDesk:
         return f"{self._made.model.name}, live"
 
     def page(self) -> bytes:
-        """Raise InputError: what runs cannot be saved."""
+        """Raise InputError: a running machine cannot be saved as a page."""
         message = "shows a machine that runs here; record it and save the page of the record"
         raise InputError(Problem("page", message))
 
-    # -- what the page asks ---------------------------------------------------------------------
+    # -- requests of the page -------------------------------------------------------------------
 
     def answer(self, request: dict[str, Any]) -> dict[str, Any]:
         """Return the header of the answer to a request.
@@ -80,10 +80,10 @@ class LiveDesk:
         JoustoError
             With the sentence that the page shows.
         """
-        asked = Asked(request)
+        asked = Request(request)
         if "do" not in request:
             return self._asked(request)
-        known: dict[str, Callable[[Asked], Any]] = {
+        known: dict[str, Callable[[Request], Any]] = {
             "play": lambda _: self.runner.play(),
             "pause": lambda _: self.runner.pause(),
             "step": lambda _: self.runner.step(),
@@ -102,7 +102,7 @@ class LiveDesk:
         return {"kind": "done"}
 
     def _asked(self, request: dict[str, Any]) -> dict[str, Any]:
-        """Answer about this instant."""
+        """Return the answer to a request about the present instant."""
         if request.get("ask") == "scene":
             return self._header()
         glance, row = self.runner.glance, self._row(self.runner.glance)
@@ -126,27 +126,27 @@ class LiveDesk:
         ]
         return header
 
-    # -- what it does ---------------------------------------------------------------------------
+    # -- actions ----------------------------------------------------------------------------------
 
     def set(self, name: str, value: float) -> None:
-        """Set an input."""
+        """Set the value of an input."""
         self.runner.do(lambda machine: machine.set(name, value))
 
-    def _reset(self, _: Asked) -> None:
+    def _reset(self, _: Request) -> None:
         self._held = None
         self.runner.reset()
 
-    def _release(self, _: Asked) -> None:
+    def _release(self, _: Request) -> None:
         self._held = None
         self.runner.do(lambda machine: machine.release())
 
-    def _pull(self, asked: Asked) -> None:
+    def _pull(self, asked: Request) -> None:
         body = asked.whole("body", len(self.scene.bodies))
         vertex = asked.whole("vertex", len(self.scene.bodies[body].positions))
         self.pull(body, vertex, asked.vector("point"))
 
     def pull(self, body: int, vertex: int, target: Array) -> None:
-        """Pull a vertex of a body of the scene towards a target in the world, m."""
+        """Pull a vertex of a scene body towards a target in the world, m."""
         fresh = (body, vertex) != self._held
         self._held = (body, vertex)
 
@@ -165,7 +165,7 @@ class LiveDesk:
     def _point(
         self, machine: LiveMachine, body: int, vertex: int, target: Array
     ) -> tuple[int, Array]:
-        """Return the body of the engine and the undeformed point in its frame."""
+        """Return the engine's body and the undeformed point in its frame."""
         seen, q = self.scene.bodies[body], machine.engine.q
         column = seen.place
         if seen.rings is not None:
@@ -179,10 +179,10 @@ class LiveDesk:
                     return k, np.asarray(seen.positions[vertex], dtype=np.float64)
                 A = rotation_matrix(q[column + 3 : column + 7])
                 return k, A.T @ (target - q[column : column + 3])
-        raise InputError(Problem(f"body '{seen.name}'", "stands still; it cannot be pulled"))
+        raise InputError(Problem(f"body '{seen.name}'", "is fixed; it cannot be pulled"))
 
     def record(self, on: bool) -> None:
-        """Begin or end a record; files that exist stay."""
+        """Start or end a record; existing files are never overwritten."""
         path, number = self._record, 1
         while on and path.exists():
             number += 1
@@ -190,9 +190,9 @@ class LiveDesk:
         self.runner.record(path if on else None)
 
     def change(self, name: str, value: float) -> None:
-        """Give a parameter another value: the machine is built anew and goes on from its state.
+        """Set a parameter to a new value: rebuild the machine and continue from its state.
 
-        Where its state does not fit the new machine it starts anew, and the page says so.
+        Where its state does not fit the new machine it starts anew, with a message on the page.
         """
         made = self._made.changed(name, value)
         said = []
@@ -214,9 +214,9 @@ class LiveDesk:
         self._take(made)
         self.runner.say(said[0] if said else "")
 
-    # -- what is seen ---------------------------------------------------------------------------
+    # -- pictures ---------------------------------------------------------------------------------
 
-    def _take(self, made: Opened) -> None:
+    def _take(self, made: OpenedMachine) -> None:
         self._made = made
         self._inputs = input_ranges(made.model, self._ranges)
         run, self.scene = scene_at(made.model, made.state, self.title)
@@ -227,7 +227,9 @@ class LiveDesk:
     def _row(self, glance: Glance) -> Array:
         v = self._known["state/v"]
         q = glance.q[None]
-        return np.asarray(self._rows.of(q, glance.row[None, v.first : v.first + v.count])[0])
+        return np.asarray(
+            self._rows.from_states(q, glance.row[None, v.first : v.first + v.count])[0]
+        )
 
     def live(self, glance: Glance) -> dict[str, Any]:
         """Return the header of a picture of the machine."""
@@ -255,7 +257,7 @@ class LiveDesk:
 
 
 class Pusher:
-    """Sends a picture of the machine to all pages whenever there is a new one."""
+    """Thread that sends each new picture of the machine to all pages."""
 
     def __init__(self, desk: LiveDesk, push: Callable[[bytes], None]) -> None:
         self._desk, self._push, self._ended = desk, push, False
@@ -270,12 +272,12 @@ class Pusher:
                 runner.fresh.clear()
             glance = runner.glance
             if len(glance.q) != self._desk._made.model.nq:
-                continue  # of a machine that is being replaced
+                continue  # picture of a machine that is being replaced
             self._push(pack(self._desk.live(glance)))
             self.pictures += 1
 
     def close(self) -> None:
-        """End it."""
+        """End the thread."""
         self._ended = True
         self._desk.runner.fresh.set()
         self._thread.join()

@@ -1,4 +1,4 @@
-"""What can run live: a model file with its parameters, a mechanism, a compiled model."""
+"""Sources of running machines: model file with parameters, mechanism, compiled model."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from jousto.simulation.state import State
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
-    """A machine that can run live.
+class OpenedMachine:
+    """Machine ready to run.
 
     Attributes
     ----------
@@ -26,13 +26,13 @@ class Opened:
     solver : Solver or None
         Method of its file; None chooses.
     interval : float or None
-        Time between rows, s, if the file says it.
+        Time between rows, s, if the file has one.
     state : State or None
-        Where it starts.
+        Initial state.
     text : str
         Text of its file.
     parameters : tuple of Parameter
-        What may be changed.
+        Changeable parameters.
     values : dict
         Values of parameters that were changed, in SI.
     variants : Variants or None
@@ -52,18 +52,18 @@ class Opened:
     kept: dict[Any, Any] = field(default_factory=dict)
 
     rows: bool = False
-    """Whether every step makes a row, and takes inputs."""
+    """Solver settings: rows and inputs at every step."""
 
     def machine(self, step: float | None) -> LiveMachine:
-        """Return it at its start."""
+        """Return the machine at its start."""
         solver = None if self.solver is None or self.solver.adaptive else self.solver
         made = LiveMachine(self.model, solver, step=step, interval=self.interval, state=self.state)
         if not self.rows or made.every == 1:
             return made
         return LiveMachine(self.model, solver, step=step, interval=made.step_size, state=self.state)
 
-    def changed(self, name: str, value: float) -> Opened:
-        """Return the machine with another value of a parameter.
+    def changed(self, name: str, value: float) -> OpenedMachine:
+        """Return the machine with a new value of a parameter.
 
         Raises
         ------
@@ -78,8 +78,8 @@ class Opened:
         return replace(self, values=values, **_compiled(mechanism, settings))
 
 
-def opened(thing: Any, *, trust: bool = False) -> Opened:
-    """Return what can run live from a path, a mechanism or a model.
+def open_machine(thing: Any, *, trust: bool = False) -> OpenedMachine:
+    """Return the machine of a path, a mechanism or a model.
 
     Raises
     ------
@@ -90,16 +90,16 @@ def opened(thing: Any, *, trust: bool = False) -> Opened:
         from jousto.schema.read import read_model
 
         file = read_model(thing, trust=trust)
-        return Opened(
+        return OpenedMachine(
             **_compiled(file.mechanism, file.simulation),
             text=file.text,
             parameters=file.parameters,
             variants=file.variants,
         )
     if isinstance(thing, Mechanism):
-        return Opened(compile(thing))
+        return OpenedMachine(compile(thing))
     if isinstance(thing, Model):
-        return Opened(thing)
+        return OpenedMachine(thing)
     message = f"is a {type(thing).__name__}, must be a Mechanism, a Model or a path"
     raise InputError(Problem("live", f"machine {message}"))
 

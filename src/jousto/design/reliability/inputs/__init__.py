@@ -1,1 +1,1 @@
-"""Random inputs of a limit state, and the standard normal space of them."""
+"""Random inputs of a limit state and their standard normal space."""

@@ -1,4 +1,4 @@
-"""What correlation normal variables need so that those made of them have a given one."""
+"""Correlation of the normal variables behind variables of a given correlation (Nataf)."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ import scipy.optimize
 from jousto.base.arrays import Array
 from jousto.design.reliability.inputs.random import Affine, Exponential, Random, density
 
-ORDER = 40  # Hermite polynomials
-POINTS = np.linspace(-12.0, 12.0, 961)  # beyond, no double has a share
+ORDER = 40  # number of Hermite polynomials
+# grid in standard deviations; the density beyond is below the smallest double
+POINTS = np.linspace(-12.0, 12.0, 961)
 BOUND = 1.0 - 1e-10
 
 
 @lru_cache(1)
 def _polynomials() -> Array:
-    """Return normalised Hermite polynomials times the density and the step, (order, points)."""
+    """Return normalised Hermite polynomials times density and step (order, points)."""
     u, step = POINTS, POINTS[1] - POINTS[0]
     h = np.empty((ORDER + 1, len(u)))
     h[0], h[1] = 1.0, u
@@ -28,9 +29,11 @@ def _polynomials() -> Array:
 
 
 def series(variable: Random) -> Array:
-    """Return c_k of ``(x - mean) / deviation = sum c_k He_k(y) / sqrt(k!)``, k = 1 .. ORDER.
+    """Return coefficients c_k, k = 1 .. ORDER, of the Hermite series.
 
-    The integrals are sums over equal steps, which converge exponentially for such integrands.
+    ``(x - mean) / deviation = sum c_k He_k(y) / sqrt(k!)``
+
+    The integrals are sums with equal steps, which converge exponentially for such integrands.
     """
     law = variable.law
     if isinstance(law, Affine):
@@ -42,21 +45,21 @@ def series(variable: Random) -> Array:
         )
         return np.asarray(np.exp(powers) / math.sqrt(math.expm1(s * s)))
     x = (law.value(POINTS) - variable.mean) / variable.deviation
-    x = np.where(np.isfinite(x), x, 0.0)  # where the weight is below 1e-30
+    x = np.where(np.isfinite(x), x, 0.0)  # infinite only where the weight is below 1e-30
     return np.asarray(_polynomials()[1:] @ x)
 
 
 def normal_correlation(a: Random, b: Random, wanted: float) -> tuple[float | None, float, float]:
-    """Return rho_0 for which two variables have a wanted correlation, and what is possible.
+    """Return rho_0 of the normal variables for a correlation rho, and the possible range of rho.
 
     ``rho = sum_k c_k(a) c_k(b) rho_0^k`` (Mehler), a function that grows with rho_0.
 
     Returns
     -------
     rho_0 : float or None
-        None if it is impossible.
+        Correlation of the normal variables; None if it is impossible.
     low, high : float
-        Between which all correlations of such variables are.
+        Range of the possible correlations of such variables.
     """
     weights = np.concatenate([[0.0], series(a) * series(b)])
     if isinstance(a.law, Exponential) and isinstance(b.law, Exponential):

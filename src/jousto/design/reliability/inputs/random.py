@@ -1,4 +1,4 @@
-"""Random variables: a name and a distribution of scipy or OpenTURNS."""
+"""Random variables: a name and a distribution of SciPy or OpenTURNS."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from jousto.design.studies.parameters.distributions import (
 )
 
 ROOT = 2.0 * math.pi
-EDGES = (37.5, 35.0, 30.0, 20.0, 10.0)  # beyond the first, no probability is a normal double
+# standard deviations; beyond 37.5 probabilities are below the smallest normal double
+EDGES = (37.5, 35.0, 30.0, 20.0, 10.0)
 
 
 def density(y: Array) -> Array:
@@ -34,7 +35,7 @@ def density(y: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Affine:
-    """``x = loc + scale y``: a normal distribution, exact at any distance."""
+    """``x = loc + scale y``: a normal distribution, no cancellation in its tails."""
 
     loc: Any
     scale: Any
@@ -54,7 +55,7 @@ class Affine:
 
 @dataclass(frozen=True, eq=False)
 class Exponential:
-    """``x = loc + scale exp(shape y)``: a lognormal distribution, exact at any distance."""
+    """``x = loc + scale exp(shape y)``: a lognormal distribution, no cancellation in its tails."""
 
     shape: Any
     loc: Any
@@ -75,7 +76,7 @@ class Exponential:
 
 @dataclass(frozen=True, eq=False)
 class General:
-    """Any continuous distribution by its functions of arrays."""
+    """Continuous distribution by its functions of arrays: cdf, quantiles and density."""
 
     below: Callable[[Array], Array]
     above: Callable[[Array], Array]
@@ -85,7 +86,7 @@ class General:
 
     @cached_property
     def edge(self) -> float:
-        """How far quantiles are finite; beyond it they stay what they are there."""
+        """Largest |y| with finite quantiles; beyond it ``value`` is constant."""
         with np.errstate(all="ignore"):
             for y in EDGES:
                 p = np.array([ndtr(-y)])
@@ -94,7 +95,7 @@ class General:
         return EDGES[-1]
 
     def value(self, y: Array) -> Array:
-        """Return ``F^-1(Phi(y))``, in both tails without cancellation."""
+        """Return ``F^-1(Phi(y))``, by the survival function in the upper tail."""
         y = np.clip(np.asarray(y, dtype=np.float64), -self.edge, self.edge)
         down = y <= 0.0
         if np.all(down):
@@ -119,13 +120,13 @@ Law = Affine | Exponential | General
 
 
 def scipy_parameters(distribution: Any) -> tuple[tuple[Any, ...], Any, Any]:
-    """Return shapes, loc and scale of a frozen distribution."""
+    """Return shape parameters, loc and scale of a frozen SciPy distribution."""
     shapes, loc, scale = distribution.dist._parse_args(*distribution.args, **distribution.kwds)
     return tuple(shapes), loc, scale
 
 
 def law(distribution: Any) -> Law | None:
-    """Return the functions of a distribution, None if it is not known to be continuous."""
+    """Return the functions of a continuous distribution; None for another one."""
     if _is_scipy(distribution):
         shapes, loc, scale = scipy_parameters(distribution)
         if distribution.dist.name == "norm":
@@ -146,7 +147,7 @@ def _is_scipy(distribution: Any) -> bool:
 
 
 def class_name(distribution: Any) -> str:
-    """Return the family of a distribution of OpenTURNS."""
+    """Return the family name of an OpenTURNS distribution."""
     inner = getattr(distribution, "getImplementation", lambda: distribution)()
     return str(inner.getClassName())
 
@@ -156,14 +157,14 @@ def _is_openturns(distribution: Any) -> bool:
 
 
 def _openturns_law(distribution: Any) -> General:
-    """Return the functions of a distribution of OpenTURNS."""
+    """Return the functions of an OpenTURNS distribution."""
     d = distribution
 
     def column(function: Callable[[float], float]) -> Callable[[Array], Array]:
         def of(x: Array) -> Array:
             try:
                 found = [function(float(v)) for v in np.ravel(x)]
-            except Exception as error:  # bare errors of OpenTURNS and of what it stands on
+            except Exception as error:  # OpenTURNS and its dependencies raise plain exceptions
                 message = f"{class_name(d)} of OpenTURNS failed: {error}"
                 raise InputError(Problem("random variable", message)) from error
             return np.reshape(np.array(found, dtype=np.float64), np.shape(x))
@@ -180,10 +181,10 @@ def _openturns_law(distribution: Any) -> General:
 
 
 def quantile(distribution: Any, p: float, tail: bool) -> float:
-    """Return where ``F(x) = p`` or, in the tail, ``1 - F(x) = p``, of OpenTURNS.
+    """Return x with ``F(x) = p`` or, in the upper tail, ``1 - F(x) = p``, of OpenTURNS.
 
-    Its own root finding gives up on some distributions, such as ``Beta(0.2, 2)``; bisection of the
-    distribution function does not.
+    The root finding of OpenTURNS fails for some distributions, such as ``Beta(0.2, 2)``; bisection
+    of the distribution function does not.
     """
     try:
         return float(distribution.computeScalarQuantile(p, tail))
@@ -204,23 +205,23 @@ def quantile(distribution: Any, p: float, tail: bool) -> float:
 @described
 @dataclass(frozen=True, eq=False)
 class Random:
-    """A random variable.
+    """Random variable: a name and a distribution.
 
     Parameters
     ----------
     name : str
-        By which limit states ask for it.
+        Name of the variable in limit states.
     distribution : scipy.stats or OpenTURNS distribution
         Continuous, of one variable, with finite mean and deviation: ``scipy.stats.norm(50, 1)``,
         `distribution_from_moments`, ``openturns.Normal(50, 1)``.
     keep : {"deviation", "cov"}
-        What stays where the mean is a variable of a design: the deviation or the coefficient of
+        Constant moment if the mean is a design variable: the deviation or the coefficient of
         variation, their ratio.
 
     Attributes
     ----------
     mean, deviation : float
-        In the unit of the variable.
+        Moments in the unit of the variable.
 
     Raises
     ------
@@ -254,7 +255,7 @@ class Random:
 
     @property
     def kind(self) -> str:
-        """Name of the family of its distribution."""
+        """Family name of the distribution."""
         if _is_scipy(self.distribution):
             return str(self.distribution.dist.name)
         return class_name(self.distribution)
@@ -263,17 +264,17 @@ class Random:
         return f"{self.kind}, mean {self.mean:.6g}, deviation {self.deviation:.6g}"
 
     def moved(self, mean: float | None = None, deviation: float | None = None) -> Random:
-        """Return the variable with another mean or deviation.
+        """Return the variable with another mean or standard deviation.
 
-        Lognormal, Weibull and gamma distributions stay in their family and begin where they do;
-        all others are shifted and stretched.
+        Lognormal, Weibull and gamma distributions keep family and lower limit; all others are
+        shifted and scaled.
 
         Parameters
         ----------
         mean : float, optional
-            None keeps it.
+            New mean; None keeps it.
         deviation : float, optional
-            None keeps what `keep` selects.
+            New deviation; None keeps the moment that `keep` selects.
         """
         new = self.mean if mean is None else float(mean)
         if deviation is None:
@@ -302,7 +303,7 @@ def _moved(variable: Random, mean: float, deviation: float) -> Any:
 
 
 def _checked(problems: Problems, where: str, distribution: Any) -> tuple[Law, float, float] | None:
-    """Return law, mean and deviation of a distribution, or note what is wrong with it."""
+    """Return functions, mean and deviation of a distribution, and add the problems it has."""
     found = law(distribution)
     if found is None:
         hint = "must be a frozen distribution of scipy.stats or one of OpenTURNS"
@@ -319,7 +320,7 @@ def _checked(problems: Problems, where: str, distribution: Any) -> tuple[Law, fl
             return None
         try:
             mean, deviation = distribution.getMean()[0], distribution.getStandardDeviation()[0]
-        except Exception:  # OpenTURNS raises what it likes where a moment does not exist
+        except Exception:  # OpenTURNS raises various exceptions where a moment does not exist
             mean = deviation = math.nan
     good = are_moments(problems, where, float(mean), float(deviation))
     return (found, float(mean), float(deviation)) if good else None
@@ -329,12 +330,12 @@ def _checked(problems: Problems, where: str, distribution: Any) -> tuple[Law, fl
 @described
 @dataclass(frozen=True, eq=False)
 class Conditional:
-    """A random variable whose distribution depends on those before it.
+    """Random variable whose distribution depends on the variables before it.
 
     Parameters
     ----------
     name : str
-        By which limit states ask for it.
+        Name of the variable in limit states.
     distribution : callable
         ``distribution(x)`` is that of this variable where those before it, ``x["name"]``, have
         given values; it is also called with arrays of values.

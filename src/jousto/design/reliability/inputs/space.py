@@ -1,4 +1,4 @@
-"""A limit state seen from the space of independent standard normal variables."""
+"""Limit state as a function of independent standard normal variables."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from jousto.base.errors import InputError, Problem
 from jousto.design.reliability.inputs.transform import Transformation, transformation
 from jousto.design.reliability.limit import Counted, LimitState, Values, as_limit, named
 
-FARTHEST = 1e6  # standard deviations of a start
+FARTHEST = 1e6  # standard deviations, farthest start of an iteration
 
 
 class Space:
-    """``g(u) = G(T(u), fixed)`` with its gradient; counts the calls.
+    """Limit state ``g(u) = G(T(u), fixed)`` with its gradient and a count of its calls.
 
     Parameters
     ----------
@@ -48,16 +48,16 @@ class Space:
 
     @property
     def calls(self) -> int:
-        """Calls of the function."""
+        """Number of calls of the function."""
         return self.counted.calls
 
     @property
     def gradients(self) -> int:
-        """Calls of the given gradient."""
+        """Number of calls of the given gradient."""
         return self.counted.gradients
 
     def x(self, u: Array) -> Array:
-        """Return all values at points (n,) or (n, points)."""
+        """Return the values of all variables at points (n,) or (n, points)."""
         x = self.variables.to_x(u)
         if not self.fixed:
             return x
@@ -65,19 +65,19 @@ class Space:
         return np.concatenate([x, np.broadcast_to(fixed, (len(fixed), *x.shape[1:]))])
 
     def values(self, u: Array) -> Values:
-        """Return the values at a point with their names."""
+        """Return the values of all variables at a point, with names."""
         return named(self.names, self.x(u))
 
     def g(self, u: Array) -> float:
-        """Return the limit state at a point."""
+        """Return the limit state g at a point."""
         return self.counted.value(self.x(u))
 
-    def many(self, U: Array, *, lenient: bool = False) -> Array:
-        """Return the limit state at the columns of U."""
+    def g_columns(self, U: Array, *, lenient: bool = False) -> Array:
+        """Return the limit state g at the columns of U."""
         return self.counted.values(self.x(U), lenient=lenient)
 
     def gradient(self, u: Array, g: float) -> Array:
-        """Return ``dg/du`` at a point where g is known."""
+        """Return ``dg/du`` at a point with known g."""
         if self.counted.has_gradient:
             slope = self.counted.gradient_x(self.x(u))
             return np.asarray(self.variables.jacobian(u).T @ slope[: self.n])
@@ -86,7 +86,7 @@ class Space:
 
     @property
     def blur(self) -> float:
-        """What differences may leave of a direction; a merit says nothing of smaller moves."""
+        """Relative error of gradients by differences; a merit cannot resolve smaller moves."""
         if self.counted.has_gradient:
             return 0.0
         step = self.limit.step
@@ -97,7 +97,7 @@ class Space:
         return np.asarray(np.linalg.solve(self.variables.jacobian(u).T, slope))
 
     def start(self, start: Any) -> Array:
-        """Return where an iteration begins, of values by name or None for the medians.
+        """Return the start of an iteration, from values by name or, for None, the medians.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class Space:
             u = self.variables.to_u(x)
         for name, value, y in zip(names, x, u, strict=True):
             if not np.isfinite(y):
-                message = f"{name} is {value:g}, which its distribution does not have"
+                message = f"{name} is {value:g}, outside of its distribution"
                 raise InputError(Problem(where, message))
             if abs(y) > FARTHEST:
                 message = f"{name} is {value:g}, {abs(y):.2g} standard deviations from its median"

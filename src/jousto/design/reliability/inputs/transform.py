@@ -20,12 +20,12 @@ from jousto.design.reliability.inputs.correlation import normal_correlation
 from jousto.design.reliability.inputs.random import Conditional, Law, Random, class_name, law
 
 Correlation = Mapping[tuple[str, str], float]
-STENCIL = 1e-3  # of fourth order differences of a transformation: 1e-12
+STENCIL = 1e-3  # relative step of fourth-order differences: error 1e-12
 WHERE = "random variables"
 
 
 class Transformation(ABC):
-    """``x = T(u)`` of independent standard normal u; arrays (n,) or (n, points)."""
+    """Transformation ``x = T(u)`` of independent standard normal u; arrays (n,) or (n, points)."""
 
     @property
     @abstractmethod
@@ -34,14 +34,14 @@ class Transformation(ABC):
 
     @abstractmethod
     def to_x(self, u: Array) -> Array:
-        """Return the values of the variables for standard normal ones."""
+        """Return the variables x of standard normal values u."""
 
     @abstractmethod
     def to_u(self, x: Array) -> Array:
-        """Return the standard normal values of values of the variables."""
+        """Return the standard normal values u of variables x."""
 
     def jacobian(self, u: Array) -> Array:
-        """Return ``dx/du`` (n, n) at one point, by differences of fourth order."""
+        """Return ``dx/du`` (n, n) at one point by fourth-order differences."""
         n = len(u)
         shifts = np.array([1.0, -1.0, 2.0, -2.0])
         moves = np.concatenate([s * STENCIL * np.eye(n) for s in shifts], axis=1)
@@ -50,7 +50,7 @@ class Transformation(ABC):
 
     @property
     def randoms(self) -> tuple[Random, ...]:
-        """The variables whose moments may be varied; none if that is not defined."""
+        """Variables whose moments may be varied; empty where moments are not defined."""
         return ()
 
     def moved(self, moments: Mapping[str, tuple[float, float | None]]) -> Transformation:
@@ -59,7 +59,7 @@ class Transformation(ABC):
 
     @property
     def means(self) -> Array:
-        """Means of the variables, where these are known, else their medians."""
+        """Means of the variables; medians where a mean does not exist."""
         if self.randoms:
             return np.array([one.mean for one in self.randoms])
         return self.to_x(np.zeros(len(self.names)))
@@ -69,7 +69,7 @@ class Transformation(ABC):
 @described
 @dataclass(frozen=True, eq=False)
 class Nataf(Transformation):
-    """Random variables with a correlation: the model of Nataf, a Gaussian copula.
+    """Correlated random variables: Nataf's model, a Gaussian copula.
 
     ``y_i = Phi^-1(F_i(x_i))``, ``u = L^-1 y``, ``L L^T = R_0``. The correlation R_0 of y that gives
     the x their correlation is solved for (A. Der Kiureghian and P.-L. Liu, *J. Eng. Mech.* 112
@@ -78,11 +78,11 @@ class Nataf(Transformation):
     Parameters
     ----------
     variables : sequence of Random
-        With different names.
+        Variables with different names.
     correlation : dict or (n, n) array, optional
         ``{("E", "I"): 0.4}`` or a matrix; what is not named is independent.
     measure : {"pearson", "spearman", "normal"}
-        What it is: of the values, of their ranks, or R_0 itself.
+        Kind of the correlation: of the values, of their ranks, or R_0 itself.
 
     Attributes
     ----------
@@ -138,12 +138,12 @@ class Nataf(Transformation):
         return tuple(self.variables)
 
     def to_x(self, u: Array) -> Array:
-        """Return the values of the variables for standard normal ones."""
+        """Return the variables x of standard normal values u."""
         y = self._root @ u
         return np.array([one.law.value(row) for one, row in zip(self.variables, y, strict=True)])
 
     def to_u(self, x: Array) -> Array:
-        """Return the standard normal values of values of the variables."""
+        """Return the standard normal values u of variables x."""
         pairs = zip(self.variables, x, strict=True)
         y = np.array([one.law.normal(np.asarray(row)) for one, row in pairs])
         return np.asarray(
@@ -158,7 +158,7 @@ class Nataf(Transformation):
         return np.asarray(np.array(slopes)[:, None] * self._root)
 
     def moved(self, moments: Mapping[str, tuple[float, float | None]]) -> Nataf:
-        """Return the same with other means and deviations of some variables."""
+        """Return the transformation with other means and deviations of some variables."""
         new = [
             one.moved(*moments[one.name]) if one.name in moments else one for one in self.randoms
         ]
@@ -171,7 +171,7 @@ class Nataf(Transformation):
 @described
 @dataclass(frozen=True, eq=False)
 class Rosenblatt(Transformation):
-    """Random variables each of which may depend on those before it.
+    """Random variables each of which may depend on those before it: Rosenblatt's transformation.
 
     ``u_1 = Phi^-1(F_1(x_1))``, ``u_i = Phi^-1(F_i(x_i | x_1 .. x_i-1))`` (M. Rosenblatt, *Ann.
     Math. Stat.* 23 (1952) 470-472).
@@ -179,7 +179,7 @@ class Rosenblatt(Transformation):
     Parameters
     ----------
     variables : sequence of Random or Conditional
-        In the order of their dependence.
+        Variables in the order of their dependence.
     copula : OpenTURNS copula, optional
         Dependence of variables that are all Random.
     """
@@ -225,14 +225,14 @@ class Rosenblatt(Transformation):
         if isinstance(one, Random):
             return one.law
         where = f"random variable '{one.name}'"
-        from jousto.design.reliability.limit import named, shown
+        from jousto.design.reliability.limit import format_values, named
 
         try:
             distribution = one.distribution(named(self.names[:i], x[:i]))
         except JoustoError:
             raise
         except Exception as error:
-            if x.ndim == 2:  # it may take one point at a time
+            if x.ndim == 2:  # the law of a Conditional may be a function of one point
                 raise ValueError from error
             message = f"its distribution failed: {type(error).__name__}: {error}"
             raise InputError(Problem(where, message)) from error
@@ -242,32 +242,34 @@ class Rosenblatt(Transformation):
             raise InputError(Problem(where, message))
         if not _is_sound(found):
             message = "the parameters of its distribution are impossible, such as a scale below 0"
-            raise InputError(Problem(where, f"{message}, at {shown(named(self.names[:i], x[:i]))}"))
+            raise InputError(
+                Problem(where, f"{message}, at {format_values(named(self.names[:i], x[:i]))}")
+            )
         return found
 
     def to_x(self, u: Array) -> Array:
-        """Return the values of the variables for standard normal ones."""
+        """Return the variables x of standard normal values u."""
         u = np.asarray(u, dtype=np.float64)
         if self._maps is not None:
-            y = ndtri(_through(self._maps[0], u))
+            y = ndtri(_call_openturns(self._maps[0], u))
             return np.array([one.law.value(r) for one, r in zip(self.variables, y, strict=True)])  # type: ignore[union-attr]
         return self._along(u, lambda law, row: law.value(row), given=False)
 
     def to_u(self, x: Array) -> Array:
-        """Return the standard normal values of values of the variables."""
+        """Return the standard normal values u of variables x."""
         x = np.asarray(x, dtype=np.float64)
         if self._maps is not None:
             pairs = zip(self.variables, x, strict=True)
             y = np.array([one.law.normal(row) for one, row in pairs])  # type: ignore[union-attr]
-            return _through(self._maps[1], np.asarray(ndtr(y)))
+            return _call_openturns(self._maps[1], np.asarray(ndtr(y)))
         return self._along(x, lambda law, row: law.normal(row), given=True)
 
     def _along(self, rows: Array, take: Any, *, given: bool) -> Array:
-        """Return what the laws make of the rows, each with the values before it."""
+        """Apply a function to each variable's law and row; laws may depend on the rows before."""
         if rows.ndim == 2 and rows.shape[1] > 1:
             try:
                 return self._chain(rows, take, given)
-            except (TypeError, ValueError, NotImplementedError):  # for one point at a time
+            except (TypeError, ValueError, NotImplementedError):  # laws that accept one point only
                 columns = [self._chain(rows[:, k], take, given) for k in range(rows.shape[1])]
                 return np.stack(columns, axis=1)
         if rows.ndim == 2:
@@ -288,9 +290,9 @@ class Rosenblatt(Transformation):
 @described
 @dataclass(frozen=True, eq=False)
 class JointDistribution(Transformation):
-    """Random variables by their joint distribution of OpenTURNS, with its own transformation.
+    """Random variables from a joint distribution of OpenTURNS, with its own transformation.
 
-    That is Nataf's for normal copulas and Rosenblatt's for others.
+    OpenTURNS uses Nataf's transformation for normal copulas and Rosenblatt's for others.
 
     Parameters
     ----------
@@ -331,16 +333,16 @@ class JointDistribution(Transformation):
         return f"{', '.join(self.names[:6])}; {class_name(self.distribution)}"
 
     def to_x(self, u: Array) -> Array:
-        """Return the values of the variables for standard normal ones."""
-        return _through(self._maps[0], np.asarray(u, dtype=np.float64))
+        """Return the variables x of standard normal values u."""
+        return _call_openturns(self._maps[0], np.asarray(u, dtype=np.float64))
 
     def to_u(self, x: Array) -> Array:
-        """Return the standard normal values of values of the variables."""
-        return _through(self._maps[1], np.asarray(x, dtype=np.float64))
+        """Return the standard normal values u of variables x."""
+        return _call_openturns(self._maps[1], np.asarray(x, dtype=np.float64))
 
 
 def transformation(given: Any) -> Transformation:
-    """Return a transformation of one, of a random variable or of independent ones."""
+    """Return a transformation from a transformation, a random variable or independent variables."""
     if isinstance(given, Transformation):
         return given
     if isinstance(given, Random):
@@ -351,7 +353,7 @@ def transformation(given: Any) -> Transformation:
 
 
 def check_names(problems: Problems, names: Sequence[Any]) -> None:
-    """Note names that occur twice, or that there are none."""
+    """Add a problem for repeated names and for an empty sequence."""
     if not names:
         problems.add(WHERE, "there are none")
     for name in names:
@@ -362,7 +364,7 @@ def check_names(problems: Problems, names: Sequence[Any]) -> None:
 
 
 def _matrix(problems: Problems, names: Sequence[str], given: Any) -> Array | None:
-    """Return the given correlation as a matrix, or note what is wrong with it."""
+    """Return the given correlation as a matrix, and add its problems."""
     n = len(names)
     R = np.eye(n)
     if given is None:
@@ -399,7 +401,7 @@ def _matrix(problems: Problems, names: Sequence[str], given: Any) -> Array | Non
 
 
 def _normal(problems: Problems, variables: Sequence[Random], R: Array, measure: str) -> Array:
-    """Return R_0, or note pairs whose correlation is impossible."""
+    """Return R_0, and add pairs whose correlation is impossible."""
     if measure == "normal":
         return R
     if measure == "spearman":
@@ -424,7 +426,7 @@ def _normal(problems: Problems, variables: Sequence[Random], R: Array, measure: 
 
 
 def _factor(variables: Sequence[Random], R: Array, R_0: Array) -> Array:
-    """Return the Cholesky factor of R_0 or say why there is none."""
+    """Return the Cholesky factor of R_0; raise InputError if R_0 is not positive definite."""
     try:
         return np.asarray(np.linalg.cholesky(R_0), dtype=np.float64)
     except np.linalg.LinAlgError:
@@ -457,15 +459,15 @@ def _copula_maps(problems: Problems, variables: Sequence[Any], copula: Any) -> A
 
 
 def _is_sound(law: Law) -> bool:
-    """Return whether a distribution has a median and grows there."""
+    """Return whether a distribution has a finite median and a positive density there."""
     origin = np.zeros(1)
     middle = law.value(origin)
     slope = law.slope(origin, middle)
     return bool(np.all(np.isfinite(middle)) and np.all(np.asarray(slope) > 0.0))
 
 
-def _through(function: Any, rows: Array) -> Array:
-    """Return a function of OpenTURNS of the columns of an array."""
+def _call_openturns(function: Any, rows: Array) -> Array:
+    """Return a vectorised function of an OpenTURNS function of samples."""
     given = rows.tolist() if rows.ndim == 1 else np.ascontiguousarray(rows.T)
     try:
         return np.array(function(given), dtype=np.float64).T

@@ -1,1 +1,1 @@
-"""Design for a target of reliability."""
+"""Reliability-based design: least cost for target indices."""

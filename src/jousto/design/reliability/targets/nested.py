@@ -1,4 +1,4 @@
-"""Design for a target with a reliability analysis of each limit state at each design."""
+"""Nested reliability-based design: an analysis of each limit state at each trial design."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def nested(
     cycles: int,
     rows: list[tuple[float, ...]],
 ) -> tuple[Array, list[Array | None]]:
-    """Return the design of one optimisation with an analysis in each step."""
+    """Return the design of one optimisation with a reliability analysis at each trial design."""
     points: list[Array | None] = [None] * len(problem.names)
     known: dict[bytes, tuple[Array, Array]] = {}
 
@@ -43,26 +43,26 @@ def nested(
 
 
 def far_index(problem: Redesign, d: Array, i: int) -> float:
-    """Return an index beyond any target with the sign of the limit state at the medians."""
-    space = problem.at(d, i)
+    """Return plus or minus a large beta where FORM finds no design point."""
+    space = problem.space_at(d, i)
     return FAR if space.g(np.zeros(space.n)) > 0.0 else -FAR
 
 
 def _index(
     problem: Redesign, d: Array, i: int, near: Array | None
 ) -> tuple[float, Array, Array | None]:
-    """Return the index less its target, its derivatives and the design point."""
+    """Return index minus target, its derivatives by the design, and the design point."""
     target = float(problem.beta[i])
     for start in (near, None) if near is not None else (None,):
-        space = problem.at(d, i)
+        space = problem.space_at(d, i)
         u = np.zeros(space.n) if start is None else start
         try:
             found = design_point(space, u, "sqp", 1e-6, 100, FAR)
         except DesignPointError as error:
-            if not error.history:  # no gradient: it may fail anywhere
+            if not error.history:  # no gradient at the start: the limit state may fail anywhere
                 raise
             continue
         slope = problem.slope_at(d, i, found.u, found.gradient)
         return found.beta - target, slope / np.linalg.norm(found.gradient), found.u
-    # all of it is safe, or all fails: far beyond any target
+    # no failure or no safe point within reach
     return far_index(problem, d, i) - target, np.zeros(len(d)), None

@@ -1,4 +1,4 @@
-"""Design for a target: least cost with a reliability index for each limit state."""
+"""Reliability-based design optimisation: least cost with an index for each limit state."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ from jousto.design.reliability.targets.redesign import FAR, STEPS, WHERE, Redesi
 from jousto.design.reliability.targets.redesign_input import read_redesign
 from jousto.design.reliability.targets.sora import sora
 
-ACTIVE = 1e-2  # of an index above its target
+ACTIVE = 1e-2  # distance from the target at which an index counts as active
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class RbdoResult(Tabular):
-    """A design of least cost whose limit states have their reliability indices.
+    """Design of least cost whose limit states have their target indices.
 
     Attributes
     ----------
     design : dict of float
         Means of random variables, and values of others.
     cost : float
-        Of the design.
+        Cost of the design.
     betas : dict of float
         Indices of the limit states by FORM; infinite where no failure was found.
     target : dict of float
-        Those that were asked for.
+        Target indices.
     deterministic : dict of float
         The design without scatter, from which it started.
     deterministic_cost : float
-        Of that.
+        Cost of the deterministic design.
     cycles : int
         Optimisations with shifts of "sora", designs tried by the others.
     calls : dict of int
-        Of each limit state, with those of differences.
+        Calls of each limit state, with those of differences.
     gradients : dict of int
-        Of their given gradients.
+        Calls of the limit states' gradients.
     method : str
         "sora", "pma" or "ria".
     history : (cycles + 1, 1 + n) array
@@ -74,7 +74,7 @@ class RbdoResult(Tabular):
 
     @property
     def active(self) -> tuple[str, ...]:
-        """Limit states whose index is its target."""
+        """Names of the limit states at their target index."""
         return tuple(k for k, beta in self.betas.items() if beta - self.target[k] <= ACTIVE)
 
     def _facts(self) -> str:
@@ -118,13 +118,13 @@ def rbdo(
     tolerance: float = 1e-5,
     cycles: int = 50,
 ) -> RbdoResult:
-    """Return the design of least cost with ``P(G_i <= 0) <= Phi(-beta_i)``: RBDO.
+    """Return the design of least cost with ``P(G_i <= 0) <= Phi(-beta_i)``.
 
-    "sora" takes turns (X. Du and W. Chen, *J. Mech. Des.* 126 (2004) 225-233): an optimisation
-    without scatter, in which each limit state is taken at its most probable point of the last
-    cycle, moved along with the design; then those points anew, by `pma`. "pma" and "ria" are
-    nested: every design that the optimisation tries has its limit states on the sphere of the
-    target, or its indices by `form`.
+    "sora" alternates (X. Du and W. Chen, *J. Mech. Des.* 126 (2004) 225-233): an optimisation
+    without scatter, with each limit state at its most probable point of the last cycle, shifted
+    with the design; then new most probable points by `pma`. "pma" and "ria" are nested: for every
+    trial design they compute the limit states on the sphere of the target, or the indices by
+    `form`.
 
     Parameters
     ----------
@@ -141,15 +141,15 @@ def rbdo(
     beta : float or dict of float
         Targets.
     method : {"sora", "pma", "ria"}
-        See above.
+        Method, see above.
     start : dict of float, optional
-        Where to begin; else the means of the random variables.
+        Start of the search; else the means of the random variables.
     inner : {"sqp", "hmv", "amv", "cmv"}
         Method of `pma`.
     tolerance : float
         Move of the design, by the width of its bounds, that is none.
     cycles : int
-        At most; of nested methods iterations.
+        Largest number of cycles; of nested methods iterations.
 
     Returns
     -------
@@ -168,8 +168,7 @@ def rbdo(
     problem = read_redesign(cost, limits, variables, bounds, beta, start, method, inner)
     problems = Problems()
     problems.positive(WHERE, "tolerance", tolerance, "")
-    whole = "a whole number, at least 1"
-    problems.number(WHERE, "cycles", cycles, "", whole, lambda x: x >= 1 and x == int(x))
+    problems.whole(WHERE, "cycles", cycles)
     problems.raise_if_any()
     first = problem.optimum(problem.start, problem.shifted([None] * len(problem.names)), STEPS)
     rows = [(problem.cost_of(first), *first)]
@@ -192,7 +191,7 @@ def _result(
     betas: dict[str, float] = {}
     for i, name in enumerate(problem.names):
         u = points[i]
-        space = problem.at(d, i)
+        space = problem.space_at(d, i)
         try:
             found = design_point(
                 space, np.zeros(space.n) if u is None else u, "sqp", 1e-6, 100, FAR

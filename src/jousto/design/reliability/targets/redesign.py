@@ -1,4 +1,4 @@
-"""A design that shall have targets: limit states, their slopes and the least cost, in arrays."""
+"""Reliability-based design problem: limit states, their derivatives and the cost, as arrays."""
 
 from __future__ import annotations
 
@@ -11,25 +11,26 @@ import numpy as np
 from jousto.base.arrays import Array, some
 from jousto.base.errors import count
 from jousto.design.reliability.errors import DesignPointError
-from jousto.design.reliability.form import moved_by
+from jousto.design.reliability.form import moment_derivative
 from jousto.design.reliability.inputs.space import Space
 from jousto.design.reliability.inputs.transform import Transformation
 from jousto.design.reliability.limit import Counted
 from jousto.design.reliability.targets.search import Search
 
 WHERE = "rbdo"
-FAR = 38.0  # of indices that are only told
-MISSED = 1e-6  # of the size of a limit state
-ROUNDS, SHORT = 50, 0.1  # optimisations with steps of at most a share of the scale
-ENDLESS = 1e9  # times its scale, of a design without bounds
-STEPS = 200  # of an optimisation without scatter
-KEPT = 200  # designs whose variables are kept
-WIDTH = 1e-4  # of differences by a design variable, by its scale
+FAR = 38.0  # largest beta that is reported as a number
+MISSED = 1e-6  # tolerance of a limit state, relative to its size
+# maximum number of short optimisations; their longest step, as a share of the scale
+ROUNDS, SHORT = 50, 0.1
+ENDLESS = 1e9  # multiple of the scale at which an unbounded design counts as divergent
+STEPS = 200  # maximum iterations of an optimisation without scatter
+KEPT = 200  # cache size: designs whose random variables are kept
+WIDTH = 1e-4  # step of differences by a design variable, relative to its scale
 
 
 @dataclass(eq=False)
 class Redesign:
-    """What is asked for, in arrays; counts the calls."""
+    """Design problem as arrays, with a count of the calls."""
 
     cost: Counted
     counted: list[Counted]
@@ -45,20 +46,20 @@ class Redesign:
 
     @property
     def fixed(self) -> list[str]:
-        """Design variables that are not random."""
+        """Design variables without scatter."""
         return [name for name in self.designs if name not in self.variables.names]
 
-    def at(self, d: Array, i: int) -> Space:
-        """Return a limit state at a design."""
+    def space_at(self, d: Array, i: int) -> Space:
+        """Return the Space of a limit state at a design."""
         key = d.tobytes()
         if key not in self.known:
             if len(self.known) > KEPT:
                 self.known.clear()
-            self.known[key] = self._moved(d)
+            self.known[key] = self._variables_at(d)
         moved, fixed = self.known[key]
         return Space(self.counted[i].limit, moved, fixed, self.counted[i])
 
-    def _moved(self, d: Array) -> tuple[Transformation, dict[str, float]]:
+    def _variables_at(self, d: Array) -> tuple[Transformation, dict[str, float]]:
         """Return the random variables and the fixed values of a design."""
         value = dict(zip(self.designs, d.tolist(), strict=True))
         random = {k: (v, None) for k, v in value.items() if k in self.variables.names}
@@ -76,7 +77,7 @@ class Redesign:
         return self._differences(self.cost.value, d)
 
     def _differences(self, f: Callable[[Array], float], d: Array) -> Array:
-        """Return central differences within the bounds, of a step that suits smooth functions."""
+        """Return central differences of a smooth function within the bounds."""
         out = np.empty(len(d))
         for k, step in enumerate(WIDTH * self.scale):
             up, down = d.copy(), d.copy()
@@ -85,8 +86,8 @@ class Redesign:
         return out
 
     def value(self, d: Array, i: int, u: Array | None) -> float:
-        """Return a limit state at a design, at a standard normal point or, of None, the means."""
-        space = self.at(d, i)
+        """Return a limit state at a design and a standard normal point (None: the means)."""
+        space = self.space_at(d, i)
         return self.counted[i].value(self._x(space, u))
 
     def _x(self, space: Space, u: Array | None) -> Array:
@@ -95,10 +96,10 @@ class Redesign:
         return np.concatenate([space.variables.means, list(space.fixed.values())])
 
     def slope(self, d: Array, i: int, u: Array | None) -> Array:
-        """Return its derivatives by the design, the standard normal point being the same."""
+        """Return the derivatives of a limit state by the design at constant u (standard normal)."""
         if not self.counted[i].has_gradient:
             return self._differences(lambda e: self.value(e, i, u), d)
-        space = self.at(d, i)
+        space = self.space_at(d, i)
         G_x = self.counted[i].gradient_x(self._x(space, u))
         out = np.empty(len(d))
         for k, name in enumerate(self.designs):
@@ -109,16 +110,16 @@ class Redesign:
         return out
 
     def _move(self, space: Space, u: Array | None, name: str) -> Array:
-        """Return dx/dmean of one variable; a mean moves itself alone."""
+        """Return dx/dmean of one variable at point u."""
         if u is None:
             return np.asarray(np.eye(space.n)[space.variables.names.index(name)])
         T = space.variables
         one = T.randoms[T.names.index(name)]
-        return moved_by(T, u, T.to_x(u), one, 0, tied=True)
+        return moment_derivative(T, u, T.to_x(u), one, 0, tied=True)
 
     def slope_at(self, d: Array, i: int, u: Array, g_u: Array) -> Array:
-        """Return the derivatives where dg/du is known: calls for fixed values alone."""
-        space = self.at(d, i)
+        """Return the derivatives by the design from known dg/du: calls for fixed values only."""
+        space = self.space_at(d, i)
         G_x = space.gradient_x(u, g_u)
         out = np.empty(len(d))
         rest: Array | None = None
@@ -151,11 +152,11 @@ class Redesign:
 
         return values, slopes
 
-    def _said(self, d: Array) -> str:
+    def _format_design(self, d: Array) -> str:
         return ", ".join(f"{n} = {x:.4g}" for n, x in zip(self.designs, d, strict=True))
 
     def optimum(self, d: Array, limits: tuple[Any, Any], iterations: int) -> Array:
-        """Return the least cost with limit states that are not negative, by scipy's SLSQP."""
+        """Return the design of least cost with limit states >= 0, by SLSQP."""
         values, slopes = limits
         first, g = self.cost_of(d), values(d)
         size = max(abs(first), float(np.linalg.norm(self.cost_slope(d) * self.scale)), 1e-300)
@@ -163,7 +164,9 @@ class Redesign:
         fixed = [n for n, x, move in zip(self.names, g, moves, strict=True) if x < 0.0 == move]
         if fixed:
             message = f"{WHERE}: {some(fixed)} {'fails' if len(fixed) == 1 else 'fail'} at "
-            message += f"{self._said(d)}, and no design variable changes that; give another start"
+            message += (
+                f"{self._format_design(d)}, and no design variable changes that; give another start"
+            )
             raise DesignPointError(message, d)
         sizes = np.maximum(np.abs(g), moves)
         sizes = np.maximum(sizes, 1e-300)
@@ -179,7 +182,7 @@ class Redesign:
         )
         z, low, high = d / self.scale, self.low / self.scale, self.high / self.scale
         found, status = search.least(z, low, high, iterations)
-        # a long step may end where limits have no slope: then short ones
+        # a long step may end where limits have zero gradient: repeat with short steps
         for _ in range(ROUNDS if status not in (0, 9) else 0):
             near, far = np.maximum(low, z - SHORT), np.minimum(high, z + SHORT)
             found, status = search.least(z, near, far, iterations)
@@ -188,19 +191,25 @@ class Redesign:
                 break
         d = real(found)
         if np.any(np.abs(d) > ENDLESS * self.scale):
-            message = f"{WHERE}: the cost falls without end, to {self._said(d)}; give finite bounds"
+            message = (
+                f"{WHERE}: the cost falls without end, to {self._format_design(d)}; give "
+                "finite bounds"
+            )
             raise DesignPointError(message, d)
         g = values(d) / sizes
         bad = [f"{self.names[i]} ({g[i] * sizes[i]:.4g})" for i in np.flatnonzero(g < -MISSED)]
-        missed = f"missed at {self._said(d)}: {some(bad)}" if bad else ""
+        missed = f"missed at {self._format_design(d)}: {some(bad)}" if bad else ""
         if status == 9:
             hint = "" if iterations == STEPS else ", raise cycles="
-            message = f"{WHERE}: the optimisation did not end in {count(iterations, 'step')}{hint}"
+            message = (
+                f"{WHERE}: the optimisation did not converge within "
+                f"{count(iterations, 'step')}{hint}"
+            )
             message += f"; {missed}" if bad else ""
             raise DesignPointError(message, d)
         if not np.all(g >= -10.0 * MISSED):
             message = (
-                f"{WHERE}: no design was found that has what is asked for; {missed}. Wider bounds, "
+                f"{WHERE}: no design reaches the targets; {missed}. Wider bounds, "
                 "a smaller target or less scatter may help, or another start"
             )
             raise DesignPointError(message, d)

@@ -1,4 +1,4 @@
-"""What `rbdo` is given: checked, and all that is wrong with it at once."""
+"""Check of the arguments of `rbdo`, with all problems in one error."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def read_redesign(
     method: Any,
     inner: Any,
 ) -> Redesign:
-    """Return the problem or say all that is wrong with it.
+    """Return the design problem of the arguments; raise InputError with all problems.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def _limits(problems: Problems, limits: Any) -> dict[str, LimitState]:
     if isinstance(limits, Mapping):
         pairs = list(limits.items())
     elif isinstance(limits, list | tuple):
-        # functions without a name of their own are numbered
+        # functions without a name are numbered
         own = [as_limit(one).name if callable(one) else getattr(one, "name", "G") for one in limits]
         pairs = [
             (f"G{i + 1}" if name == "G" else name, one)

@@ -1,4 +1,4 @@
-"""Least cost with limits: scipy's SLSQP, ended where a design is an optimum of first order."""
+"""SLSQP with a stop at the first design that meets the first-order optimality conditions."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 
-FLAT = 1e-9  # change of the scaled cost at which SLSQP ends
-ACTIVE = 1e-7  # distance of an active limit or bound, in scaled design variables
-LEFT = 1e-7  # share of the slope of the cost that active limits and bounds may leave
+FLAT = 1e-9  # change of the scaled cost at which SLSQP stops
+ACTIVE = 1e-7  # distance at which a limit or bound counts as active, scaled design variables
+LEFT = 1e-7  # residual of the KKT conditions, relative to the gradient of the cost
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Minimise a cost f(z) with limits g(z) >= 0, all of them scaled.
+    """Search for the minimum of a cost f(z) with limits g(z) >= 0, all scaled.
 
-    The quadratic programs of SLSQP lose digits where its estimate of the curvature is small or
-    nearly singular: at an optimum where limits meet, a step of 3e-9 becomes 8e-8 and then 0.3 in
-    a direction that rounding chooses, each with a line search. So the search ends as soon as the
-    design is an optimum of first order.
+    The quadratic programs of SLSQP lose digits where its Hessian estimate is small or nearly
+    singular: at an optimum with several active limits, a step of 3e-9 becomes 8e-8 and then 0.3 in
+    a random direction, each with a line search. So the search stops at the first design that meets
+    the first-order conditions.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Search:
     limit_slopes: Callable[[Array], Array]
 
     def least(self, z: Array, low: Array, high: Array, iterations: int) -> tuple[Array, int]:
-        """Return the design (n,) from a start within bounds, and the status of SLSQP."""
+        """Return the optimal design (n,) from a start within bounds, and SLSQP's status."""
         last: dict[str, tuple[Array, Array]] = {}
 
         def keep(name: str, z: Array, value: Array) -> Array:
@@ -77,7 +77,7 @@ class Search:
 
 
 class _Optimum(Exception):
-    """SLSQP stands at an optimum of first order."""
+    """Signal that stops SLSQP at a first-order optimum."""
 
     def __init__(self, z: Array) -> None:
         super().__init__("an optimum of first order")
@@ -85,10 +85,10 @@ class _Optimum(Exception):
 
 
 def is_optimum(slope: Array, g: Array, J: Array, inside: Array, lower: NDArray[np.bool_]) -> bool:
-    """Return whether active limits and bounds bear the slope of the cost (Karush, Kuhn, Tucker).
+    """Return whether multipliers of active limits and bounds balance the gradient (KKT).
 
-    ``df/dz = A^T lam``, ``lam >= 0`` with the rows A of limits and bounds at which the design
-    stands. Where none is active the answer is no: SLSQP ends there by the change of the cost.
+    ``df/dz = A^T lam``, ``lam >= 0`` with the rows A of the active limits and bounds. Without
+    active rows the result is False: SLSQP then stops by the change of the cost.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def is_optimum(slope: Array, g: Array, J: Array, inside: Array, lower: NDArray[n
     inside : (n,) array
         Distance to the nearer bound.
     lower : (n,) array of bool
-        Whether that is the lower one.
+        Whether the bound is the lower one.
     """
     sizes = np.linalg.norm(J, axis=1)
     near = ACTIVE * np.minimum(sizes, 1.0)

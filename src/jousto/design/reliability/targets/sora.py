@@ -1,4 +1,4 @@
-"""Sequential optimisation and reliability assessment."""
+"""Sequential optimisation and reliability assessment (SORA)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def sora(
     cycles: int,
     rows: list[tuple[float, ...]],
 ) -> tuple[Array, list[Array | None]]:
-    """Return the design of turns of most probable points and optimisations with shifts."""
+    """Return the design of alternating optimisations and searches for most probable points."""
     points: list[Array | None] = [None] * len(problem.names)
     for _ in range(cycles):
         points = [worst(problem, d, i, inner, points[i])[0] for i in range(len(points))]
@@ -37,7 +37,7 @@ def worst(
     problem: Redesign, d: Array, i: int, inner: str, near: Array | None
 ) -> tuple[Array, float, Array]:
     """Return the most probable point of a limit state on its sphere, its value and gradient."""
-    space = problem.at(d, i)
+    space = problem.space_at(d, i)
     u = np.zeros(space.n) if near is None else near
     found = performance(space, u, float(problem.beta[i]), inner, 1e-6, 100)
     return found.u, found.value, found.gradient

@@ -1,1 +1,1 @@
-"""Outcomes: numbers of a run, of a function or of a structure, and what is required of them."""
+"""Outcomes: numbers from a run, a function or a structure, and requirements on them."""

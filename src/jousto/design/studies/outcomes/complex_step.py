@@ -1,4 +1,4 @@
-"""What is said of runs with real numbers alone, followed along the derivative of the motion."""
+"""Directional derivatives of real-valued outcomes of a run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jousto.simulation.results.memory import moved
 from jousto.simulation.results.solution import Solution
 
 SHARE = 1e-5
-"""Of a parameter, by which `along` moves results: small, so that cycles stay the same."""
+"""Relative change of the parameter in `directional`: small, so that cycles stay the same."""
 
 
 def has_slope(run: Solution) -> bool:
@@ -19,19 +19,20 @@ def has_slope(run: Solution) -> bool:
     return stepped(getattr(run._records, "rows", None))
 
 
-def along(case: Case, judge: Callable[[Solution, float], float]) -> float:
-    """Return what somebody says of a run, with its derivative along that of the motion.
+def directional(case: Case, judge: Callable[[Solution, float], float]) -> float:
+    """Return a real-valued outcome of a run with its derivative along that of the motion.
 
-    Differences of fourth order of `judge` alone, between results that are moved by their
-    derivatives: what follows a run needs real numbers, and is smooth where places, instants and
-    cycles stay.
+    Fourth-order differences of `judge` between results that are shifted along their derivatives:
+    evaluation after a run needs real numbers, and is smooth as long as places, instants and cycles
+    stay the same.
 
     Parameters
     ----------
     case : Case
-        With a parameter that has a derivative.
+        Case with a parameter that has a derivative.
     judge : callable
-        Of results and the change of the parameter, along which it may move numbers of its own.
+        Function of results and parameter change; it may change numbers of its own along with the
+        latter.
     """
     run, size = case.run, SHARE * case.reach
     case.followed = True

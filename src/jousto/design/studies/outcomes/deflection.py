@@ -1,4 +1,4 @@
-"""Deflection of a flexible body: an outcome of a study."""
+"""Deflection of a flexible body as an outcome of a study."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from jousto.mechanism.bodies.body import FlexibleBody
 class Deflection(Outcome):
     """Largest elastic displacement of a node over the run, in the frame of another node, m.
 
-    ``|u - (u_0 + theta_0 x (r - r_0))|``, that node having moved by u_0 and turned by theta_0.
+    u - (u_0|``|u - (u_0 + theta_0 x (r - r_0))|`` with the displacement u_0 and the rotation
+    theta_0 of the other node.
     """
 
     name: str
@@ -29,7 +30,7 @@ class Deflection(Outcome):
     seen_from: str
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the deflection at one point."""
         reduced = self._body(case).reduced
         q = case.run.coordinates(self.body)[:, 7:].T
         (tip,), (foot,) = reduced.node_sets[self.node], reduced.node_sets[self.seen_from]
@@ -44,11 +45,11 @@ class Deflection(Outcome):
         return next(body for body in case.mechanism.bodies if body.name == self.body)
 
     def unit(self, case: Case) -> str:
-        """Return m."""
+        """Return the unit m."""
         return "m"
 
     def check(self, case: Case) -> str:
-        """Return whether there is no such body, or no such node that turns."""
+        """Return the problem of an unknown body or node, empty if there is none."""
         known = [body.name for body in case.mechanism.bodies if isinstance(body, FlexibleBody)]
         if self.body not in known:
             return f"no flexible body {self.body!r}{suggest(self.body, known)}"

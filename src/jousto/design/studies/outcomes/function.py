@@ -1,4 +1,4 @@
-"""Outcomes that a Python function works out."""
+"""Outcomes that a Python function computes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.names import check_name
 from jousto.base.object_repr import described
 from jousto.design.studies.case import Case
-from jousto.design.studies.outcomes.complex_step import along, has_slope
+from jousto.design.studies.outcomes.complex_step import directional, has_slope
 from jousto.design.studies.outcomes.outcome import Outcome
 
 
@@ -22,16 +22,16 @@ from jousto.design.studies.outcomes.outcome import Outcome
 @described
 @dataclass(frozen=True, eq=False)
 class Function(Outcome):
-    """A number that a Python function works out.
+    """Number that a Python function computes.
 
     Parameters
     ----------
     name : str
-        Of its column.
+        Name of the column.
     function : callable
         ``function(run)`` of the `Solution`, or of what `of` names.
     of : {"run", "model", "mechanism", "case"}
-        What the function gets; only "run" and "case" need a simulation. A case has all of them
+        Argument of the function; only "run" and "case" need a simulation. A case has all of them
         and ``case.values``.
     measured_in : str
         SI unit.
@@ -59,18 +59,18 @@ class Function(Outcome):
 
     @property
     def needs_run(self) -> bool:  # type: ignore[override]
-        """Whether the model is simulated for it."""
+        """Whether the function needs a simulated run."""
         return self.of in ("run", "case")
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the number at one point."""
         given = case if self.of == "case" else getattr(case, self.of)
         try:
             found = self.function(given)
         except Exception:
             if self.of != "run" or not has_slope(case.run):
                 raise
-            return along(case, lambda run, _: float(self.function(run)))
+            return directional(case, lambda run, _: float(self.function(run)))
         array = np.asarray(found)
         if array.size != 1 or array.dtype.kind not in ("fiubc" if is_stepping() else "fiub"):
             message = f"its function returned {found!r:.60}, must be one number"
@@ -79,5 +79,5 @@ class Function(Outcome):
         return scalar(array.reshape(()))
 
     def unit(self, case: Case) -> str:
-        """Return what it is measured in."""
+        """Return the unit of the number."""
         return self.measured_in

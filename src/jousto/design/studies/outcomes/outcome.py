@@ -1,4 +1,4 @@
-"""What every outcome of a study is."""
+"""Base class of the outcomes of a study."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from jousto.design.studies.case import Case
 
 @described
 class Outcome(ABC):
-    """A number that a study wants to know of every point.
+    """Base class: a number that a study computes at every point.
 
     Attributes
     ----------
     name : str
-        Of its column.
+        Name of the column.
     needs_run : bool
-        Whether the model is simulated for it.
+        Whether the outcome needs a simulated run.
     """
 
     name: str
@@ -26,12 +26,12 @@ class Outcome(ABC):
 
     @abstractmethod
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the number at one point."""
 
     def unit(self, case: Case) -> str:
-        """Return its SI unit."""
+        """Return the SI unit of the number."""
         return "1"
 
     def check(self, case: Case) -> str:
-        """Return what is wrong with it for this machine, empty if nothing is."""
+        """Return the problem of the outcome for this machine, empty if there is none."""
         return ""

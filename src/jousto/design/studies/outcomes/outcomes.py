@@ -1,4 +1,4 @@
-"""Outcomes: the numbers that a study wants to know of every point."""
+"""Outcomes of a study: numbers of sensors, masses, frequencies, stress, damage and reactions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.names import check_name
 from jousto.base.object_repr import described
 from jousto.design.studies.case import Case
-from jousto.design.studies.outcomes.complex_step import along, has_slope
+from jousto.design.studies.outcomes.complex_step import directional, has_slope
 from jousto.design.studies.outcomes.deflection import Deflection
 from jousto.design.studies.outcomes.function import Function
 from jousto.design.studies.outcomes.outcome import Outcome
@@ -29,7 +29,7 @@ from jousto.simulation.results.solution import Solution
 
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Laws = tuple[Any, tuple[tuple[str, Any], ...]]
-"""An S-N curve with options."""
+"""S-N curve with options."""
 
 OVER_TIME: dict[str, Callable[[Floats], Any]] = {
     "max": np.max,
@@ -41,11 +41,11 @@ OVER_TIME: dict[str, Callable[[Floats], Any]] = {
     "range": np.ptp,
     "peak": lambda x: np.max(magnitude(x)),
 }
-"""Numbers of a history; the peak is the largest magnitude."""
+"""Functions of a history by name; peak is the largest magnitude."""
 
 
 def _body(case: Case, name: str, flexible: bool = True) -> str:
-    """Return what is wrong with the name of a body."""
+    """Return the problem of an unknown body name, empty if the body exists."""
     known = [
         body.name
         for body, shape in zip(case.model.bodies, case.model.shapes, strict=True)
@@ -61,18 +61,18 @@ def _body(case: Case, name: str, flexible: bool = True) -> str:
 @described
 @dataclass(frozen=True, eq=False)
 class OfSensor(Outcome):
-    """A number of the history of a sensor's component: `OVER_TIME`."""
+    """Number of the history of a sensor's component, by a function of `OVER_TIME`."""
 
     name: str
     how: str
     sensor: str
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the number at one point."""
         return scalar(OVER_TIME[self.how](np.ravel(case.run[self.sensor])))
 
     def unit(self, case: Case) -> str:
-        """Return the unit of the component."""
+        """Return the SI unit of the component."""
         if not case.runs:
             return str(case.run.about(self.sensor)["unit"])
         for sensor in case.model.sensors:
@@ -84,7 +84,7 @@ class OfSensor(Outcome):
         return "1"
 
     def check(self, case: Case) -> str:
-        """Return whether there is no such sensor, or it has several components."""
+        """Return the problem of an unknown sensor or a missing component name."""
         if not case.runs:
             return ""
         known: dict[str, tuple[str, ...]] = {s.name: s.components for s in case.model.sensors}
@@ -112,24 +112,24 @@ class Mass(Outcome):
     needs_run: ClassVar[bool] = False
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the mass at one point."""
         model: Model = case.model
         some = [body for body in model.bodies if self.body in ("", body.name)]
         return scalar(sum(body.mass[0] for body in some))
 
     def unit(self, case: Case) -> str:
-        """Return kg."""
+        """Return the unit kg."""
         return "kg"
 
     def check(self, case: Case) -> str:
-        """Return whether there is no such body."""
+        """Return the problem of an unknown body."""
         return _body(case, self.body, flexible=False) if self.body else ""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Frequency(Outcome):
-    """The n-th natural frequency about the initial pose or the position of rest, Hz."""
+    """The n-th natural frequency about the initial pose or the equilibrium, Hz."""
 
     name: str
     number: int
@@ -137,12 +137,12 @@ class Frequency(Outcome):
     needs_run: ClassVar[bool] = False
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the frequency at one point."""
         if has_steps(case.model):
             from jousto.simulation.statics.complex_step import frequency
 
             return frequency(case.model, self.number, self.rest)
-        found = case.once(("modes", self.rest), lambda: self._modes(case.model))
+        found = case.cached(("modes", self.rest), lambda: self._modes(case.model))
         if self.number > len(found.frequencies):
             raise InputError(Problem(self.name, f"there are {len(found.frequencies)} modes only"))
         return scalar(found.frequencies[self.number - 1])
@@ -154,7 +154,7 @@ class Frequency(Outcome):
         return modes(model, equilibrium(model) if self.rest else None)
 
     def unit(self, case: Case) -> str:
-        """Return Hz."""
+        """Return the unit Hz."""
         return "Hz"
 
 
@@ -169,7 +169,7 @@ class Stress(Outcome):
     criterion: str = "von-mises"
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the stress at one point."""
         from jousto.recovery.fields.build import stress_field
         from jousto.recovery.hotspots.hot_spots import hot_spots
 
@@ -185,7 +185,7 @@ class Stress(Outcome):
                 return float(at(case.run, self.site).max())
             worst = spots(case.run)
             return float(worst[0].value) if worst else 0.0
-        # the place and the instant stay
+        # the derivative is that of the same place and instant
         with plainly():
             plain = moved(case.run, 0.0)
             found: Any = () if self.site else spots(plain)
@@ -195,14 +195,14 @@ class Stress(Outcome):
             instant = int(np.argmax(at(plain, site)))
             if found and found[0].value < 0.0:
                 instant = int(np.argmin(at(plain, site)))
-        return along(case, lambda run, _: at(run, site)[instant])
+        return directional(case, lambda run, _: at(run, site)[instant])
 
     def unit(self, case: Case) -> str:
-        """Return Pa."""
+        """Return the unit Pa."""
         return "Pa"
 
     def check(self, case: Case) -> str:
-        """Return whether its stress is unknown."""
+        """Return the problem of a body without stress data."""
         return _body(case, self.body) if case.runs else ""
 
 
@@ -215,7 +215,7 @@ class Damage(Outcome):
     Parameters
     ----------
     name : str
-        Of its column.
+        Name of the column.
     check_name : str
         A check of the model file or its body, or the body whose stress is counted by `sn`.
     life : bool
@@ -223,7 +223,8 @@ class Damage(Outcome):
     sn : SN, optional
         S-N curve; that of the check if not given.
     options : dict
-        Of `jousto.fatigue.damage_field`, with an S-N curve: criterion, residue, mean and others.
+        Options of `jousto.fatigue.damage_field`, with an S-N curve: criterion, residue, mean and
+        others.
 
     Examples
     --------
@@ -248,19 +249,19 @@ class Damage(Outcome):
         problems.raise_if_any()
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return damage or life at one point."""
         laws = self._laws(case)
         if has_slope(case.run) or is_stepping() and real_parts(laws) is not laws:
             return self._with_slope(case, laws)
         how = tuple(sorted(map(repr, self.options.items())))
         where = ("damage", self.check_name, id(self.sn), how)
-        return self._number(case.once(where, lambda: self._field(case, case.run, laws)))
+        return self._number(case.cached(where, lambda: self._field(case, case.run, laws)))
 
     def _with_slope(self, case: Case, laws: Laws) -> float:
-        """Return it with its derivative: the worst place and the cycles counted there stay.
+        """Return damage or life with its derivative at the same place and for the same cycles.
 
-        Turning points are stored instants. They move on to the next ones where a parameter changes
-        by little, so that differences must not count again.
+        Turning points are stored instants. A small change of a parameter moves them to neighbouring
+        instants, so that differences must not count the cycles again.
         """
         from jousto.fatigue.miner.damage import damage
         from jousto.recovery.fields.criteria import Plane
@@ -287,13 +288,13 @@ class Damage(Outcome):
             total = damage(replace(cycles, range=span, mean=mean), curve, given.get("mean"))
             return given.get("allowable", 1.0) * found.duration / total if self.life else total
 
-        return along(case, again)
+        return directional(case, again)
 
     def _number(self, found: Any) -> float:
         return float(found.life.min() if self.life else found.damage.max())
 
     def _laws(self, case: Case) -> Laws:
-        """Return the curve and the options of `damage_field`, those that are not None."""
+        """Return the S-N curve and the set options of `damage_field`."""
         check = self._check(case)
         if self.sn is not None or check is None:
             options: Mapping[str, Any] = self.options
@@ -321,11 +322,11 @@ class Damage(Outcome):
         return None
 
     def unit(self, case: Case) -> str:
-        """Return s for a life, 1 for damage."""
+        """Return the unit: s for a life, 1 for damage."""
         return "s" if self.life else "1"
 
     def check(self, case: Case) -> str:
-        """Return whether there is nothing to count by."""
+        """Return the problem of a body without S-N curve or check."""
         if self.sn is not None:
             return _body(case, self.check_name) if case.runs else ""
         if self._check(case) is not None:
@@ -344,7 +345,7 @@ class Reaction(Outcome):
     joint: str
 
     def value(self, case: Case) -> float:
-        """Return it for one point."""
+        """Return the force at one point."""
         F = case.run[self._sensor(case)]
         return scalar(norm(F[:, :3], axis=1).max())
 
@@ -355,11 +356,11 @@ class Reaction(Outcome):
         return ""
 
     def unit(self, case: Case) -> str:
-        """Return N."""
+        """Return the unit N."""
         return "N"
 
     def check(self, case: Case) -> str:
-        """Return whether nothing measures it."""
+        """Return the problem of a joint without reaction sensor."""
         if not case.runs or self._sensor(case):
             return ""
         joints = [joint.name for joint in case.mechanism.joints]
@@ -376,11 +377,11 @@ HELP = (
 )
 WORDS = ("mass", "frequency", "stress", "deflection", "damage", "life", "reaction", *OVER_TIME)
 COUNTS = {"mass": (0, 1), "stress": (1, 2), "deflection": (3, 3), "frequency": (1, 2)}
-"""How many words may stand in the brackets, where that is not one."""
+"""Numbers of arguments in the brackets, where other than one."""
 
 
 def read_outcome(text: str) -> Outcome:
-    """Return the outcome of a text, ``max(tip.y)`` or with a name ``rise = max(tip.y)``.
+    """Return the outcome of a text: ``max(tip.y)``, or with a name ``rise = max(tip.y)``.
 
     Raises
     ------
@@ -422,7 +423,7 @@ def read_outcome(text: str) -> Outcome:
 
 
 def read_outcomes(given: Any) -> tuple[Outcome, ...]:
-    """Return the outcomes of a text, a function, an `Outcome`, a list or a mapping of them.
+    """Return the outcomes of a text, a function, an `Outcome`, or a list or mapping of these.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Requirements: outcomes and how large they may be, such as ``max(tip.y) <= 12 mm``."""
+"""Requirements: outcomes with an upper or lower bound, such as ``max(tip.y) <= 12 mm``."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ HELP = "a limit is an outcome, <= or >=, and a value, such as 'max(tip.y) <= 12 
 @described
 @dataclass(frozen=True)
 class Requirement:
-    """An outcome of a study and how large it may be.
+    """Outcome of a study with an upper or lower bound.
 
     Attributes
     ----------
     name : str
-        Its own name, else the outcome.
+        Name of the requirement, else that of the outcome.
     left : str
         The outcome, or the name of one.
     below : bool
-        Whether the outcome shall be below the bound.
+        Whether the bound is an upper one.
     bound : str
         Arithmetic of parameters.
     """
@@ -47,12 +47,12 @@ class Requirement:
 
     @property
     def text(self) -> str:
-        """The requirement as it is written."""
+        """Requirement as text."""
         return f"{self.left} {'<=' if self.below else '>='} {self.bound}"
 
     @property
     def outcome(self) -> Outcome:
-        """The outcome that it is about.
+        """Limited outcome.
 
         Raises
         ------
@@ -62,19 +62,19 @@ class Requirement:
         return read_outcome(self.left)
 
     def names(self, known: Mapping[str, object]) -> tuple[str, ...]:
-        """Return the names of parameters that the bound depends on, of those known."""
+        """Return the parameter names, among the known ones, that the bound depends on."""
         found = NAME.findall(self.bound)
         return tuple(name for name in known if name in found)
 
     def value(self, known: Mapping[str, Quantity], unit: str | None = None) -> float:
-        """Return the bound in the unit of the outcome; a plain number is in it.
+        """Return the bound in the unit of the outcome; a plain number has that unit.
 
         Parameters
         ----------
         known : dict of Quantity
             The parameters by name.
         unit : str, optional
-            That of the outcome; None where it is not known yet: then in SI.
+            Unit of the outcome; None where it is not known yet: then in SI.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Requirement:
 
 
 def read_requirement(text: str) -> Requirement:
-    """Return the requirement of a text, ``max(tip.y) <= 12 mm``, with a name ``tip = ...``.
+    """Return the requirement of a text ``max(tip.y) <= 12 mm``, with a name ``tip = ...``.
 
     Raises
     ------

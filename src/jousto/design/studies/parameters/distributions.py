@@ -1,4 +1,4 @@
-"""Distributions in text, such as ``lognormal(mean=1 kN, sd=100 N)``, as those of scipy.stats."""
+"""Distributions in text, such as ``lognormal(mean=1 kN, sd=100 N)``, as SciPy distributions."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ EULER = 0.57721566490153286  # mean of the standard Gumbel distribution
 KINDS = ("normal", "lognormal", "uniform", "gumbel", "gumbel-min", "weibull", "gamma")
 Kind = Literal["normal", "lognormal", "uniform", "gumbel", "gumbel-min", "weibull", "gamma"]
 SHAPED = {"lognorm": "lognormal", "weibull_min": "weibull", "gamma": "gamma"}
-"""Distributions of scipy that begin at ``loc`` and whose shape follows from mean and deviation."""
+"""SciPy distributions that begin at ``loc``, with a shape that follows from the moments."""
 
 
 @explained
 def distribution_from_moments(
     kind: Kind, mean: float, deviation: float, *, start: float = 0.0
 ) -> Any:
-    """Return a distribution of scipy by its mean and standard deviation.
+    """Return a SciPy distribution from its mean and standard deviation.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def distribution_from_moments(
     mean, deviation : float
         Both in the unit of the variable.
     start : float, optional
-        Where a lognormal, Weibull or gamma distribution begins.
+        Lower limit of a lognormal, Weibull or gamma distribution.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def distribution_from_moments(
 
 
 def _weibull_shape(ratio: float) -> float:
-    """Return the exponent of Weibull's law with a ratio of deviation to mean."""
+    """Return the Weibull exponent for a ratio of deviation to mean."""
     from scipy.optimize import brentq
 
     def miss(log_shape: float) -> float:
@@ -100,7 +100,7 @@ def _weibull_shape(ratio: float) -> float:
     try:
         return math.exp(brentq(miss, -3.0, 12.0, xtol=1e-14))
     except ValueError:
-        message = f"deviation / mean is {ratio:.3g}, out of what a Weibull distribution can have"
+        message = f"deviation / mean is {ratio:.3g}, outside the range of Weibull distributions"
         raise InputError(Problem("distribution", message)) from None
 
 
@@ -131,16 +131,16 @@ MADE: dict[str, tuple[Callable[..., Any], tuple[str, ...]]] = {
     "triangular": (_triangular, ("low", "mode", "high")),
     "weibull": (_weibull, ("scale", "shape")),
 }
-"""Distributions by name with their numbers; ``cov=`` may stand for ``sd = cov * mean``."""
+"""Distributions by name with their arguments; ``cov=`` may replace ``sd = cov * mean``."""
 
 
 def is_distribution(thing: Any) -> bool:
-    """Return whether something is a distribution like those of scipy.stats."""
+    """Return whether an object has the methods of a SciPy distribution."""
     return all(callable(getattr(thing, name, None)) for name in ("ppf", "rvs", "mean", "std"))
 
 
 def check_moments(problems: Problems, where: str, distribution: Any) -> tuple[float, float] | None:
-    """Return mean and deviation of a distribution of scipy, or note that it has none."""
+    """Return mean and deviation of a SciPy distribution, or add a problem if they do not exist."""
     with np.errstate(all="ignore"):
         middle = distribution.ppf(0.5)
         mean, deviation = distribution.mean(), distribution.std()
@@ -155,7 +155,7 @@ def check_moments(problems: Problems, where: str, distribution: Any) -> tuple[fl
 
 
 def are_moments(problems: Problems, where: str, mean: float, deviation: float) -> bool:
-    """Return whether mean and deviation are numbers to count with, or note that they are not."""
+    """Return whether mean and deviation are finite, and add a problem if they are not."""
     good = math.isfinite(mean) and math.isfinite(deviation) and deviation > 0.0
     if not good:
         message = (
@@ -172,13 +172,13 @@ def read_distribution(text: str, mean: float, exponents: tuple[float, ...], wher
     Parameters
     ----------
     text : str
-        Such as ``normal(sd=2 mm)``.
+        Text such as ``normal(sd=2 mm)``.
     mean : float
         The mean where the text names none.
     exponents : tuple
-        Those of the parameter; plain numbers are in its SI unit.
+        Exponents of the parameter's unit; plain numbers are in its SI unit.
     where : str
-        For messages.
+        Place in messages.
 
     Raises
     ------
@@ -232,7 +232,7 @@ def read_distribution(text: str, mean: float, exponents: tuple[float, ...], wher
 
 
 def _faults(name: str, x: dict[str, float]) -> list[str]:
-    """Return what is impossible in the numbers of a distribution."""
+    """Return the problems of the arguments of a distribution."""
     found = []
     for key in ("sd", "scale", "shape"):
         if key in x and not x[key] > 0.0:

@@ -27,15 +27,15 @@ class Parameter:
     Parameters
     ----------
     name : str
-        By which the model asks for it.
+        Name of the parameter in the model.
     value : float
-        Its nominal value.
+        Nominal value.
     bounds : (float, float), optional
         Smallest and largest value that make sense.
     unit : str
         SI unit of the value: "m", "Pa", "N/m"; "1" for a plain number.
     distribution : str or distribution of scipy.stats, optional
-        How it scatters: ``scipy.stats.norm(4e-3, 1e-4)``, or a text such as
+        Distribution: ``scipy.stats.norm(4e-3, 1e-4)``, or a text such as
         ``"lognormal(mean=1 kN, sd=100 N)"`` (normal, lognormal, gumbel, uniform, triangular,
         weibull; ``cov=`` instead of ``sd=``; without a mean the value is the mean).
 
@@ -88,7 +88,7 @@ class Parameter:
         problems.raise_if_any()
 
     def _exponents(self, problems: Problems, where: str) -> tuple[float, ...]:
-        """Return the exponents of the unit; note one that is not SI."""
+        """Return the SI exponents of the unit, and add a problem for a unit outside SI."""
         try:
             factor, exponents = measure(self.unit)
         except (UnitError, TypeError, AttributeError):
@@ -109,7 +109,7 @@ class Parameter:
         return self.name if self.unit == "1" else f"{self.name} ({self.unit})"
 
     def reach(self, value: float) -> float:
-        """Return a length along it, at a value, over which what depends on it changes."""
+        """Return the length along the parameter over which a dependent quantity changes."""
         low, high = self.bounds or (0.0, 0.0)
         return max(abs(value), 0.1 * (high - low)) or 1.0
 

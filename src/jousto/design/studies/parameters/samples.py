@@ -20,19 +20,19 @@ from jousto.design.studies.parameters.parameter import Parameter
 
 Parameters = Sequence[Parameter]
 MOST = 1_000_000
-"""Points of a study: a million of the cheapest take a quarter of an hour and 1 GB."""
+"""Maximum number of points: a million cheap ones take a quarter of an hour and 1 GB."""
 
 
-def _several(parameters: Parameters) -> tuple[Parameter, ...]:
-    """Return the parameters, or say what is none."""
+def _as_parameters(parameters: Parameters) -> tuple[Parameter, ...]:
+    """Return the parameters as a tuple; raise InputError for other objects."""
     problems = Problems()
     found = problems.several("samples", "parameters", parameters, Parameter)
     problems.raise_if_any()
     return found
 
 
-def _scaled(parameters: Parameters, u: Array) -> Array:
-    """Return values of numbers between 0 and 1: by the distribution, else between the bounds."""
+def _scale_to_ranges(parameters: Parameters, u: Array) -> Array:
+    """Return values from numbers in [0, 1]: quantiles of the distribution, else within bounds."""
     problems = [
         Problem(f"parameter '{p.name}'", "has neither bounds nor a distribution to sample")
         for p in parameters
@@ -60,7 +60,7 @@ def _count(count: Any) -> int:
 
 
 def check_count(where: str, *factors: float) -> None:
-    """Refuse more points than a study can hold, before any is made.
+    """Raise InputError for a number of points beyond `MOST`, before any is created.
 
     Raises
     ------
@@ -73,15 +73,15 @@ def check_count(where: str, *factors: float) -> None:
         raise InputError(Problem(where, message))
 
 
-def _drawn(
+def _draw_points(
     parameters: Parameters,
     count: Any,
     seed: int,
     draw: Callable[[int, int, np.random.Generator], Array],
 ) -> Array:
-    """Return values of numbers between 0 and 1 that are drawn: points, parameters, generator."""
-    some = _several(parameters)
-    return _scaled(some, draw(_count(count), len(some), np.random.default_rng(seed)))
+    """Return values of points in the unit cube that `draw` creates."""
+    some = _as_parameters(parameters)
+    return _scale_to_ranges(some, draw(_count(count), len(some), np.random.default_rng(seed)))
 
 
 @explained
@@ -93,7 +93,7 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
     parameters : sequence of Parameter
         The columns; the last one changes fastest.
     levels : int or dict
-        How many values between the bounds, of all or by name; or the values by name. Parameters
+        Number of values between the bounds, common or by name; or the values by name. Parameters
         that a dictionary does not name keep their nominal value.
 
     Returns
@@ -105,7 +105,7 @@ def grid(parameters: Parameters, levels: int | Mapping[str, int | ArrayLike] = 1
     InputError
         For unknown names, and numbers of values of a parameter without bounds.
     """
-    parameters = _several(parameters)
+    parameters = _as_parameters(parameters)
     axes: list[Array] = []
     problems: list[Problem] = []
     names = [p.name for p in parameters]
@@ -134,11 +134,11 @@ def latin_hypercube(parameters: Parameters, count: int, *, seed: int = 0) -> Arr
     Parameters
     ----------
     parameters : sequence of Parameter
-        With a distribution, whose strata have equal probability, or bounds.
+        Parameters with a distribution (strata of equal probability) or bounds.
     count : int
-        How many points.
+        Number of points.
     seed : int
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def latin_hypercube(parameters: Parameters, count: int, *, seed: int = 0) -> Arr
     """
     from scipy.stats import qmc
 
-    return _drawn(
+    return _draw_points(
         parameters, count, seed, lambda n, k, rng: qmc.LatinHypercube(k, rng=rng).random(n)
     )
 
@@ -158,11 +158,11 @@ def sobol(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
     Parameters
     ----------
     parameters : sequence of Parameter
-        With a distribution or bounds.
+        Parameters with a distribution or bounds.
     count : int
-        How many points.
+        Number of points.
     seed : int
-        Of the scrambling.
+        Seed of the scrambling.
 
     Returns
     -------
@@ -173,27 +173,27 @@ def sobol(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
     def first(n: int, k: int, rng: np.random.Generator) -> Array:
         return np.asarray(qmc.Sobol(k, rng=rng).random_base2((n - 1).bit_length())[:n])
 
-    return _drawn(parameters, count, seed, first)
+    return _draw_points(parameters, count, seed, first)
 
 
 @explained
 def random_samples(parameters: Parameters, count: int, *, seed: int = 0) -> Array:
-    """Return independent random points, as Monte Carlo wants them.
+    """Return independent random points (Monte Carlo).
 
     Parameters
     ----------
     parameters : sequence of Parameter
-        With a distribution or bounds.
+        Parameters with a distribution or bounds.
     count : int
-        How many points.
+        Number of points.
     seed : int
-        The same seed gives the same points.
+        Seed of the random numbers; equal seeds give equal points.
 
     Returns
     -------
     (n, np) array
     """
-    return _drawn(parameters, count, seed, lambda n, k, rng: rng.random((n, k)))
+    return _draw_points(parameters, count, seed, lambda n, k, rng: rng.random((n, k)))
 
 
 @explained
@@ -203,7 +203,7 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
     Parameters
     ----------
     path : path
-        Its first line names the parameters, ``wall`` or ``wall (mm)``; parameters that it does
+        CSV file. Its first line has names, ``wall`` or ``wall (mm)``; parameters that it does
         not have keep their nominal value. Values may have units.
     parameters : sequence of Parameter
         The columns that are wanted.
@@ -217,7 +217,7 @@ def read_samples(path: str | Path, parameters: Parameters) -> Array:
     InputError
         Everything that is wrong with it, with lines.
     """
-    name, parameters = str(path), _several(parameters)
+    name, parameters = str(path), _as_parameters(parameters)
     check_text(Path(path))
     try:
         text = Path(path).read_text(encoding="utf-8-sig")

@@ -1,1 +1,1 @@
-"""Runs of a study: variants in threads, processes or on a cluster, and the journal of them."""
+"""Execution of a study: threads, processes or a cluster, and the journal of its rows."""

@@ -1,4 +1,4 @@
-"""Keys of what a study is made of: equal keys mean equal results, also in another process."""
+"""Hashes of the content of a study: equal in every process for equal results."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ import scipy.sparse as sp
 from jousto.reduction.files.cache import NotHashable, key
 
 UNKNOWN = "cannot be compared: "
-"""Begins the key of something whose content is unknown; it is no other's."""
+"""First word of the key of an object without comparable content; the key is unique."""
 
 LIBRARIES = {"builtins", "copyreg", "functools", "jousto", "math", "numpy", "operator", "scipy"}
-"""Packages whose functions and classes are known by their name."""
+"""Packages whose functions and classes are identified by their names."""
 
 NUMBERS = (bool, int, float, complex, np.ndarray, np.generic)
 PLAIN = (*NUMBERS, str, bytes, Path, tuple, list, set, frozenset, Mapping)
 
 
 def key_of(*things: object) -> str:
-    """Return a hash of the content of things that may hold functions.
+    """Return a hash of the content of objects, including functions.
 
-    A function counts by its name, its text, its defaults and what it encloses, not by what it
-    looks up in its module; an object by its class and what it holds.
+    The hash of a function covers its name, its source, its defaults and its captured values, but no
+    globals of its module; that of an object covers its class and its fields.
 
     Examples
     --------
@@ -48,78 +48,78 @@ def key_of(*things: object) -> str:
     return f"{UNKNOWN}{what} {uuid4().hex}"
 
 
-def unknown(found: Any) -> str:
-    """Return what cannot be compared in keys, lists or mappings of them; empty if nothing."""
+def incomparable(found: Any) -> str:
+    """Return the name of an object that cannot be compared by content; empty if there is none."""
     if isinstance(found, Mapping):
-        return next(filter(None, map(unknown, found.values())), "")
+        return next(filter(None, map(incomparable, found.values())), "")
     if isinstance(found, str) and found.startswith(UNKNOWN):
         return found.removeprefix(UNKNOWN).rpartition(" ")[0]
     return ""
 
 
 class Contents:
-    """What stands for functions, classes and objects in a hash; each is gone into once."""
+    """Representation of functions, classes and objects by their content, each visited once."""
 
     def __init__(self) -> None:
         self._seen: dict[int, tuple[int, object]] = {}
 
     def __call__(self, thing: Any) -> object:
-        """Return the content of a thing, or the thing itself where its content is known."""
+        """Return the content of an object, or the object itself if it is plain data."""
         if thing is None or isinstance(thing, PLAIN) or sp.issparse(thing):
             return thing
         if isinstance(thing, types.ModuleType):
             return "module", thing.__name__
         if id(thing) in self._seen:
             return "again", self._seen[id(thing)][0]
-        # held, so that its number stays its own
+        # a reference keeps the id from reuse
         self._seen[id(thing)] = len(self._seen), thing
-        name = name_of(thing)
-        if library(thing):
+        name = qualified_name(thing)
+        if is_library(thing):
             return "library", name
         if isinstance(thing, types.FunctionType):
-            cells = [content(cell) for cell in thing.__closure__ or ()]
+            cells = [cell_content(cell) for cell in thing.__closure__ or ()]
             given = thing.__defaults__, thing.__kwdefaults__
-            return "function", name, text_of(thing.__code__), cells, given
+            return "function", name, source_of(thing.__code__), cells, given
         if isinstance(thing, types.MethodType):
             return "method", thing.__func__, thing.__self__
         if isinstance(thing, functools.partial):
             return "partial", thing.func, thing.args, thing.keywords, vars(thing)
         if isinstance(thing, type):
-            return "class", name, text_of_class(thing)
+            return "class", name, class_sources(thing)
         if type(thing).__module__.startswith("jousto.") and not callable(thing):
             return thing
-        return "object", type(thing), reduced(thing)
+        return "object", type(thing), pickled_form(thing)
 
 
-def content(cell: Any) -> object:
-    """Return what a cell of a closure holds."""
+def cell_content(cell: Any) -> object:
+    """Return the content of a cell of a closure."""
     try:
         return "holds", cell.cell_contents
     except ValueError:
         return "empty"
 
 
-def reduced(thing: Any) -> object:
-    """Return what an object without fields would be pickled as."""
+def pickled_form(thing: Any) -> object:
+    """Return the pickled form of an object without fields."""
     try:
         found = thing.__reduce_ex__(4)
     except Exception:
         raise NotHashable(f"a {type(thing).__qualname__}") from None
-    if isinstance(found, str):  # known by a name alone
+    if isinstance(found, str):  # an object identified by its name
         if hasattr(thing, "__wrapped__"):
             return vars(thing)
         raise NotHashable(f"a {type(thing).__qualname__}")
     return tuple(list(part) if hasattr(part, "__next__") else part for part in found)
 
 
-def name_of(thing: Any) -> str:
-    """Return module and name of a function or a class."""
+def qualified_name(thing: Any) -> str:
+    """Return module and qualified name of a function or class."""
     own = getattr(thing, "__qualname__", getattr(thing, "__name__", ""))
     return f"{getattr(thing, '__module__', '')}.{own}"
 
 
-def library(thing: Any) -> bool:
-    """Return whether a function or class is one that a library has under that name."""
+def is_library(thing: Any) -> bool:
+    """Return whether a function or class belongs to a library and has that name there."""
     own = getattr(thing, "__qualname__", getattr(thing, "__name__", ""))
     module = getattr(thing, "__module__", None) or type(thing).__module__
     if not isinstance(own, str) or not own or not isinstance(module, str):
@@ -133,8 +133,8 @@ def library(thing: Any) -> bool:
 
 
 @functools.lru_cache(maxsize=1000)
-def text_of(code: types.CodeType) -> object:
-    """Return the text of a function; with its instructions where the text may be of several."""
+def source_of(code: types.CodeType) -> object:
+    """Return the source of a function, with its bytecode where several share a line."""
     try:
         text = inspect.getsource(code)
     except (OSError, TypeError):
@@ -143,22 +143,22 @@ def text_of(code: types.CodeType) -> object:
 
 
 def instructions(code: types.CodeType) -> object:
-    """Return what a function does, as the interpreter reads it."""
+    """Return the bytecode and constants of a function."""
     constants = [
-        instructions(item) if isinstance(item, types.CodeType) else repr(ordered(item))
+        instructions(item) if isinstance(item, types.CodeType) else repr(sort_constant(item))
         for item in code.co_consts
     ]
     return code.co_code, constants, code.co_names, code.co_varnames, code.co_freevars
 
 
-def ordered(constant: Any) -> object:
-    """Return a constant; a set in an order that is always the same."""
+def sort_constant(constant: Any) -> object:
+    """Return a constant; a set in sorted order."""
     return sorted(constant, key=repr) if isinstance(constant, frozenset) else constant
 
 
 @functools.lru_cache(maxsize=1000)
-def text_of_class(kind: type) -> tuple[str, ...]:
-    """Return the texts of a class and those it is made of, but for libraries.
+def class_sources(kind: type) -> tuple[str, ...]:
+    """Return the sources of a class and its bases outside of libraries.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def text_of_class(kind: type) -> tuple[str, ...]:
     """
     texts = []
     for own in kind.__mro__:
-        if not library(own):
+        if not is_library(own):
             try:
                 texts.append(inspect.getsource(own))
             except (OSError, TypeError):

@@ -1,4 +1,4 @@
-"""Evaluator: the outcomes of one point, with what was made for other points."""
+"""Evaluator: outcomes of one point, with a cache of machines and reductions."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from jousto.base.errors import InputError, JoustoError, JoustoWarning, Problem, 
 from jousto.design.studies.case import Case, Machine, run_together
 from jousto.design.studies.outcomes.outcome import Outcome
 from jousto.design.studies.parameters.parameter import Parameter
-from jousto.design.studies.running.finite_differences import WIDTH, between
+from jousto.design.studies.running.finite_differences import WIDTH, difference_models
 from jousto.design.studies.running.sources import Memory, Source
 from jousto.model.native.ensemble import machines
 from jousto.reduction.files.memory_cache import recalling
 
 MACHINES = 16
-"""Machines that are kept, the one used last goes last."""
+"""Cache size: machines; the least recently used one is removed first."""
 
 Row = tuple[list[float], str]
-"""Outcomes, and why the point failed; empty if it did not."""
+"""Outcomes of a point, and the reason if the point failed (else empty)."""
 
 
 class Evaluator:
-    """Works out the outcomes of points; can be pickled, without what it keeps.
+    """Computation of the outcomes of points; its caches are not pickled.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ class Evaluator:
     parameters : tuple of Parameter
         The columns of the points.
     outcomes : tuple of Outcome
-        What is wanted.
+        Requested outcomes.
 
     Attributes
     ----------
     notes : dict of str to int
-        What was warned of, and how often.
+        Warnings, with the number of their occurrences.
     alike : bool
-        Whether the machine of the nominal values may run side by side with others.
+        Whether the machine of the nominal values may run in one batch with others.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Evaluator:
         self.outcomes = outcomes
         self.made = tuple(source.takes(p.name) for p in parameters)
         self.runs = any(outcome.needs_run for outcome in outcomes)
-        self.alike = False
+        self.batchable = False
         self._empty()
 
     def _empty(self) -> None:
@@ -67,15 +67,15 @@ class Evaluator:
         self._machines: OrderedDict[tuple[float, ...], Machine] = OrderedDict()
         self._lock = threading.RLock()
 
-    def boundless(self) -> Evaluator:
-        """Return one for points beyond the bounds, which shares what is made."""
+    def unbounded(self) -> Evaluator:
+        """Return an evaluator without bounds that shares the caches."""
         free = tuple(replace(parameter, bounds=None) for parameter in self.parameters)
         made = Evaluator(self.source, free, self.outcomes)
-        made.memory, made.notes, made.alike = self.memory, self.notes, self.alike
+        made.memory, made.notes, made.batchable = self.memory, self.notes, self.batchable
         return made
 
     def __getstate__(self) -> dict[str, Any]:
-        keep = ("source", "parameters", "outcomes", "made", "runs", "alike")
+        keep = ("source", "parameters", "outcomes", "made", "runs", "batchable")
         return {name: getattr(self, name) for name in keep}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -84,19 +84,21 @@ class Evaluator:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many reductions, compilations and runs were done."""
+        """Number of reductions, compilations and runs so far."""
         return {"reductions": self.memory.reductions.made, **self.memory.counts}
 
     def case(self, x: Array) -> Case:
-        """Return the machine with the values of a point."""
-        values, made = self._taken(x)
+        """Return the machine with the parameter values of a point."""
+        values, made = self._split_values(x)
         if not np.iscomplexobj(x):
-            return self._case(self._kept(made), values)
-        machine = self._made(made) if stepped(*made.values()) else self._kept(made)
+            return self._case(self._cached_machine(made), values)
+        machine = (
+            self._make_machine(made) if stepped(*made.values()) else self._cached_machine(made)
+        )
         return self._case(machine, values, self._reach(x))
 
-    def _taken(self, x: Array) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the values of a point, and those that the machine is made of."""
+    def _split_values(self, x: Array) -> tuple[dict[str, float], dict[str, float]]:
+        """Return the values of a point, and the subset that the machine depends on."""
         values = {p.name: scalar(value) for p, value in zip(self.parameters, x, strict=True)}
         names = [p.name for p, own in zip(self.parameters, self.made, strict=True) if own]
         return values, {name: values[name] for name in names}
@@ -107,49 +109,49 @@ class Evaluator:
         return Case(machine, values, inputs, reach)
 
     def _reach(self, x: Array) -> float:
-        """Return over which length what depends on the parameter with a derivative changes."""
+        """Return the length over which results change along the differentiated parameter."""
         j = int(np.argmax(np.imag(x) != 0.0))
         return self.parameters[j].reach(float(np.real(x[j])))
 
-    def _kept(self, made: Mapping[str, float]) -> Machine:
-        """Return a machine of plain numbers, made once."""
+    def _cached_machine(self, made: Mapping[str, float]) -> Machine:
+        """Return the machine of real parameter values, from the cache if possible."""
         place = tuple(made.values())
         machine = self._machines.get(place)
         if machine is None:
-            machine = self._machines[place] = self._made(made)
+            machine = self._machines[place] = self._make_machine(made)
             while len(self._machines) > MACHINES:
                 self._machines.popitem(last=False)
         self._machines.move_to_end(place)
         return machine
 
-    def _between(self, x: Array) -> Case:
-        """Return the case of a complex point by the models of real ones on both sides."""
+    def _differenced_case(self, x: Array) -> Case:
+        """Return the case of a complex point from models of real points on both sides."""
         plain, direction = np.real(x), np.sign(np.imag(x))
 
         def sides(change: float) -> tuple[Any, ...]:
-            machine = self._kept(self._taken(plain + change * direction)[1])
+            machine = self._cached_machine(self._split_values(plain + change * direction)[1])
             return machine.model, machine.checks
 
         reach = self._reach(x)
         with plainly():
-            machine = self._kept(self._taken(plain)[1])
-            model, checks = between(sides, WIDTH * reach)
-        return self._case(machine.with_slope(model, checks), self._taken(x)[0], reach)
+            machine = self._cached_machine(self._split_values(plain)[1])
+            model, checks = difference_models(sides, WIDTH * reach)
+        return self._case(machine.with_slope(model, checks), self._split_values(x)[0], reach)
 
     def _stepped(self, x: Array) -> tuple[Case, Exception | None]:
-        """Return the case of a complex point, and why its model comes from those beside it."""
+        """Return the case of a complex point, and the error that made differences necessary."""
         try:
             case = self.case(x)
             if case.runs:
                 _ = case.model
         except Exception as error:
             try:
-                return self._between(x), error
+                return self._differenced_case(x), error
             except Exception:
                 raise error from None
         return case, None
 
-    def _made(self, values: Mapping[str, float]) -> Machine:
+    def _make_machine(self, values: Mapping[str, float]) -> Machine:
         with recalling(self.memory.reductions):
             return self.source.machine(values, self.memory)
 
@@ -161,13 +163,16 @@ class Evaluator:
         InputError
             Everything that does not fit it: inputs and outcomes that it does not know.
         """
-        with self._lock, self.noting():
+        with self._lock, self.count_warnings():
             case = self.case(np.array([p.value for p in self.parameters]))
             problems: list[Problem] = []
             for parameter, own in zip(self.parameters, self.made, strict=True):
                 if not own and (not case.runs or parameter.name not in case.model.inputs):
                     known = case.model.inputs if case.runs else ()
-                    message = "nothing takes it: no argument, no parameter of the file, no input"
+                    message = (
+                        "is unused: no argument of the function, parameter of the file "
+                        "or input has its name"
+                    )
                     tail = suggest(parameter.name, known) if known else ""
                     problems.append(Problem(f"parameter {parameter.name!r}", message + tail))
             for outcome in self.outcomes:
@@ -177,12 +182,12 @@ class Evaluator:
                 raise InputError(problems)
             if self.runs and case.runs:
                 case.prepare()
-                self.alike = case.alike
+                self.batchable = case.batchable
             return [outcome.unit(case) for outcome in self.outcomes]
 
     @contextmanager
-    def noting(self) -> Iterator[None]:
-        """Count our warnings in `notes` meanwhile, in all threads, instead of showing them."""
+    def count_warnings(self) -> Iterator[None]:
+        """Count warnings of jousto in `notes` instead of showing them, in all threads."""
         with warnings.catch_warnings():
             warnings.simplefilter("always", JoustoWarning)
             show: Callable[..., None] = warnings.showwarning
@@ -196,46 +201,48 @@ class Evaluator:
             warnings.showwarning = note  # type: ignore[assignment]
             yield
 
-    def outside(self, x: Array) -> str:
-        """Return which value is outside of its bounds."""
+    def out_of_bounds(self, x: Array) -> str:
+        """Return the sentence on a value outside its bounds; empty if there is none."""
         for parameter, value in zip(self.parameters, x, strict=True):
             if not np.isfinite(value):
                 return f"{parameter.name} is {value}, must be finite"
             if parameter.bounds is not None:
                 low, high = parameter.bounds
-                slack = 1e-12 * (high - low)  # round-off of whoever spread the points
+                # tolerance for the rounding error of evenly spaced samples
+                slack = 1e-12 * (high - low)
                 if not low - slack <= value <= high + slack:
                     return f"{parameter.name} is {value:.6g}, outside of {low:.6g} to {high:.6g}"
         return ""
 
     @property
     def width(self) -> int:
-        """How many points are best worked out at once."""
-        return machines() if self.alike else 1
+        """Number of points that are best computed as one batch."""
+        return machines() if self.batchable else 1
 
     def __call__(self, x: Array) -> Row:
-        """Return the outcomes at a point; what fails is a reason, not an exception."""
+        """Return the outcomes at a point; a failure becomes a reason instead of an exception."""
         return next(iter(self.rows([x])))
 
     def rows(self, points: Iterable[Array]) -> Iterator[Row]:
-        """Yield the outcomes at some points, each as soon as they are known.
+        """Yield the rows of some points, each as soon as it is complete.
 
-        Of several threads the runs alone go side by side.
+        Only the runs are parallel in threads.
         """
-        jobs = [Job(x, self.outside(x)) for x in points]
+        jobs = [Job(x, self.out_of_bounds(x)) for x in points]
         with self._lock:
-            self._each(jobs, self._prepare)
+            self._for_each_job(jobs, self._prepare)
         if len(jobs) > 1:
             run_together([job.case for job in jobs if job.case is not None and job.run is not None])
         nothing = [float("nan")] * len(self.outcomes)
-        for job in jobs:  # what is yielded is written down before the next one may kill the process
-            self._each([job], self._run)
+        # the caller writes each row to disk before the next point may kill the process
+        for job in jobs:
+            self._for_each_job([job], self._run)
             with self._lock:
-                self._each([job], self._read)
+                self._for_each_job([job], self._read)
             yield (nothing, job.failed) if job.failed else (job.found, "")
 
-    def _each(self, jobs: Iterable[Job], do: Callable[[Job], None]) -> None:
-        """Do something for every job that has not failed; what is raised is why it did."""
+    def _for_each_job(self, jobs: Iterable[Job], do: Callable[[Job], None]) -> None:
+        """Apply a function to every job without error and record exceptions as its error."""
         for job in jobs:
             if not job.failed:
                 try:
@@ -243,26 +250,26 @@ class Evaluator:
                 except Exception as error:
                     job.failed = reason(error)
 
-    def outcomes_at(self, x: Array, outcomes: tuple[Outcome, ...]) -> list[Found]:
-        """Return outcomes at a point, complex ones of a complex point, or why there are none."""
-        found: list[Found] = []
+    def outcomes_at(self, x: Array, outcomes: tuple[Outcome, ...]) -> list[OutcomeValue]:
+        """Return the outcomes at a real or complex point, or the error of each."""
+        found: list[OutcomeValue] = []
         why: Exception | None = None
-        with self._lock, self.noting(), stepping() if np.iscomplexobj(x) else nullcontext():
+        with self._lock, self.count_warnings(), stepping() if np.iscomplexobj(x) else nullcontext():
             try:
                 if np.iscomplexobj(x):
                     case, why = self._stepped(x)
                 else:
                     case = self.case(x)
             except Exception as error:
-                return [Found(error=error)] * len(outcomes)
+                return [OutcomeValue(error=error)] * len(outcomes)
             for outcome in outcomes:
                 case.followed = case.whole = False
                 try:
                     value = outcome.value(case)
-                    found.append(Found(value, case.followed, between=why, whole=case.whole))
+                    found.append(OutcomeValue(value, case.followed, between=why, whole=case.whole))
                 except Exception as error:
-                    found.append(Found(error=error))
-            self.memory.counts["runs"] += case.ran
+                    found.append(OutcomeValue(error=error))
+            self.memory.counts["runs"] += case.has_run
         return found
 
     def _prepare(self, job: Job) -> None:
@@ -277,19 +284,19 @@ class Evaluator:
     def _read(self, job: Job) -> None:
         assert job.case is not None
         job.found = [outcome.value(job.case) for outcome in self.outcomes]
-        self.memory.counts["runs"] += job.case.ran
+        self.memory.counts["runs"] += job.case.has_run
 
 
 @dataclass(frozen=True)
-class Found:
-    """What an outcome is at a point.
+class OutcomeValue:
+    """Value of one outcome at a point.
 
     Parameters
     ----------
     value : float
         NaN if there is none.
     followed : bool
-        Whether its derivative is by differences along that of the motion.
+        Whether the derivative is by differences along that of the motion.
     error : Exception or None
         Why there is no value.
     between : Exception or None
@@ -307,7 +314,7 @@ class Found:
 
 @dataclass
 class Job:
-    """A point on its way.
+    """One point during its computation.
 
     Parameters
     ----------
@@ -316,11 +323,11 @@ class Job:
     failed : str
         Why it failed; empty as long as it did not.
     case : Case or None
-        Its machine.
+        Machine at the point.
     run : function or None
         Runs it.
     found : list of float
-        Its outcomes.
+        Values of the outcomes.
     """
 
     x: Array
@@ -331,6 +338,6 @@ class Job:
 
 
 def reason(error: Exception) -> str:
-    """Return why a point failed, in one line."""
+    """Return the reason of a failure in one line."""
     text = " / ".join(str(error).splitlines())
     return text if isinstance(error, JoustoError) else f"{type(error).__name__}: {text}"

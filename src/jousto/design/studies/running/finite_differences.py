@@ -1,4 +1,4 @@
-"""Derivatives of what is made of real numbers alone, by what is made on both sides."""
+"""Derivatives of models that take real numbers only, by differences between two models."""
 
 from __future__ import annotations
 
@@ -13,25 +13,26 @@ from jousto.base.complexstep import STEP
 from jousto.base.errors import NotAnalytic
 
 WIDTH = 1e-3
-"""Step, as a share of a parameter: of fourth order, and wide for the round-off of modes."""
+"""Step relative to a parameter: wide enough for the rounding error of modes (order 4)."""
 SMOOTH = 0.05
-"""Of a first difference: second differences that are no kink and no jump."""
+"""Second differences relative to the first up to which there is no kink or jump."""
 ROUGH = 1e-5
-"""Of a number: second differences that are curvature."""
+"""Second differences relative to a number that count as curvature."""
 TINY = 1e-12
-"""Arrays of smaller numbers, SI, are round-off: nothing is said of their smoothness."""
+"""SI magnitude of arrays below which they are rounding error and are not checked."""
 STILL = ("Model.size", "StressModes.scatter")
-"""Fields that no result follows from: a scale for tolerances, doubts of stress."""
+"""Fields without influence on results: a scale of tolerances, notes on stress."""
 CHANGED = "what is made changes its form with the parameter"
 
 
-def between(make: Callable[[float], Any], h: float) -> Any:
+def difference_models(make: Callable[[float], Any], h: float) -> Any:
     """Return ``make(0)`` with its derivative, ``(8 (f1 - f-1) - (f2 - f-2)) / 12 h``.
 
     Parameters
     ----------
     make : callable
-        Of a change; returns dataclasses, tuples, arrays and numbers, of the same form at all five.
+        Function of a change; returns dataclasses, tuples, arrays and numbers, equal in form at all
+        five.
     h : float
         The step.
 
@@ -40,34 +41,34 @@ def between(make: Callable[[float], Any], h: float) -> Any:
     NotAnalytic
         If the form changes, or numbers have kinks or jumps.
     """
-    return _slope([make(k * h) for k in (0, 1, -1, 2, -2)], h)
+    return _differentiate([make(k * h) for k in (0, 1, -1, 2, -2)], h)
 
 
-def _slope(five: Sequence[Any], h: float) -> Any:
-    """Return the first of five alike things with its derivative; itself where it has none."""
+def _differentiate(five: Sequence[Any], h: float) -> Any:
+    """Return the first of five equal structures with its derivative; itself if it has none."""
     thing = five[0]
     if isinstance(thing, np.ndarray) or hasattr(thing, "tocsr"):
-        return _of_array(five, h)
+        return _differentiate_array(five, h)
     if isinstance(thing, float):
         if not all(isinstance(one, float) for one in five):
             raise NotAnalytic(CHANGED)
-        return _of_array([np.asarray(one, dtype=float) for one in five], h)
+        return _differentiate_array([np.asarray(one, dtype=float) for one in five], h)
     if any(type(one) is not type(thing) for one in five):
         raise NotAnalytic(CHANGED)
     if isinstance(thing, tuple):
         if len({len(one) for one in five}) > 1:
             raise NotAnalytic(CHANGED)
-        made = [_slope(items, h) for items in zip(*five, strict=True)]
+        made = [_differentiate(items, h) for items in zip(*five, strict=True)]
         same = all(a is b for a, b in zip(made, thing, strict=True))
         return thing if same else type(thing)(made)
     if is_dataclass(thing) and not isinstance(thing, type):
-        return _of_fields(five, h)
+        return _differentiate_fields(five, h)
     if isinstance(thing, (bool, int, str)) and any(one != thing for one in five):
         raise NotAnalytic(CHANGED)
     return thing
 
 
-def _of_fields(five: Sequence[Any], h: float) -> Any:
+def _differentiate_fields(five: Sequence[Any], h: float) -> Any:
     thing = five[0]
     known = vars(thing)
     changed = {}
@@ -75,25 +76,25 @@ def _of_fields(five: Sequence[Any], h: float) -> Any:
         if name not in known or f"{type(thing).__name__}.{name}" in STILL:
             continue
         values = [vars(one)[name] for one in five]
-        if (found := _slope(values, h)) is not values[0]:
+        if (found := _differentiate(values, h)) is not values[0]:
             changed[name] = found
     if not changed:
         return thing
     twin = copy.copy(thing)
     for name in set(known) - set(thing.__dataclass_fields__):
-        vars(twin).pop(name, None)  # what was derived from plain numbers
+        vars(twin).pop(name, None)  # remove cached values that were computed from real numbers
     for name, value in changed.items():
         object.__setattr__(twin, name, value)
     return twin
 
 
-def _of_array(five: Sequence[Any], h: float) -> Any:
-    """Return an array, a sparse matrix or a number with its derivative."""
+def _differentiate_array(five: Sequence[Any], h: float) -> Any:
+    """Return an array, sparse matrix or number with its derivative."""
     zero = five[0]
     if hasattr(zero, "tocsr"):
         if any(not _same_pattern(one, zero) for one in five):
             raise NotAnalytic(CHANGED)
-        data = _of_array([one.data for one in five], h)
+        data = _differentiate_array([one.data for one in five], h)
         if data is zero.data:
             return zero
         twin = zero.astype(np.complex128)

@@ -1,4 +1,4 @@
-"""Processes that end with the program that started them, and a file that one program writes."""
+"""Worker processes that end with their parent, and file locks against a second program."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ except ImportError:  # Windows has no locks that several processes share
     SHARED = False
 
 PATIENCE = 10.0
-"""Time that processes of a killed program get to end, s."""
+"""Shutdown timeout of the workers of a killed program, s."""
 LOOK = 0.05
-"""Time between two tries, s."""
+"""Period of the polls, s."""
 
 _HELD: dict[str, int] = {}
-"""Files that this process holds until it ends."""
+"""Files that this process keeps locked until it ends."""
 
 
 def end_with_parent() -> None:
-    """End this process as soon as the one that started it is gone, however that ended."""
+    """End this process as soon as its parent process is gone."""
     parent = parent_process()
     if parent is None:
         return
@@ -44,19 +44,19 @@ def end_with_parent() -> None:
     threading.Thread(target=watch, name="jousto-parent", daemon=True).start()
 
 
-def hold(path: str) -> None:
-    """Share a journal until this process ends: no other program takes it over meanwhile."""
+def lock_shared(path: str) -> None:
+    """Take a shared lock on a journal until this process ends."""
     if path and path not in _HELD and SHARED:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         _HELD[path] = handle
-        _locked(handle, fcntl.LOCK_SH)
+        _try_lock(handle, fcntl.LOCK_SH)
 
 
 @contextmanager
-def taken_over(path: Path) -> Iterator[None]:
-    """Write a journal as the only program that does; processes of this one may share it.
+def lock_exclusively(path: Path) -> Iterator[None]:
+    """Open a journal for writing by this program only; its own processes may share the lock.
 
-    Waits for processes of a program that was killed, which end by themselves.
+    Waits until the workers of a killed program have ended.
 
     Raises
     ------
@@ -66,28 +66,28 @@ def taken_over(path: Path) -> Iterator[None]:
     if not SHARED:
         yield
         return
-    handle = _alone(path)
+    handle = _open_when_free(path)
     try:
         yield
     finally:
-        if os.fstat(handle).st_size == 0 and _same(handle, path):
-            path.unlink()  # nothing was written: it was made to be locked
+        if os.fstat(handle).st_size == 0 and _is_same_file(handle, path):
+            path.unlink()  # remove the empty file that was created for the lock
         os.close(handle)
 
 
-def _alone(path: Path) -> int:
-    """Return the file, opened and shared, after no other program had it."""
+def _open_when_free(path: Path) -> int:
+    """Return the open file with a shared lock, once no other program has one."""
     until = time.monotonic() + PATIENCE
     while True:
         try:
             handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             raise unwritable(path, error) from error
-        # what was there first may have been removed meanwhile
+        # the file may have been removed between opening and locking
         if (
-            _locked(handle, fcntl.LOCK_EX)
-            and _same(handle, path)
-            and _locked(handle, fcntl.LOCK_SH)
+            _try_lock(handle, fcntl.LOCK_EX)
+            and _is_same_file(handle, path)
+            and _try_lock(handle, fcntl.LOCK_SH)
         ):
             return handle
         os.close(handle)
@@ -99,8 +99,8 @@ def _alone(path: Path) -> int:
         time.sleep(LOOK)
 
 
-def _locked(handle: int, kind: int) -> bool:
-    """Return whether a lock is ours; file systems without locks have no use for it."""
+def _try_lock(handle: int, kind: int) -> bool:
+    """Return whether the lock was obtained; True on file systems without locks."""
     try:
         fcntl.flock(handle, kind | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -110,7 +110,7 @@ def _locked(handle: int, kind: int) -> bool:
     return True
 
 
-def _same(handle: int, path: Path) -> bool:
+def _is_same_file(handle: int, path: Path) -> bool:
     try:
         return os.path.samestat(os.fstat(handle), os.stat(path))
     except FileNotFoundError:

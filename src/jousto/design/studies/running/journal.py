@@ -1,4 +1,4 @@
-"""Journal: rows of a study on disk as they are computed, one line each, whole or not there."""
+"""Journal: the rows of a study on disk, one complete line per point."""
 
 from __future__ import annotations
 
@@ -11,38 +11,38 @@ from typing import Any
 
 from jousto.base.errors import InputError, Problem, count, warn
 from jousto.base.files import check_file, unwritable
-from jousto.design.studies.running.content_hash import unknown
+from jousto.design.studies.running.content_hash import incomparable
 from jousto.design.studies.running.evaluator import Row
 
 FORMAT = "jousto study"
 VERSION = 2
-"""Since 2 each row has a checksum."""
+"""Format of the file; each row has a checksum since version 2."""
 SHOWN = 5
-"""Bad lines in a warning."""
+"""Number of damaged lines named in a warning."""
 Place = tuple[float, ...]
 Sizes = tuple[int, int] | None
-"""How many parameters and outcomes a row has; None if that is not known."""
+"""Numbers of parameters and outcomes of a row; None if unknown."""
 
 
 class Journal:
-    """A file of lines: what the study is, then a row for each point, in any order.
+    """File of lines: the identity of the study, then one row per point in any order.
 
-    Lines are appended in one write each, also by several processes, and have a checksum; a line
-    that a kill cut off is left out when it is read, so is one that was changed since.
+    Each line is appended in one write, also by several processes, and has a checksum; reading skips
+    a line that is incomplete after a kill or was changed later.
 
     Parameters
     ----------
     path : Path
         The file; it is made if it is not there.
     about : dict
-        What the study is: names of parameters and outcomes, and what they come from.
+        Identity of the study: names of parameters and outcomes, and the hash of the model.
 
     Attributes
     ----------
     rows : dict
         Rows that were there, by their point.
     sizes : tuple of int
-        Of a row: parameters and outcomes.
+        Numbers of parameters and outcomes in a row.
 
     Raises
     ------
@@ -68,7 +68,7 @@ class Journal:
             whole = text[: text.rfind(b"\n") + 1]
             if whole:
                 self._read(whole, head)
-            if len(whole) < len(text):  # cut off by a kill
+            if len(whole) < len(text):  # incomplete last line of a killed program
                 with path.open("r+b") as file:
                     file.truncate(len(whole))
             if not whole:
@@ -114,7 +114,7 @@ class Journal:
 
 
 def check_same(path: Path, found: dict[str, Any], about: dict[str, Any]) -> None:
-    """Refuse a file of another study, or of one that cannot be compared with this.
+    """Raise InputError if the file belongs to another study or to one without comparable key.
 
     Raises
     ------
@@ -124,18 +124,20 @@ def check_same(path: Path, found: dict[str, Any], about: dict[str, Any]) -> None
     if found == about:
         return
     changed = [name for name in about if found.get(name) != about[name]]
-    message = f"holds another study ({', '.join(changed)} differ); name another file or remove it"
+    message = (
+        f"contains another study ({', '.join(changed)} differ); name another file or remove it"
+    )
     for name in changed:
-        if what := unknown(about[name]):
+        if what := incomparable(about[name]):
             message = (
-                f"may hold another study: its {name} cannot be compared, it holds {what}; name "
-                "another file, or let functions find that at the top level of their module"
+                f"may contain another study: its {name} has {what}, which cannot be compared; "
+                "name another file, or define it at the top level of a module"
             )
     raise InputError(Problem(str(path), message))
 
 
 def checksum(row: dict[str, Any]) -> int:
-    """Return the CRC-32 of a row as it is written."""
+    """Return the CRC-32 of the text of a row."""
     return zlib.crc32(json.dumps(row, separators=(",", ":")).encode())
 
 
@@ -180,7 +182,7 @@ def write_row(path: Path, x: Sequence[float], row: Row) -> None:
 
 
 def append(path: Path, line: dict[str, Any]) -> None:
-    """Append a line in one write, so that a kill leaves the whole line or a piece at the end."""
+    """Append a line in one write call: after a kill only the last line can be incomplete."""
     data = (json.dumps(line, separators=(",", ":")) + "\n").encode()
     handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
     try:

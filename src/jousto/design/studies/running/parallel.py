@@ -1,4 +1,4 @@
-"""Points of a study spread over threads, processes or a Dask cluster; results as they come."""
+"""Parallel computation of a study: threads, processes or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ import numpy as np
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.pipes import broken_pipes_raise
 from jousto.design.studies.running.evaluator import Evaluator, Row
-from jousto.design.studies.running.guard import end_with_parent, hold
+from jousto.design.studies.running.guard import end_with_parent, lock_shared
 from jousto.design.studies.running.journal import Journal, Sizes, read_row, write_row
 
 WAYS = ("threads", "processes", "dask")
 MOST_DEATHS = 3
-"""How often a process may die over a point before the point counts as failed."""
-CHUNK = 32  # points that a process gets at once, at the most
+"""Number of worker deaths at a point from which it counts as failed."""
+CHUNK = 32  # largest number of points in one task of a process
 
 Points = Sequence[tuple[int, tuple[float, ...]]]
 Found = Iterator[tuple[int, Row]]
 
 
-def nothing(evaluator: Evaluator, reason: str) -> Row:
-    """Return the row of a point that failed."""
+def failed_row(evaluator: Evaluator, reason: str) -> Row:
+    """Return the row of a failed point."""
     return [float("nan")] * len(evaluator.outcomes), reason
 
 
-def parts(points: Points, size: int) -> list[Points]:
+def split_points(points: Points, size: int) -> list[Points]:
     """Return the points in pieces of a size."""
     return [points[k : k + size] for k in range(0, len(points), size)]
 
 
-def one_by_one(evaluator: Evaluator, points: Points, journal: Journal | None) -> Found:
-    """Work here, one point after the other, or as many at once as share a vector."""
-    for part in parts(points, evaluator.width):
+def run_here(evaluator: Evaluator, points: Points, journal: Journal | None) -> Found:
+    """Compute the points in this thread, one by one or in batches."""
+    for part in split_points(points, evaluator.width):
         yield from _worked_out(evaluator, part, journal)
 
 
@@ -61,10 +61,10 @@ def _worked_out(evaluator: Evaluator, points: Points, journal: Journal | None) -
         yield i, row
 
 
-def by_threads(
+def run_threads(
     evaluator: Evaluator, points: Points, journal: Journal | None, workers: int
 ) -> Found:
-    """Let threads share the evaluator; the engine works without the lock of Python."""
+    """Compute the points in threads that share the evaluator; the engine releases the GIL."""
 
     def work(part: Points) -> list[tuple[int, Row]]:
         return list(_worked_out(evaluator, part, journal))
@@ -72,7 +72,7 @@ def by_threads(
     with ThreadPoolExecutor(workers) as pool:
         open_: set[Future[list[tuple[int, Row]]]] = set()
         try:
-            for part in parts(points, evaluator.width):
+            for part in split_points(points, evaluator.width):
                 open_.add(pool.submit(work, part))
                 if len(open_) >= 2 * workers:
                     yield from _finished(open_)
@@ -96,29 +96,29 @@ _EVALUATOR: Evaluator | None = None
 
 
 def _start(data: bytes, sign: str, path: str) -> None:
-    """Make a process ready, and say so."""
+    """Initialise a worker process and report that it is ready."""
     global _EVALUATOR
     end_with_parent()
-    hold(path)
+    lock_shared(path)
     _EVALUATOR = pickle.loads(data)
     Path(sign).touch()
 
 
 def _chunk(points: Points, path: str) -> tuple[dict[str, int], dict[str, int]]:
-    """Work out points in a process and write each as it comes; return counts and notes."""
+    """Compute points in a worker process; return counts and warnings."""
     assert _EVALUATOR is not None
-    return work_out(_EVALUATOR, points, path)[1:]
+    return compute_points(_EVALUATOR, points, path)[1:]
 
 
-def work_out(
+def compute_points(
     evaluator: Evaluator, points: Points, path: str
 ) -> tuple[list[tuple[int, Row]], dict[str, int], dict[str, int]]:
-    """Work out points, write them if there is a file; return them with counts and notes."""
-    hold(path)
+    """Compute points and append them to a journal if there is one; return them with counts."""
+    lock_shared(path)
     before, told = evaluator.counts, dict(evaluator.notes)
     rows = []
-    with evaluator.noting():
-        for part in parts(points, evaluator.width):
+    with evaluator.count_warnings():
+        for part in split_points(points, evaluator.width):
             found = evaluator.rows([np.array(x) for _, x in part])
             for (i, x), row in zip(part, found, strict=True):
                 if path:
@@ -130,7 +130,7 @@ def work_out(
 
 
 def _add(evaluator: Evaluator, counts: dict[str, int], notes: dict[str, int]) -> None:
-    """Add what was done elsewhere."""
+    """Add counts and warnings of a worker."""
     evaluator.memory.reductions.made += counts.pop("reductions")
     for name, n in counts.items():
         evaluator.memory.counts[name] += n
@@ -140,7 +140,7 @@ def _add(evaluator: Evaluator, counts: dict[str, int], notes: dict[str, int]) ->
 
 
 def portable(evaluator: Evaluator) -> bytes:
-    """Return an evaluator for another process.
+    """Return a pickled evaluator for another process.
 
     Raises
     ------
@@ -148,25 +148,28 @@ def portable(evaluator: Evaluator) -> bytes:
         If it holds a function that cannot travel.
     """
     try:
-        from cloudpickle import dumps  # takes functions of scripts and notebooks along
+        # cloudpickle also serialises functions of scripts and notebooks
+        from cloudpickle import dumps
     except ImportError:
         dumps = pickle.dumps
     try:
         return bytes(dumps(evaluator))
     except Exception as error:
         message = (
-            f"cannot go to another process ({error}); put functions at the top level of a module, "
+            f"cannot be sent to another process ({error}); put functions at the top level of a "
+            "module, "
             "or use threads"
         )
         raise InputError(Problem("study", message)) from None
 
 
-def by_processes(
+def run_processes(
     evaluator: Evaluator, points: Points, journal: Journal | None, workers: int
 ) -> Found:
-    """Let processes write their rows themselves, so that no death loses one.
+    """Compute in processes that write their own rows, so that a crash loses no finished row.
 
-    Where a process dies the others are stopped and new ones go on with what is not written.
+    After a crash of one process the others are stopped, and new ones continue with the missing
+    points.
     """
     data = portable(evaluator)
     with tempfile.TemporaryDirectory(prefix="jousto-") as folder:
@@ -192,10 +195,11 @@ def by_processes(
             if not sign.exists():
                 raise InputError(Problem("study", GUARD))
             size = 1
-            for i in list(left)[:workers]:  # begun first, one of them is suspected
+            # points that were begun first: one of them may have crashed the worker
+            for i in list(left)[:workers]:
                 deaths[i] = deaths.get(i, 0) + 1
                 if deaths[i] >= MOST_DEATHS:
-                    row = nothing(evaluator, "its process died")
+                    row = failed_row(evaluator, "its process died")
                     own.add(left.pop(i), row)
                     yield i, row
 
@@ -214,8 +218,8 @@ def _pool(
     size: int,
     reader: Tail,
 ) -> Iterator[tuple[tuple[float, ...] | None, Row]]:
-    """Yield the rows that a pool of processes writes; None as the point if one of them died."""
-    chunks = parts(left, size)
+    """Yield rows from a process pool; the point None reports a crashed worker."""
+    chunks = split_points(left, size)
     pool = ProcessPoolExecutor(min(workers, len(chunks)), get_context("spawn"), _start, start)
     try:
         open_ = {pool.submit(_chunk, chunk, str(reader.path)) for chunk in chunks}
@@ -233,14 +237,14 @@ def _pool(
 
 
 class Tail:
-    """Reads what is appended to a journal."""
+    """Reader of the lines that are appended to a journal."""
 
     def __init__(self, path: Path, sizes: Sizes) -> None:
         self.path, self._sizes = path, sizes
         self._at = path.stat().st_size
 
     def rows(self) -> Iterator[tuple[tuple[float, ...], Row]]:
-        """Yield the rows that are new and whole."""
+        """Yield the new complete rows."""
         with self.path.open("rb") as file:
             file.seek(self._at)
             data = file.read()
@@ -250,7 +254,7 @@ class Tail:
             try:
                 yield read_row(line, self._sizes)
             except ValueError:
-                continue  # a piece that a process left as it died
+                continue  # incomplete line of a crashed process
 
 
 # -- Dask -----------------------------------------------------------------------------------
@@ -258,27 +262,27 @@ class Tail:
 ONWARD = "the same call with another client and the same path goes on"
 
 
-def by_dask(
+def run_dask(
     evaluator: Evaluator, points: Points, journal: Journal | None, client: Any, local: bool
 ) -> Found:
-    """Let a Dask cluster work; the rows of a local one are written by its workers."""
+    """Compute on a Dask cluster; workers on this computer write their rows themselves."""
     from distributed import KilledWorker, as_completed
 
     path = str(journal.path.resolve()) if journal is not None and local else ""
     workers = max(1, len(client.scheduler_info()["workers"]))
     size = max(1, min(CHUNK, len(points) // (8 * workers)))
     shared = client.scatter(evaluator, broadcast=True)
-    chunks = parts(points, size)
-    places = {client.submit(work_out, shared, c, path, pure=False): c for c in chunks}
+    chunks = split_points(points, size)
+    places = {client.submit(compute_points, shared, c, path, pure=False): c for c in chunks}
     coming, tries = as_completed(list(places)), Counter[int]()
     for future in coming:
         chunk = places.pop(future)
         done = future.status == "finished"
         try:
             rows, counts, notes = future.result() if done else ([], {}, {})
-        except CancelledError:  # a worker died with its result, and with what it was given
+        except CancelledError:  # a worker crashed with its results and its data
             shared = client.scatter(evaluator, broadcast=True)
-            again = client.submit(work_out, shared, chunk, path, pure=False)
+            again = client.submit(compute_points, shared, chunk, path, pure=False)
             places[again] = chunk
             coming.add(again)
             continue
@@ -287,14 +291,15 @@ def by_dask(
         elif future.cancelled():
             kept = "" if journal is None else f", what it did is in {journal.path}"
             raise InputError(Problem("study", f"the cluster is gone or cancelled{kept}; {ONWARD}"))
-        elif len(chunk) > 1 or _again(tries, chunk[0][0], future.exception(), KilledWorker):
-            for point in chunk:  # a worker died over one of them, or before it gave its results
-                again = client.submit(work_out, shared, [point], path, pure=False)
+        elif len(chunk) > 1 or _should_retry(tries, chunk[0][0], future.exception(), KilledWorker):
+            # a worker crashed at one of these points, or before it returned the results
+            for point in chunk:
+                again = client.submit(compute_points, shared, [point], path, pure=False)
                 places[again] = [point]
                 coming.add(again)
             continue
         else:
-            rows = [(chunk[0][0], nothing(evaluator, f"its worker died: {future.exception()}"))]
+            rows = [(chunk[0][0], failed_row(evaluator, f"its worker died: {future.exception()}"))]
         for i, row in rows:
             if journal is not None and not (path and done):
                 journal.add(dict(chunk)[i], row)
@@ -302,14 +307,14 @@ def by_dask(
         future.release()
 
 
-def _again(tries: Counter[int], point: int, error: Any, killed: type) -> bool:
-    """Return whether to try a point again: its results got lost, it did not kill its workers."""
+def _should_retry(tries: Counter[int], point: int, error: Any, killed: type) -> bool:
+    """Return whether to repeat a point: its result was lost without a crash at it."""
     tries[point] += 1
     return not isinstance(error, killed) and tries[point] <= MOST_DEATHS
 
 
 def dask_client(workers: int) -> Any:
-    """Return the client of a new local cluster of processes with one thread each.
+    """Return the client of a new local Dask cluster of processes with one thread each.
 
     Raises
     ------
@@ -321,15 +326,15 @@ def dask_client(workers: int) -> Any:
     except ImportError:
         message = "needs Dask: pip install distributed"
         raise InputError(Problem("study", message)) from None
-    # its page gets a port that is free: without an address it would insist on 8787
+    # a free port for the dashboard instead of the default 8787
     cluster = LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address="127.0.0.1:0")
     return Client(cluster)
 
 
-def spread(
+def run_points(
     evaluator: Evaluator, points: Points, journal: Journal | None, workers: Any, how: str
 ) -> Found:
-    """Yield the rows of points as they come, from where `workers` and `how` say.
+    """Yield the rows of points as they complete, computed as `workers` and `how` specify.
 
     Raises
     ------
@@ -344,29 +349,30 @@ def spread(
         raise InputError(Problem("study", f"how is {how!r}{suggest(str(how), WAYS)}"))
     left = []
     for i, x in points:
-        if outside := evaluator.outside(np.array(x)):  # no number would match what is not one
-            row = nothing(evaluator, outside)
+        # a NaN or infinite value: reported as a failed point
+        if outside := evaluator.out_of_bounds(np.array(x)):
+            row = failed_row(evaluator, outside)
             if journal is not None:
                 journal.add(x, row)
             yield i, row
         else:
             left.append((i, x))
     if client is not None:
-        yield from by_dask(evaluator, left, journal, client, local=False)
+        yield from run_dask(evaluator, left, journal, client, local=False)
     elif how == "dask":
         client = dask_client(count)
         try:
-            yield from by_dask(evaluator, left, journal, client, local=True)
+            yield from run_dask(evaluator, left, journal, client, local=True)
         finally:
             client.cluster.close()
             client.close()
     elif how == "processes":
         with broken_pipes_raise():
-            yield from by_processes(evaluator, left, journal, count)
+            yield from run_processes(evaluator, left, journal, count)
     elif count == 1:
-        yield from one_by_one(evaluator, left, journal)
+        yield from run_here(evaluator, left, journal)
     else:
-        yield from by_threads(evaluator, left, journal, count)
+        yield from run_threads(evaluator, left, journal, count)
 
 
 def _workers(given: Any) -> int:

@@ -1,4 +1,4 @@
-"""Where the machines of a study come from: a function, a model file, or one model with inputs."""
+"""Sources of machines for a study: a function, a model file, or one model with inputs."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ MADE = "a Mechanism, a Model or a Solution"
 
 
 class Memory:
-    """What the machines of a study share: reductions, and what else a source keeps.
+    """Data shared by the machines of a study: reductions and other intermediate results.
 
     Attributes
     ----------
     reductions : Recalled
         Reduced parts by their content.
     counts : dict
-        How often what was done.
+        Numbers of reductions, compilations and runs.
     kept : dict
-        What a source keeps.
+        Cached intermediate results of a source.
     """
 
     def __init__(self) -> None:
@@ -40,37 +40,37 @@ class Memory:
 
 
 class Source(Protocol):
-    """Makes machines."""
+    """Protocol of a source of machines."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """What it knows of itself that may be varied."""
+        """Parameters that the source defines."""
 
     @property
     def key(self) -> str:
-        """What says that another source is the same."""
+        """Hash of the content of the source."""
 
     @property
     def unused(self) -> tuple[str, ...]:
-        """Names of its parameters that its machines do not depend on."""
+        """Names of parameters without influence on the machines."""
 
     def takes(self, name: str) -> bool:
-        """Return whether a machine depends on a parameter, which is an external input else."""
+        """Return whether the machine depends on a parameter; otherwise it is an external input."""
 
     def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
-        """Return the machine with values of what it takes."""
+        """Return the machine for parameter values."""
 
 
 @dataclass(frozen=True, eq=False)
-class Made:
-    """A function of the user that makes a machine.
+class FunctionSource:
+    """Source: a function of the user that returns a machine.
 
     Parameters
     ----------
     function : callable
         Called with the values of parameters by name.
     settings : Settings
-        How it is run.
+        Settings of the runs.
     """
 
     function: Callable[..., Any]
@@ -80,7 +80,7 @@ class Made:
 
     @property
     def key(self) -> str:
-        """Of the function and what it holds."""
+        """Hash of the function with its captured values."""
         return key_of(self.function)
 
     def takes(self, name: str) -> bool:
@@ -92,7 +92,7 @@ class Made:
         return name in known or any(p.kind is p.VAR_KEYWORD for p in known.values())
 
     def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
-        """Return what the function makes."""
+        """Return the machine that the function returns."""
         try:
             made = self.function(**values)
         except DEEP as error:
@@ -107,8 +107,8 @@ class Made:
 
 
 @dataclass(frozen=True, eq=False)
-class Fixed:
-    """One machine, whose external inputs are varied."""
+class FixedSource:
+    """Source: one machine with variable external inputs."""
 
     made: Mechanism | Model
     settings: Settings
@@ -117,11 +117,11 @@ class Fixed:
 
     @property
     def key(self) -> str:
-        """Of all that the machine is made of."""
+        """Hash of the content of the machine."""
         return key_of(self.made)
 
     def takes(self, name: str) -> bool:
-        """Return False: everything is an input."""
+        """Return False: every parameter is an input."""
         return False
 
     def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
@@ -130,15 +130,15 @@ class Fixed:
 
 
 @dataclass(frozen=True, eq=False)
-class OfFile:
-    """A model file, by what makes its variants."""
+class FileSource:
+    """Source: a model file with parameters."""
 
     variants: Any
     settings: Settings
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Those of the file."""
+        """Parameters of the file."""
         found: tuple[Parameter, ...] = self.variants.parameters
         return found
 
@@ -149,7 +149,7 @@ class OfFile:
 
     @property
     def key(self) -> str:
-        """Of the text of the file, the files that it names and how it is read."""
+        """Hash of the file's text, the files it names and the options of reading."""
         return str(self.variants.key)
 
     def takes(self, name: str) -> bool:
@@ -157,7 +157,7 @@ class OfFile:
         return any(parameter.name == name for parameter in self.parameters)
 
     def machine(self, values: Mapping[str, float], memory: Memory) -> Machine:
-        """Return the machine that the file describes with these values."""
+        """Return the machine of the file for parameter values."""
         mechanism, simulation, checks = self.variants.make(values, memory.kept)
         t_end, own = self.settings.t_end, {}
         if simulation is not None:
@@ -170,7 +170,7 @@ class OfFile:
 
 
 def source_of(model: Any, settings: Settings) -> Source:
-    """Return where the machines of a study come from.
+    """Return the source for a function, a model file, a mechanism or a model.
 
     Raises
     ------
@@ -179,11 +179,11 @@ def source_of(model: Any, settings: Settings) -> Source:
     """
     variants = getattr(model, "variants", None)
     if variants is not None:
-        return OfFile(variants, settings)
+        return FileSource(variants, settings)
     if isinstance(model, Mechanism | Model):
-        return Fixed(model, settings)
+        return FixedSource(model, settings)
     if callable(model):
-        return Made(model, settings)
+        return FunctionSource(model, settings)
     message = (
         f"model is {model!r:.60}, must be a function that returns {MADE}, a model with inputs, or "
         "jo.read_model(path)"
@@ -191,8 +191,8 @@ def source_of(model: Any, settings: Settings) -> Source:
     raise InputError(Problem("study", message))
 
 
-def choose(source: Source, given: Any) -> tuple[Parameter, ...]:
-    """Return the parameters that are varied: given as such, by name, or those of the source.
+def choose_parameters(source: Source, given: Any) -> tuple[Parameter, ...]:
+    """Return the varied parameters from objects or names; all of the source for None.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Stress over the whole body from estimated modes, with the band in which it lies."""
+"""Stress over the whole body from estimated modes, with confidence bands."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ from jousto.reduction.reduced import ReducedPart
 
 BLOCK_BYTES = 64 << 20
 DRAWS = 128
-"""Points with which the distribution of a criterion is sampled."""
+"""Number of samples of the distribution of a criterion."""
 TINY = 1e-12
-"""Share of the variance of a component below which it has none of its own."""
+"""Variance of a component relative to the largest below which it is neglected."""
 BENT = 0.05
-"""Share of the standard deviation that the second-order bias of a criterion may reach before it
-is sampled instead of linearised."""
+"""Second-order bias of a criterion, in standard deviations, from which it is sampled instead of
+linearised."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Band(Tabular):
-    """Values over time with the band in which they lie.
+    """Values over time with confidence bands.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Band(Tabular):
     level : float
         Share of the time in which the truth is within, if noise and prior are right.
     criterion : str
-        What the value is.
+        Stress criterion of the value.
     """
 
     labels: tuple[str, ...]
@@ -61,13 +61,13 @@ class Band(Tabular):
     criterion: str
 
     def inside(self, truth: Array) -> Array:
-        """Return for each site the share of instants at which a known truth (nt, ns) is within."""
+        """Return the share of instants with a known truth (nt, ns) inside the band, by site."""
         good = np.isfinite(self.low) & np.isfinite(truth)
         within = (self.low <= truth) & (truth <= self.high) & good
         return np.asarray(within.sum(axis=0) / np.maximum(good.sum(axis=0), 1))
 
     def _csv(self) -> Rows:
-        """Return time, value, low and high of every site, s and MPa."""
+        """Return the columns time, value, low and high of every site, s and MPa."""
         head = ["time s"]
         for label in self.labels:
             head += [f"{label} {self.criterion} MPa", f"{label} low MPa", f"{label} high MPa"]
@@ -101,7 +101,7 @@ def stress_band(
     level: float = 0.95,
     scale: float = 0.0,
 ) -> Band:
-    """Return the stress of sites over time with its band.
+    """Return the stress of sites over time with its confidence band.
 
     Components and normal stresses of planes are exact: ``s = S p`` with the covariance
     ``S P S^T``, and the discrepancy of the model (a strain) times the modulus besides. Criteria
@@ -112,13 +112,13 @@ def stress_band(
     Parameters
     ----------
     estimate : Posterior
-        From `Reconstruction.estimate`, `Observer.run` or `smooth`.
+        Estimate from `Reconstruction.estimate`, `Observer.run` or `smooth`.
     modes : StressModes or ReducedPart
         Stress of the same modes.
     criterion : str or Plane
-        As of `stress_field`: ``"s11"`` .. ``"s13"``, ``"von-mises"``, ``"signed-von-mises"``,
-        ``"principal-1"`` .. ``"principal-3"``, ``"signed-principal"``, ``"max-shear"`` or a
-        `Plane`.
+        Criterion as in `stress_field`: ``"s11"`` .. ``"s13"``, ``"von-mises"``,
+        ``"signed-von-mises"``, ``"principal-1"`` .. ``"principal-3"``, ``"signed-principal"``,
+        ``"max-shear"`` or a `Plane`.
     sites : sequence of str, optional
         Labels; None for all sites. For a whole surface over a long time use `stress_blocks`.
     level : float
@@ -134,7 +134,7 @@ def stress_band(
         No such criterion or site, modes of another part, a level outside (0, 1), or a scale outside
         [0, 1).
     """
-    labels, S, missed = _pick(estimate, modes, sites)
+    labels, S, missed = _select_sites(estimate, modes, sites)
     _check(criterion, level, scale)
     size = 8 * len(estimate) * len(labels) * 3
     if size > 64 * BLOCK_BYTES:
@@ -170,11 +170,11 @@ def stress_blocks(
     Yields
     ------
     instants, places : slice
-        Where the block lies.
+        Instants and places of the block.
     values : tuple of three (nt, ns) arrays
         Value, low and high end of the band, Pa.
     """
-    _, S, missed = _pick(estimate, modes, sites)
+    _, S, missed = _select_sites(estimate, modes, sites)
     _check(criterion, level, scale)
     return _blocks(estimate, S, missed, criterion, level, scale)
 
@@ -185,7 +185,7 @@ def _blocks(
     z = _quantile(level)
     linear = weights(criterion)
     ns, nt, m = len(S), len(estimate), len(estimate.covariances)
-    # covariances of the stress of some sites, then instants
+    # covariances of the stress by blocks of sites, then of instants
     wide = max(1, BLOCK_BYTES // (8 * 36 * max(m, 1)))
     for first in range(0, ns, wide):
         places = slice(first, min(first + wide, ns))
@@ -212,7 +212,7 @@ def _blocks(
                 yield instants, places, (value, value - spread, value + spread)
             else:
                 s = np.einsum("tj,scj->tsc", p, S[places], optimize=True)
-                root = root_of(cov)[which]
+                root = covariance_roots(cov)[which]
                 own = estimate.systematic(S[places], instants)
                 more = [] if own is None else [own]
                 more += [scale * s[..., None]] if scale else []
@@ -220,11 +220,11 @@ def _blocks(
                 yield instants, places, criterion_band(s, root, criterion, level)
 
 
-def root_of(cov: Array) -> Array:
-    """Return roots (..., 6, 6) of covariances: their columns are independent deviations.
+def covariance_roots(cov: Array) -> Array:
+    """Return matrix square roots (..., 6, 6) of covariances, with orthogonal columns.
 
-    Cholesky's, the same by whatever it is computed, also where directions are equally uncertain;
-    what earlier components determine to a millionth has no deviation of its own.
+    Cholesky factors with a result independent of the processor, also for equally uncertain
+    directions; a component that earlier ones determine to 1e-6 has zero deviation.
     """
     L = np.zeros_like(cov)
     for j in range(cov.shape[-1]):
@@ -241,23 +241,23 @@ def root_of(cov: Array) -> Array:
 def criterion_band(
     s: Array, root: Array, criterion: Criterion, level: float
 ) -> tuple[Array, Array, Array]:
-    """Return value, low and high (nt, ns) of stresses with roots of covariance (nt, ns, 6, k)."""
+    """Return value, low and high (nt, ns) of a criterion of stresses with covariance roots."""
 
     def f(x: Array) -> Array:
         return evaluate(x, criterion)
 
-    # differences along the roots are gradient and curvature
+    # second differences along the roots give gradient and curvature
     steps = np.swapaxes(root, -1, -2)
     middle = s[..., None, :]
     all_ = f(np.concatenate([middle, middle + steps, middle - steps], axis=-2))
     size = np.sqrt(np.sum(root * root, axis=(-2, -1)))
-    value, low, high, far = linear_ends(np.moveaxis(all_, -1, 0), size, level)
+    value, low, high, far = linear_band(np.moveaxis(all_, -1, 0), size, level)
     if not far.any():
-        return value, floored(low, criterion), high
+        return value, clip_low(low, criterion), high
     bent = np.argwhere(far)
     k = root.shape[-1]
     root = np.broadcast_to(root, (*s.shape, k))
-    points = points_of(k)
+    points = sample_points(k)
     step = max(1, BLOCK_BYTES // (8 * k * len(points)))
     for first in range(0, len(bent), step):
         t, k = bent[first : first + step].T
@@ -265,13 +265,13 @@ def criterion_band(
         drawn.sort(axis=1)
         ends = np.quantile(drawn, [0.5 - 0.5 * level, 0.5, 0.5 + 0.5 * level], axis=1)
         low[t, k], value[t, k], high[t, k] = ends
-    return value, floored(low, criterion), high
+    return value, clip_low(low, criterion), high
 
 
-def linear_ends(
+def linear_band(
     found: Array, size: Array, level: float
 ) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-    """Return value, low and high of a criterion, and where it is bent too much for that.
+    """Return linearised value, low and high of a criterion, and a mask of strong curvature.
 
     Parameters
     ----------
@@ -292,18 +292,18 @@ def linear_ends(
 
 @cache
 def _quantile(level: float) -> float:
-    """Return how many standard deviations from the middle the ends of a band are."""
+    """Return the two-sided normal quantile of a confidence."""
     return float(ndtri(0.5 + 0.5 * level))
 
 
-def floored(low: Array, criterion: Criterion) -> Array:
-    """Return the low end of a band; what has no sign is not below zero."""
+def clip_low(low: Array, criterion: Criterion) -> Array:
+    """Return the lower end of a band, not below zero for criteria without sign."""
     return np.maximum(low, 0.0) if criterion in ("von-mises", "max-shear") else low
 
 
 @cache
-def points_of(k: int) -> Array:
-    """Return normally distributed points (DRAWS, k), the same ones always."""
+def sample_points(k: int) -> Array:
+    """Return fixed, normally distributed sample points (DRAWS, k)."""
     u = qmc.Sobol(k, scramble=True, rng=1).random(DRAWS)
     return np.asarray(ndtri(np.clip(u, 1e-9, 1.0 - 1e-9)))
 
@@ -318,10 +318,10 @@ def _check(criterion: Criterion, level: float, scale: float = 0.0) -> None:
     problems.raise_if_any()
 
 
-def _pick(
+def _select_sites(
     estimate: Posterior, modes: StressModes | ReducedPart, sites: Sequence[str] | str | None
 ) -> tuple[tuple[str, ...], Array, Array]:
-    """Return labels, stress modes (ns, 6, n) and stress that the model misses (ns, 6)."""
+    """Return labels, stress modes (ns, 6, n) and stress of the model error (ns, 6)."""
     problems = Problems()
     where = "stress_band"
     known = modes.stress if isinstance(modes, ReducedPart) else modes
@@ -340,17 +340,17 @@ def _pick(
     problems.raise_if_any()
     chosen = [place[label] for label in labels]
     elasticity = None if known.elasticity is None else known.elasticity[chosen]
-    missed = stress_of(estimate.missed, elasticity, len(labels), where)
+    missed = model_error_stress(estimate.missed, elasticity, len(labels), where)
     return tuple(labels), known.modes[chosen], missed
 
 
-def stress_of(missed: float, elasticity: Array | None, ns: int, where: str) -> Array:
-    """Return the stress (ns, 6) of a strain that the model misses, by E and nu (ns, 2)."""
+def model_error_stress(missed: float, elasticity: Array | None, ns: int, where: str) -> Array:
+    """Return the stress (ns, 6) of a model error in strain, from E and nu (ns, 2)."""
     found = np.zeros((ns, 6))
     if missed > 0.0:
         if elasticity is None:
             raise InputError(
-                Problem(where, "what the model misses is a strain, but the sites know no modulus")
+                Problem(where, "the model error is a strain, but the sites have no modulus")
             )
         E, nu = elasticity.T
         found[:, :3] = (E * missed)[:, None]

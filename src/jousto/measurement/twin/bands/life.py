@@ -1,4 +1,4 @@
-"""damage_band: fatigue damage where no gauge sits, with the band in which it lies."""
+"""Fatigue damage at places without gauge, with confidence bands."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
-from jousto.measurement.twin.bands.bands import _check, _pick
+from jousto.measurement.twin.bands.bands import _check, _select_sites
 from jousto.measurement.twin.estimates import Estimates
 from jousto.measurement.twin.smoother import sample_posterior, smooth
 from jousto.model.native.damage_meter import DamageMeter
@@ -25,7 +25,7 @@ from jousto.reduction.reduced import ReducedPart
 @described
 @dataclass(frozen=True, eq=False)
 class DamageBand(Tabular):
-    """Damage and life of sites over a record, with their bands.
+    """Damage and life of sites over a record, with confidence bands.
 
     Attributes
     ----------
@@ -40,9 +40,9 @@ class DamageBand(Tabular):
     duration : float
         Length of the record, s.
     residue : str
-        How the residue of the rainflow count was counted.
+        Treatment of the residue in the rainflow count.
     criterion : str
-        Which stress was counted.
+        Counted stress criterion.
     """
 
     labels: tuple[str, ...]
@@ -56,12 +56,12 @@ class DamageBand(Tabular):
 
     @property
     def life(self) -> Array:
-        """Median life (ns,), s of operation like the record; inf without damage."""
+        """Median life (ns,), s of repeated operation; inf without damage."""
         return self._lives(self.damage)
 
     @property
     def life_band(self) -> tuple[Array, Array]:
-        """Shortest and longest life of the band (ns,), s."""
+        """Lower and upper life (ns,), s of repeated operation."""
         return self._lives(self.high), self._lives(self.low)
 
     def _lives(self, damage: Array) -> Array:
@@ -111,30 +111,29 @@ def damage_band(
     draws: int = 60,
     seed: int = 1,
 ) -> DamageBand:
-    """Return fatigue damage of sites with its band, from histories that a record allows.
+    """Return fatigue damage of sites with its band, from sampled histories of the record.
 
     Stress histories are drawn from their distribution (`sample_posterior`) and counted by rainflow;
-    quantiles of their damage are taken. What the model misses is a slow error, drawn once for each
-    site, and so is an error in proportion, which averages out nowhere: k times as much in damage
-    as in stress. Errors of the gauges (``Observer(errors=)``) are drawn once for each history. A
-    drawn history is rougher than the truth by the noise of the estimate, so that its damage is too
-    large rather than too small; the smoothed history alone is too calm: the band starts no higher
-    than its damage.
+    the band has quantiles of their damage. The model error is a slow error, drawn once for each
+    site, and so is a proportional error, whose effect on damage is k times that on stress. Gauge
+    errors (``Observer(errors=)``) are drawn once for each history. A drawn history is rougher than
+    the truth by the noise of the estimate, so that its damage is conservative; the smoothed history
+    alone underestimates damage: the band starts no higher than its value.
 
     Parameters
     ----------
     observed : Estimates
-        From `Observer.run`.
+        Estimates from `Observer.run`.
     modes : StressModes or ReducedPart
         Stress of the same modes.
     sn : SN
         S-N curve.
     residue : {"half", "repeat", "ignore"}
-        How the residue counts.
+        Treatment of the residue in the rainflow count.
     sites, criterion, level
         As for `stress_band`.
     mean : mean stress correction, optional
-        As of `DamageMeter`.
+        Mean-stress correction as in `DamageMeter`.
     scale : float
         Standard deviation of errors in proportion to stress: gauge factors are known to half a per
         cent, Young's modulus of steel to one or two.
@@ -155,7 +154,7 @@ def damage_band(
                 "(Reconstruction) do not tell; for those use stress_band",
             )
         )
-    labels, S, missed = _pick(observed, modes, sites)
+    labels, S, missed = _select_sites(observed, modes, sites)
     _check(criterion, level)
     if not 0.0 <= scale < 0.5:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Stress of a few sites with its band, sample by sample: what does not change is kept."""
+"""Stress of a few sites with confidence bands, sample by sample, with precomputed data."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from scipy.special import ndtri
 from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.measurement.twin.bands.bands import (
+    clip_low,
+    covariance_roots,
     criterion_band,
-    floored,
-    linear_ends,
-    root_of,
-    stress_of,
+    linear_band,
+    model_error_stress,
 )
 from jousto.model.native.recover import Recovery
 from jousto.recovery.fields.criteria import Criterion, weights
@@ -22,17 +22,17 @@ from jousto.recovery.fields.kernels import kernel
 from jousto.reduction.fields.stress import StressModes
 
 KEPT = 256
-"""Covariances whose roots a `SpotBand` remembers."""
+"""Cache size: covariances with their roots."""
 
 
 @described
 class SpotBand:
-    """Stress of a few sites with its band, the same as that of `stress_band`.
+    """Stress of a few sites with the band of `stress_band`, sample by sample.
 
     Parameters
     ----------
     modes : StressModes
-        Of the sites.
+        Stress modes of the sites.
     criterion, level, scale
         As of `stress_band`.
     missed : float
@@ -49,14 +49,14 @@ class SpotBand:
     ) -> None:
         self.S, self.criterion, self.level, self.scale = modes.modes, criterion, level, scale
         self.n = self.S.shape[2]
-        self._missed = stress_of(missed, modes.elasticity, len(self.S), "Monitor")
+        self._missed = model_error_stress(missed, modes.elasticity, len(self.S), "Monitor")
         self._z = float(ndtri(0.5 + 0.5 * level))
         self._weights = weights(criterion)
         rows = self.S.reshape(-1, self.n)
         if self._weights is not None:
             rows = np.einsum("c,scj->sj", self._weights, self.S)
         self._rows = np.ascontiguousarray(rows.T)
-        # nothing, then one up along each of the six roots of a site's stress, then one down
+        # zero, then plus and minus each of the six roots of a site's stress
         self._unit = np.vstack([np.zeros((1, 6)), np.eye(6), -np.eye(6)])[:, None, :]
         self._kept: dict[bytes, Array] = {}
         self._kernels: dict[bytes, tuple[Recovery, Array, Array]] = {}
@@ -68,12 +68,12 @@ class SpotBand:
 
     @property
     def quantile(self) -> float:
-        """How many standard deviations from the middle the ends are."""
+        """Two-sided normal quantile of the confidence."""
         return self._z
 
     @property
     def rows(self) -> tuple[Array, Array]:
-        """Rows of the modes and variances of what they miss: (ns, n) and (ns,), else with 6."""
+        """Mode rows and model-error variances: (ns, n) and (ns,) if linear, else with 6."""
         if self._weights is None:
             return self.S, self._missed**2
         return self._rows.T, self._missed**2 @ self._weights**2
@@ -86,9 +86,9 @@ class SpotBand:
         p : (k, n) array
             Modal coordinates.
         P : (n, n) array
-            Their covariance.
+            Covariance of the modal coordinates.
         moved : (k, n, m) array, optional
-            What errors that stay move them by.
+            Deviations of the coordinates due to constant gauge errors.
         """
         if self._weights is None:
             return self._bent(p, P, moved)
@@ -120,7 +120,7 @@ class SpotBand:
         steps = [] if moved is None else list(np.moveaxis(moved, 2, 0))
         steps += [self.scale * p] if self.scale else []
         more = np.array(steps).reshape(-1, k, n)
-        # coordinates in the middle, then one deviation up along each root and one down
+        # mean coordinates, then plus and minus each root
         count = 1 + 2 * (6 + len(more))
         q = np.empty((count, k, n + 6))
         q[:, :, :n] = p
@@ -137,16 +137,16 @@ class SpotBand:
         if steps:
             own = (more @ self._rows).reshape(len(more), k, -1, 6)
             size = np.sqrt(noise * noise + np.einsum("jtsc,jtsc->ts", own, own))
-        value, low, high, far = linear_ends(found, size, self.level)
+        value, low, high, far = linear_band(found, size, self.level)
         if np.count_nonzero(far):
             bent = far.any(axis=1)
-            value[bent], low[bent], high[bent] = self._drawn(
+            value[bent], low[bent], high[bent] = self._sampled_band(
                 p[bent], root, None if moved is None else moved[bent]
             )
-        return value, floored(low, self.criterion), high
+        return value, clip_low(low, self.criterion), high
 
-    def _drawn(self, p: Array, root: Array, moved: Array | None) -> tuple[Array, ...]:
-        """Return the band of instants at which the criterion is bent too much for a slope."""
+    def _sampled_band(self, p: Array, root: Array, moved: Array | None) -> tuple[Array, ...]:
+        """Return the sampled band at instants with strong curvature of the criterion."""
         s = (p @ self._rows).reshape(len(p), -1, 6)
         parts = [np.broadcast_to(root, (len(p), *root.shape))]
         if moved is not None:
@@ -157,13 +157,13 @@ class SpotBand:
         return criterion_band(s, np.concatenate(parts, axis=-1), self.criterion, self.level)
 
     def _kernel(self, P: Array) -> tuple[Recovery, Array, Array]:
-        """Return the engine's form of ``[S R]``, the roots R (ns, 6, 6) and their size (ns,)."""
+        """Return ``[S R]`` as the engine reads it: roots R (ns, 6, 6) and their norms (ns,)."""
         key = P.tobytes()
         found = self._kernels.get(key)
         if found is None:
             cov = self.S @ P @ np.swapaxes(self.S, 1, 2)
             cov[:, np.arange(6), np.arange(6)] += self._missed**2
-            root = root_of(cov)
+            root = covariance_roots(cov)
             size = np.sqrt(np.sum(root * root, axis=(1, 2)))
             found = kernel(np.concatenate([self.S, root], axis=2), self.criterion), root, size
             _keep(self._kernels, key, found)

@@ -1,1 +1,1 @@
-"""What moves a part: the motion of its frame as one linear model with its modes."""
+"""Motion of a part: its frame motion and its modes as one linear model."""

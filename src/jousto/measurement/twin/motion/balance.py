@@ -1,4 +1,4 @@
-"""Whether the loads on a part are those that its motion needs: Newton's and Euler's equations."""
+"""Balance of loads and motion of a part: Newton's and Euler's equations."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.reduced import ReducedPart
 
 WARNED, REFUSED = 0.01, 0.1
-"""Root mean square of what is missing, of all loads: above the first stress is doubtful, above the
-second it is that of another machine."""
+"""Relative rms of the missing load: stress is doubtful above the first value, and wrong above the
+second."""
 
 ROUNDING = 1e-9
-"""Of the largest component: what is 0."""
+"""Share of the largest component below which a component is zero."""
 
 Load = tuple[int, Array, Array]
-"""Number of a node, and force (nt, 3) and moment (nt, 3) there, body frame."""
+"""Node index, and force (nt, 3) and moment (nt, 3) on it, body frame."""
 
 
 def inertia_wrench(
     invariants: Invariants, reference: Reference, p: Array, dp: Array, ddp: Array
 ) -> tuple[Array, Array, Array]:
-    """Return the force and the moment about the mass centre that a motion needs, and the centre.
+    """Return force and moment about the mass centre that a motion requires, and the centre.
 
     With ``u = u0 + Phi p``, ``F = int u'' dm`` and ``M = int u x u'' dm``, where
     ``u'' = a + w' x u + w x (w x u) + 2 w x Phi p' + Phi p''`` and a is the acceleration of the
@@ -35,7 +35,7 @@ def inertia_wrench(
     Parameters
     ----------
     invariants : Invariants
-        Of the part.
+        Inertia invariants of the part.
     reference : Reference
         Motion of its frame at nt instants.
     p, dp, ddp : (nt, n) array
@@ -73,7 +73,7 @@ def check_balance(
     A: Array,
     motion: tuple[Array, Array, Array],
 ) -> None:
-    """Compare loads with what the motion of a part needs.
+    """Return the comparison of loads with the forces that the motion of a part requires.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def check_balance(
         moment = moment - m - np.cross(r, f)
         size = size + np.linalg.norm(f, axis=1)
         turning = turning + np.linalg.norm(m, axis=1)
-    # a moment counts beside forces at the distance of the farthest node
+    # lever arm of moments beside forces: distance of the farthest node
     arm = float(np.linalg.norm(reduced.nodes - centre[0], axis=1).max())
     shares = [
         _rms(np.linalg.norm(x, axis=1)) / (_rms(scale) or 1.0)
@@ -135,7 +135,7 @@ def check_balance(
 
 
 def _numbers(x: Array) -> str:
-    """Return components, those that are rounding beside the others as 0."""
+    """Return components, with zero in place of rounding errors."""
     return ", ".join(f"{v:.4g}" if abs(v) > ROUNDING * np.abs(x).max() else "0" for v in x)
 
 

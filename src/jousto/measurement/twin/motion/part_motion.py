@@ -1,4 +1,4 @@
-"""A part alone, moved by what a run knows: the motion of its frame and the loads at its nodes."""
+"""Motion of a single part from a run: prescribed frame motion and nodal loads."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.solution import Solution
 
 MOST, CLOSE = 60, 1e-12
-"""Corrections of a step, and the change of the coordinates at which they end."""
+"""Maximum iterations of a step, and the relative change of coordinates at convergence."""
 
 
 @explained
@@ -32,7 +32,7 @@ def drive_part(
     damping: Damping = 0.0,
     start: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Array:
-    """Return the modal coordinates (nt, n) of a part that moves as a body of a run, kg^0.5 m.
+    """Return the modal coordinates (nt, n) of a part moved as a body of a run, kg^0.5 m.
 
     ``M_pp p'' + D p' + K p = Q_e,p + Q_v,p - C_p^T lam - M_pr r''`` with the reference motion r of
     the run (Altarriba 2010, eq. 42): the frame moves as in the run, and the reactions of the joints
@@ -45,7 +45,7 @@ def drive_part(
     Parameters
     ----------
     run : Solution
-        With the sensors that `loads` takes.
+        Results with the sensors that `loads` names.
     body : str
         Name of the rigid or flexible body whose frame moves the part; the frame of the part lies
         in it.
@@ -56,7 +56,7 @@ def drive_part(
         *all* that acts on the part but its weight. A `ReactionSensor` measures what acts on the
         body of its marker b; on that of marker a it is the opposite.
     damping : float, sequence of float or Rayleigh
-        Of the modes.
+        Damping of the modes.
     start : tuple of two (n,) array_like, optional
         Modal coordinates and velocities at the first instant; by default at rest under its loads.
 
@@ -131,13 +131,13 @@ def _acceleration(
     soft: Array,
     x: Array,
 ) -> Array:
-    """Return p'' at the end of a step where the inertial force is that of p'' = x."""
+    """Return p'' at the end of a step whose inertial force includes that of p''."""
     force = inertial(motion, before + h * h / 4 * x, speed + h / 2 * x)
     return np.asarray((external + force) / soft)
 
 
 def _settle(x: Array, better: Callable[[Array], Array], time: float) -> None:
-    """Repeat ``x = better(x)`` in place until it stays."""
+    """Iterate ``x = better(x)`` in place until it converges."""
     for _ in range(MOST):
         found = better(x)
         change, size = float(np.abs(found - x).max()), float(np.abs(found).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""Reference: the motion of a body's frame, and the forces that it puts on the modes."""
+"""Reference: motion of a body's frame, and its inertial forces on the modes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from jousto.simulation.kinematics import kinematics
 from jousto.simulation.results.solution import Solution
 
 Motion: TypeAlias = tuple[Array, Array, Array]
-"""Acceleration of the frame's origin less gravity, m/s2, angular velocity, rad/s, and angular
+"""Acceleration of the frame's origin minus gravity, m/s2, angular velocity, rad/s, and angular
 acceleration, rad/s2, all resolved in the body frame."""
 STILL: Motion = (np.zeros(3), np.zeros(3), np.zeros(3))
 
@@ -35,7 +35,7 @@ STILL: Motion = (np.zeros(3), np.zeros(3), np.zeros(3))
 @described
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Motion of the frame of a body over time, resolved in its own axes.
+    """Motion of a body's frame over time, resolved in its own axes.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Reference:
             object.__setattr__(self, key, value)
 
     def at(self, t: float) -> Motion:
-        """Return the motion at a time; before and after the known times it is held."""
+        """Return the motion at a time; constant outside the given times."""
         times = self.time
         k = min(max(int(np.searchsorted(times, t)), 1), max(len(times) - 1, 0))
         if len(times) == 1 or t >= times[-1]:
@@ -98,14 +98,14 @@ class Reference:
         reduced: ReducedPart | None = None,
         gravity: ArrayLike | None = None,
     ) -> Reference:
-        """Return the motion of a body's frame in a run, or of one of its nodes.
+        """Return the motion of a body's frame, or of one of its nodes, in a run.
 
-        Accelerations are differences of the stored velocities: store often enough.
+        Accelerations are differences of the stored velocities: use a short output step.
 
         Parameters
         ----------
         run : Solution
-            From `simulate` or `kinematics`.
+            Results of `simulate` or `kinematics`.
         body : str
             Name of a rigid or flexible body.
         node : str
@@ -150,9 +150,9 @@ class Reference:
         noise: float | Mapping[str, float] = 0.0,
         node: str = "",
     ) -> Reference:
-        """Return the motion of a body's frame that measured joint coordinates imply.
+        """Return the motion of a body's frame for measured joint coordinates.
 
-        The drives of the mechanism follow the measured values, everything else its kinematics
+        The drives of the mechanism follow the measured values, all other motions its kinematics
         (`kinematics`: elastic bodies bend under their weight but do not vibrate).
 
         Parameters
@@ -171,7 +171,7 @@ class Reference:
             stays within it, since accelerations multiply what is not smooth. 0 takes the values
             as they are.
         node : str
-            As for `from_run`.
+            Node as in `from_run`.
 
         Raises
         ------
@@ -185,7 +185,7 @@ class Reference:
         t = problems.array(where, "time", time, (None,))
         nt = 0 if t is None else len(t)
         if t is not None and (nt < 7 or (np.diff(t) <= 0.0).any()):
-            problems.add(where, "time must increase and hold at least 7 instants")
+            problems.add(where, "time must increase and have at least 7 instants")
         values = {}
         for name, given in measured.items():
             values[name] = problems.array(where, f"measured['{name}']", given, (nt,))
@@ -208,7 +208,7 @@ class Reference:
             if not isinstance(x, Sensor)
         ]
         with warnings.catch_warnings():
-            # measured values never begin just where the bodies were placed
+            # measured values differ from the initial pose: a corrected start is no warning
             warnings.filterwarnings("ignore", ".*the start fits the drives", JoustoWarning)
             model = compile(Mechanism(*items, name=mechanism.name))
         parts = {x.name: getattr(x, "reduced", None) for x in mechanism.bodies}
@@ -241,7 +241,7 @@ def _at_node(
 @described
 @dataclass(frozen=True, eq=False)
 class InertialForce:
-    """Force of the frame's motion on the modes (spec of the floating frame, docs/theory-bodies.md).
+    """Inertial force of the frame's motion on the modes (floating frame, docs/theory-bodies.md).
 
     ``f_j = w^T D_j(p) w - 2 w . G_j(p') - I3_j . a - B_j(p) . w'`` with
     ``N_j = N0_j + sum_k p_k E_kj``, ``D_j = tr(N_j) 1 - sym N_j``, ``B_j = axial N_j`` and
@@ -272,7 +272,7 @@ class InertialForce:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Return a x b of two vectors (3,); numpy's own takes ten times as long for so few."""
+    """Return a x b of two vectors (3,), ten times as fast as numpy.cross."""
     a1, a2, a3 = a.tolist()
     b1, b2, b3 = b.tolist()
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])

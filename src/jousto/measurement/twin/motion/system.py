@@ -1,4 +1,4 @@
-"""System: modes, unknown loads and channels as one linear model of a state with noise."""
+"""System: modes, unknown loads and channels as one linear stochastic state-space model."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from jousto.measurement.twin.motion.reference import InertialForce, Motion, cros
 from jousto.reduction.reduced import ReducedPart
 
 LOADS = ("fx", "fy", "fz", "mx", "my", "mz")
-"""Components of a load on a node: forces, N, and moments, N m, along the body axes."""
+"""Components of a nodal load: forces, N, and moments, N m, along the body axes."""
 FADED = 4.0
-"""Logarithm of the decay within one step beyond which the step is made of two halves."""
+"""Decay exponent of a step beyond which its matrices are built from two half steps."""
 
 
 @explained
 @described
 @dataclass(frozen=True, eq=False)
 class UnknownLoad:
-    """A load that nobody measures: it wanders at random and is estimated from the gauges.
+    """Unknown load, a random walk that is estimated from the gauges.
 
     Rough: ``da = -a dt / tau + rate dW`` in the axes of the body; with a `size` it returns to its
     mean with the time constant ``tau = 2 size^2 / rate^2``, without it is a random walk. Smooth:
@@ -42,14 +42,14 @@ class UnknownLoad:
     components : sequence of str
         Some of ``fx fy fz mx my mz`` (N, N m).
     rate : float or (k,) array_like
-        How much it changes in a second: standard deviation, N/s^0.5 or N m/s^0.5; of a smooth load
+        Change in a second: standard deviation, N/s^0.5 or N m/s^0.5; of a smooth load
         that of its slope, N/s or N m/s. Need not be exact, `tune` finds it from data.
     size : float or (k,) array_like, optional
         Standard deviation about the mean in the long run, N or N m.
     mean : float or (k,) array_like
-        Its mean, N or N m.
+        Mean value, N or N m.
     smooth : bool
-        Whether it changes without jumps; needs a size.
+        Whether the load changes without jumps; needs a size.
     pattern : (n, k) array_like, optional
         Modal forces per unit of load, instead of a node: ``Phi^T L`` of a distributed load.
 
@@ -152,7 +152,7 @@ class UnknownLoad:
         return np.array(modal).T, np.array(wrench).T
 
     def arms(self, reduced: ReducedPart) -> Array:
-        """Return the moment (3, k, n) of each unit load per unit of the modes that shift it."""
+        """Return the derivative (3, k, n) of the moment of each unit load by the modes."""
         arms = np.zeros((3, len(self.components), reduced.n))
         if self.pattern is None:
             phi = reduced.modes[reduced.node(self.place)]
@@ -165,9 +165,9 @@ class UnknownLoad:
 @described
 @dataclass(frozen=True, eq=False)
 class System:
-    """The linear model ``x' = A x + ..`` of dynamic modes, their rates and unknown loads.
+    """Linear model ``x' = A x + ..`` of dynamic modes, their rates and unknown loads.
 
-    ``x = [p_d p_d' a]``; modes above `limit` follow statically, ``p_s = W_s^-2 (Phi_s^T L a + f)``.
+    ``x = [p_d p_d' a]``; modes above `limit` are quasi-static, ``p_s = W_s^-2 (Phi_s^T L a + f)``.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class System:
     damping : (n,) array
         Diagonal of D, 1/s.
     loads : sequence of UnknownLoad
-        What pushes at unknown strength.
+        Unknown loads.
     limit : float
         Hz; modes above follow statically.
     disturbance : float
@@ -251,17 +251,17 @@ class System:
 
     @property
     def misses(self) -> int:
-        """Number of discrepancies, which end the state; none if they have no size."""
+        """Number of model-error states at the end of the state; 0 without model error."""
         return self.gauges if self.discrepancy > 0.0 else 0
 
     @property
     def places(self) -> slice:
-        """Where the loads stand in the state; the slopes of smooth ones come after."""
+        """Indices of the loads in the state; the slopes of smooth loads follow after them."""
         return slice(2 * self.nd, 2 * self.nd + self.na)
 
     @property
-    def rest(self) -> Array:
-        """States (nx, na) under loads that stay for ever, one column for each unit load."""
+    def static_states(self) -> Array:
+        """Static states (nx, na) under constant unit loads, one column per load."""
         d = self.dynamic
         T = np.zeros((self.nx, self.na))
         T[: self.nd] = self.columns[d] / self.reduced.stiffness[d, None]
@@ -270,12 +270,12 @@ class System:
 
     @property
     def bound(self) -> Array:
-        """Standard deviation of the loads (na,) before anything is known."""
+        """Prior standard deviation of the loads (na,)."""
         return np.where(np.isfinite(self.size), self.size, 10.0 * self.rate)
 
     @cached_property
     def shape(self) -> Array:
-        """Modal coordinates of the state (n, nx), without known forces on the static ones."""
+        """Modal coordinates of the state (n, nx), without known forces on static modes."""
         C = np.zeros((self.reduced.n, self.nx))
         C[self.dynamic, : self.nd] = np.eye(self.nd)
         static = ~self.dynamic
@@ -284,7 +284,7 @@ class System:
 
     @cached_property
     def rates(self) -> Array:
-        """Modal velocities of the state (n, nx); static modes have none."""
+        """Modal velocities of the state (n, nx); zero for static modes."""
         C = np.zeros((self.reduced.n, self.nx))
         C[self.dynamic, self.nd : 2 * self.nd] = np.eye(self.nd)
         return C
@@ -325,13 +325,13 @@ class System:
         last = np.arange(nx - self.misses, nx)
         A[last, last] = -1.0 / self.lasting
         noise[last] = 2.0 / self.lasting * self.discrepancy**2
-        # balanced to the size of the states, for loads are 1e9 times modal coordinates
+        # scale the states: loads are 1e9 times as large as modal coordinates
         scale[self.places] = self.bound
         scale[slope] = self.rate[smooth]
         scale[last] = self.discrepancy
         A = A / scale[:, None] * scale
         if dt * np.abs(la.eigvals(A).real).max(initial=0.0) > FADED:
-            # what fades grows backwards in time, out of range: a long pause is twice its half
+            # decaying states grow in backward time and overflow: square the half step
             F, G, Q = self.discrete(0.5 * dt)
             Q = F @ Q @ F.T + Q
             self._discrete[key] = (F @ F, F @ G + G, 0.5 * (Q + Q.T))
@@ -346,15 +346,15 @@ class System:
         G = la.expm(dt * push)[:nx, nx:] * scale[:, None]
         F = F * scale[:, None] / scale
         Q = 0.5 * (Q + Q.T) * np.outer(scale, scale)
-        if len(self._discrete) > 64:  # jitter of the clock must not fill the memory
+        if len(self._discrete) > 64:  # bound the cache: clock jitter gives many different steps
             self._discrete.clear()
         self._discrete[key] = (F, np.asarray(G), Q)
         return self._discrete[key]
 
     def start(self) -> Array:
-        """Return the covariance (nx, nx) before anything is measured: any load, some vibration."""
+        """Return the prior covariance (nx, nx): unknown loads, small vibration."""
         nd, w2 = self.nd, self.reduced.stiffness[self.dynamic]
-        T = self.rest
+        T = self.static_states
         P = (T * self.bound**2) @ T.T
         last = np.arange(self.nx - self.misses, self.nx)
         P[last, last] = self.discrepancy**2
@@ -365,7 +365,7 @@ class System:
         P[nd + np.arange(nd), nd + np.arange(nd)] += shake * w2
         return np.asarray(P)
 
-    def known(self, force: InertialForce, motion: Motion, p: Array, dp: Array) -> Array:
+    def known_forces(self, force: InertialForce, motion: Motion, p: Array, dp: Array) -> Array:
         """Return the modal forces (n,) of the frame's motion and of the mean loads."""
         return np.asarray(force(motion, p, dp) + self.columns @ self.mean)
 
@@ -373,7 +373,7 @@ class System:
 @described
 @dataclass(frozen=True, eq=False)
 class Accelerometer:
-    """An accelerometer on a node: feels its acceleration less gravity along a direction.
+    """Accelerometer on a node: acceleration minus gravity along a direction.
 
     Parameters
     ----------
@@ -404,18 +404,18 @@ class Accelerometer:
         object.__setattr__(self, "direction", t / np.linalg.norm(t))
 
     def row(self, reduced: ReducedPart) -> Array:
-        """Acceleration along the direction per unit modal acceleration (n,)."""
+        """Row (n,): acceleration along the direction per unit modal acceleration."""
         return np.asarray(self.direction @ reduced.modes[reduced.node(self.node)])
 
-    def of_frame(self, reduced: ReducedPart, motion: Motion) -> float:
-        """Return what it feels of the frame's motion alone, m/s2."""
+    def frame_reading(self, reduced: ReducedPart, motion: Motion) -> float:
+        """Return the reading due to the frame's motion alone, m/s2."""
         a, w, dw = motion
         u = reduced.nodes[reduced.node(self.node)]
         return float(self.direction @ (a + cross(dw, u) + cross(w, cross(w, u))))
 
 
 def as_loads(loads: Any) -> tuple[UnknownLoad, ...]:
-    """Return unknown loads from one, a sequence of them, or names of nodes."""
+    """Return a list of unknown loads from loads or names of nodes."""
     if isinstance(loads, UnknownLoad):
         return (loads,)
     if isinstance(loads, str) or not isinstance(loads, Iterable):
@@ -429,12 +429,12 @@ def as_loads(loads: Any) -> tuple[UnknownLoad, ...]:
     found = tuple(loads)
     for load in found:
         if not isinstance(load, UnknownLoad):
-            raise InputError(Problem("Observer", f"loads holds {load!r}, must be UnknownLoad"))
+            raise InputError(Problem("Observer", f"loads contains {load!r}, must be UnknownLoad"))
     return found
 
 
 def as_rows(gauges: ArrayLike | Any, n: int) -> tuple[Array, tuple[str, ...]]:
-    """Return rows (ng, n) and names of gauges given as an array, sensors or a Reconstruction."""
+    """Return rows (ng, n) and names of gauges from an array, sensors or a Reconstruction."""
     if hasattr(gauges, "B") and hasattr(gauges, "names"):
         return np.asarray(gauges.B), tuple(gauges.names)
     items: Any = gauges

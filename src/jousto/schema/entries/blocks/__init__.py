@@ -1,1 +1,1 @@
-"""Entries of the blocks of a model file beside its mechanism."""
+"""Entries of the blocks beside the mechanism in a model file."""

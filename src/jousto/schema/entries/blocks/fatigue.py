@@ -1,4 +1,4 @@
-"""Entries of the block ``fatigue`` of a model file: curves by name, and what is to be checked."""
+"""Block ``fatigue`` of a model file: S-N curves by name, and checks."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CheckEntry: Any = Annotated[Any, EntryOf("jousto.fatigue.miner.check", "FatigueC
 
 
 class FatigueEntry(Entry):
-    """S-N curves by name, and what is to be checked."""
+    """S-N curves by name, and fatigue checks."""
 
     curves: dict[Text, CurveForm] | None = None
     checks: tuple[CheckEntry, ...] | None = None

@@ -1,4 +1,4 @@
-"""Keys of what the reliability of limits needs to know."""
+"""Entries for the reliability of limits."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from jousto.schema.entries.base import Entry, Number, Text
 
 
 class CorrelationEntry(Entry):
-    """How two parameters go together."""
+    """Correlation of two parameters."""
 
     of: tuple[Text, Text] = Field(description="Names of the two parameters")
     value: Number = Field(description="Their correlation, between -1 and 1")
 
 
 class ReliabilityEntry(Entry):
-    """What the reliability of the limits needs to know."""
+    """Settings for the reliability of the limits."""
 
     target: Number | None = Field(None, description="Reliability index that limits shall have")
     correlations: tuple[CorrelationEntry, ...] | None = None

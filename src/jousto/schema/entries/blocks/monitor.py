@@ -1,4 +1,4 @@
-"""The block ``monitor`` of a model file: what ``jousto monitor`` watches."""
+"""Block ``monitor`` of a model file: settings of ``jousto monitor``."""
 
 from __future__ import annotations
 
