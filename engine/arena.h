@@ -1,14 +1,14 @@
-/* arena.h - memory of a run, which each room takes for itself from one block. */
+/* arena.h - allocation of the arrays of a run from one block of memory. */
 #ifndef JO_ARENA_H
 #define JO_ARENA_H
 
 #include "jousto.h"
 #include <stddef.h>
 
-/* with no base it only counts what is taken */
+/* Block of memory and number of used bytes; base NULL: only counts the bytes. */
 typedef struct { char *base; size_t used; } jo_arena;
 
-/* whole cache lines, aligned for vector loads */
+/* `bytes` rounded up to cache lines of 64 bytes, aligned for vector loads */
 static inline void *jo_take(jo_arena *a, size_t bytes)
 {
     const size_t at = a->used;

@@ -1,4 +1,4 @@
-/* data.c - the state and workspace of one run: one allocation. */
+/* data.c - allocation of the state and work space of one run in one block, and access to it. */
 #include "arena.h"
 #include "valid.h"
 #include "maximal/maximal.h"
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #endif
 
-/* what the next step needs from the last, one block */
+/* state: quantities that the next step needs from the last one, in one block */
 static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
 {
     d->state = jo_take(a, 0);
@@ -33,7 +33,7 @@ static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
     d->happened = jo_take(a, (size_t)m->nevent * sizeof(int));
     d->memory = jo_take(a, (size_t)m->nmemory * sizeof(double));
     jo_integrate_layout_state(m, d, a);
-    d->x = jo_take_reals(a, m->nx + m->nu + m->nstate + JO_WIDTH - 1);   /* u too, which need not lie where vectors of the registers end */
+    d->x = jo_take_reals(a, m->nx + m->nu + m->nstate + JO_WIDTH - 1);   /* x, u and states; padding, as u is not aligned */
     d->u = d->x + m->nx;
     d->ud = jo_take_reals(a, m->nu + m->nstate);
     d->state_bytes = a->used - state;
@@ -89,7 +89,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     jo_joint_setup(m, d, 0);
     if (jo_watched(m)) jo_event_setup(m, d);
     if (m->nmeter) jo_damage_setup(m, d);
-    for (int i = 0; i < m->nmarker; i++) {   /* ground markers stand still */
+    for (int i = 0; i < m->nmarker; i++) {   /* ground markers are constant */
         if (m->marker[i].body >= 0) continue;
         jo_set3(d->marker[i].r, m->marker[i].u0);
         memcpy(d->marker[i].A, m->marker[i].A0, sizeof d->marker[i].A);
@@ -98,14 +98,14 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     return d;
 }
 
-/* gravity is a frame acceleration */
+/* acceleration -g of the ground markers */
 void jo_data_gravity(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nmarker; i++)
         for (int j = 0; j < 3 && m->marker[i].body < 0; j++) d->marker[i].a[j] = -m->gravity[j];
 }
 
-#ifndef JO_NO_ALLOCATION   /* exported machines have memory of their own */
+#ifndef JO_NO_ALLOCATION   /* exported machines use memory of the caller */
 jo_data *jo_data_new(const jo_model *m)
 {
     void *block = malloc((size_t)jo_data_room(m));

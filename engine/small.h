@@ -1,4 +1,4 @@
-/* small.h - scalars, 3-vectors, 3x3 matrices, rotations. Matrices are row-major. */
+/* small.h - operations on scalars, lanes, 3-vectors, 3x3 matrices and rotations. Matrices are row-major. */
 #ifndef JO_SMALL_H
 #define JO_SMALL_H
 
@@ -19,31 +19,30 @@
 #define jo_cos cos
 #endif
 
-/* Decisions, one for each lane: where there is but one, plain comparisons of real parts. lanes/lanes.h has the others. */
+/* Comparisons and selections per lane. Builds with one machine: comparisons of real parts; lanes/lanes.h: several machines. */
 #ifndef JO_VECTOR
 enum { JO_MACHINES = 1 };
 typedef int jo_mask;
 #define JO_LESS(a, b) (JO_RE(a) < JO_RE(b))
 #define JO_LESS_OR_EQUAL(a, b) (JO_RE(a) <= JO_RE(b))
-#define JO_COMMON(x) JO_RE(x)                                      /* what all lanes have in common */
+#define JO_COMMON(x) JO_RE(x)                                      /* value that is equal in all lanes */
 #define JO_PART(x, lane) ((void)(lane), JO_RE(x))
-static inline jo_real jo_same(double x) { return x; }              /* a number in all lanes */
+static inline jo_real jo_same(double x) { return x; }              /* x in all lanes */
 #define JO_ALL 1
 static inline int jo_some(jo_mask x) { return x; }
 static inline int jo_every(jo_mask x) { return x; }
 static inline jo_real jo_choose(jo_mask x, jo_real a, jo_real b) { return x ? a : b; }
 static inline jo_real jo_magnitude(jo_real x) { return fabs(JO_RE(x)); }
 static inline double jo_floor(jo_real x) { return floor(JO_RE(x)); }
-static inline double jo_most(jo_real x) { return JO_RE(x); }       /* the largest of all lanes; a NaN stays */
+static inline double jo_most(jo_real x) { return JO_RE(x); }       /* largest lane; NaN if any lane is NaN */
 static inline void jo_put(jo_real *y, jo_real x, int lane) { (void)lane; *y = x; }
-static inline void jo_only(jo_mask x, jo_real *y, int n) { (void)x; (void)y; (void)n; }   /* 0 in other lanes */
-/* what is not sound becomes NaN where there are other lanes, which go on; returns whether none goes on */
+static inline void jo_only(jo_mask x, jo_real *y, int n) { (void)x; (void)y; (void)n; }   /* y = 0 in lanes where x is false */
+/* x = NaN in lanes that are not sound; returns whether no lane is sound */
 static inline int jo_spoil(jo_real *x, jo_mask sound) { (void)x; return !sound; }
 #endif
 
-/* Several modal coordinates at once: four or two, as the processor's registers hold, where the compiler has
- * vector types, else one. Modal arrays are
- * padded, so that loops `for (j = 0; j < np; j += JO_WIDTH)` need no remainder. */
+/* jo_lanes: JO_WIDTH numbers of a modal array, 4 with AVX, 2 on other processors with vector types, else 1. Modal arrays are padded: loops
+ * JO_EACH need no remainder. */
 #if defined(__GNUC__) && !defined(JO_COMPLEX) && !defined(JO_VECTOR) && !defined(__AVX__)
 typedef double jo_lanes __attribute__((vector_size(16), aligned(8), may_alias));
 enum { JO_WIDTH = 2 };
@@ -52,14 +51,14 @@ static inline jo_real jo_sum(const jo_lanes x) { return x[0] + x[1]; }
 typedef double jo_lanes __attribute__((vector_size(32), aligned(8), may_alias));
 enum { JO_WIDTH = 4 };
 static inline jo_real jo_sum(const jo_lanes x) { return (x[0] + x[1]) + (x[2] + x[3]); }
-/* four lanes of those of a (0 to 3) and b (4 to 7) */
+/* vector of lanes i, j, k, l of a (0 to 3) and b (4 to 7) */
 #if defined(__clang__)
 #define JO_PICK(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
 #else
 typedef long long jo_lane_places __attribute__((vector_size(32)));
 #define JO_PICK(a, b, i, j, k, l) __builtin_shuffle(a, b, (jo_lane_places){i, j, k, l})
 #endif
-/* jo_sum of each, to the bit, by one tree of shuffles */
+/* [jo_sum(a), jo_sum(b), jo_sum(c), jo_sum(d)], equal bit for bit, with shared shuffles */
 static inline jo_lanes jo_four_sums(const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
 {
     const jo_lanes ab = JO_PICK(a, b, 0, 4, 2, 6) + JO_PICK(a, b, 1, 5, 3, 7);
@@ -72,7 +71,7 @@ enum { JO_WIDTH = 1 };
 static inline jo_real jo_sum(const jo_lanes x) { return x; }
 #endif
 
-/* y[0..3] = jo_sum of each, to the bit */
+/* y[0..3] = jo_sum of a, b, c, d, equal bit for bit */
 static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const jo_lanes c, const jo_lanes d)
 {
 #ifdef JO_PICK
@@ -92,7 +91,7 @@ static inline void jo_sums(jo_real *y, const jo_lanes a, const jo_lanes b, const
 #define JO_ROOT_SERIES 1e-6     /* |s - 1| below which a series of 1 / sqrt(s) is used: next term 3e-19 */
 #define JO_EACH(j, np) for (int j = 0; j < (np); j += JO_WIDTH)
 
-/* y = M x for a (3 x np) array */
+/* y = M x, M (3 x np) */
 static inline void jo_modal3(jo_real *restrict y, const jo_real *restrict M, const jo_real *restrict x, const int np)
 {
     jo_lanes s0 = {0}, s1 = {0}, s2 = {0};
@@ -121,7 +120,7 @@ static inline jo_real jo_dot3(const jo_real *a, const jo_real *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-/* the larger one; a NaN stays */
+/* larger one of x and y per lane; NaN if y is NaN */
 static inline jo_real jo_maximum(jo_real x, jo_real y) { return jo_choose(JO_LESS_OR_EQUAL(y, x), x, y); }
 
 static inline double jo_larger(double a, double b) { return a > b ? a : b; }
@@ -161,7 +160,7 @@ static inline void jo_mul33(jo_real *restrict C, const jo_real *restrict A, cons
         for (int j = 0; j < 3; j++)
             C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
 }
-/* y = J x, J symmetric: xx yy zz yz xz xy */
+/* y = J x, J symmetric: [xx yy zz yz xz xy] */
 static inline void jo_sym3(jo_real *y, const jo_real *J, const jo_real *x)
 {
     jo_real y0 = J[0] * x[0] + J[5] * x[1] + J[4] * x[2];
@@ -179,7 +178,7 @@ static inline void jo_rotation(jo_real *A, const jo_real *e)
     A[6] = 2.0 * (e1 * e3 - e0 * e2); A[7] = 2.0 * (e2 * e3 + e0 * e1); A[8] = 1.0 - 2.0 * (e1 * e1 + e2 * e2);
 }
 
-/* quaternion (scalar first and not negative) of a rotation matrix, from its largest component in a lane */
+/* quaternion (scalar first, not negative) of a rotation matrix in a lane, from its largest component */
 static inline void jo_quaternion_of(jo_real *e, const jo_real *A, int lane)
 {
     const jo_real t[4] = {1.0 + A[0] + A[4] + A[8], 1.0 + A[0] - A[4] - A[8], 1.0 - A[0] + A[4] - A[8], 1.0 - A[0] - A[4] + A[8]};
@@ -201,7 +200,7 @@ static inline void jo_quaternion(jo_real *e, const jo_real *A)
     for (int l = 0; l < JO_MACHINES; l++) jo_quaternion_of(e, A, l);
 }
 
-/* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, all smooth at 0 */
+/* f[0..2] = sin(x)/x, (1 - cos x)/x^2, (x - sin x)/x^3 as functions of s = x^2, smooth at 0 */
 static inline void jo_sinc(jo_real s, jo_real *f)
 {
     const jo_mask small = JO_LESS(s, JO_SINC_SERIES);
@@ -231,7 +230,7 @@ static inline void jo_sinc_rate(jo_real s, const jo_real *f, jo_real *df1, jo_re
     }
 }
 
-/* 1 / sqrt(s); near 1, where two unit quaternions have been multiplied, by its series, to the last digit as well */
+/* 1 / sqrt(s); near 1 (product of unit quaternions) by its series, which is exact to round-off */
 static inline jo_real jo_inverse_root(jo_real s)
 {
     const jo_real off = s - 1.0;
@@ -239,7 +238,7 @@ static inline jo_real jo_inverse_root(jo_real s)
     return 1.0 / jo_sqrt(s);
 }
 
-/* e = e o exp(theta), theta a local rotation vector; the norm is kept at 1 */
+/* e = e o exp(theta), normalised; theta: local rotation vector, rad */
 static inline void jo_rotate(jo_real *e, const jo_real *theta)
 {
     jo_real quarter = 0.25 * jo_dot3(theta, theta), f[3];
@@ -254,9 +253,9 @@ static inline void jo_rotate(jo_real *e, const jo_real *theta)
     e[0] = n0 * norm; e[1] = n1 * norm; e[2] = n2 * norm; e[3] = n3 * norm;
 }
 
-/* rate of the rotation vector theta of a frame e o exp(theta) that turns with w (local):
- * theta' = w + theta x w / 2 + c theta x (theta x w), c = (1 - x cot(x/2) / 2) / x^2 with x = |theta|; its series is
- * good to 1e-9 at x = 1 */
+/* rate of the rotation vector theta of a frame e o exp(theta) with angular velocity w (local):
+ * theta' = w + theta x w / 2 + c theta x (theta x w), c = (1 - x cot(x/2) / 2) / x^2 with x = |theta|; error of the
+ * series: 1e-9 at x = 1 */
 static inline void jo_rotation_rate(jo_real *rate, const jo_real *theta, const jo_real *w)
 {
     const jo_real s = jo_dot3(theta, theta);

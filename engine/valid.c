@@ -1,4 +1,4 @@
-/* valid.c - which bodies rows of joints carry, and which joint coordinates carry, of a model that both run. */
+/* valid.c - bodies, markers, coordinates and joints in trees, of a model with hybrid mode. */
 #include "valid.h"
 
 void jo_split_layout(const jo_model *m, jo_data *d, jo_arena *a)

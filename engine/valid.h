@@ -1,4 +1,4 @@
-/* valid.h - validity of what has been computed: the transitions of the state of a computation, and which solver carries what.
+/* valid.h - validity of computed quantities, its transitions, and the split of a model between the two solvers.
  *
  * bit             guards                                                set by                          cleared by
  * --------------  ----------------------------------------------------  ------------------------------  ------------------------------------
@@ -42,36 +42,36 @@ void jo_split_setup(const jo_model *m, jo_data *d);
 
 /* ---- the state, its kinematics and accelerations ------------------------------------------------- */
 
-/* before the first evaluation */
+/* initial state: no quantity is valid */
 static inline void jo_nothing_valid(jo_data *d) { d->valid = (jo_valid){.jump = 1}; }
 
-/* time, q, v, or what acts at them is another */
+/* change of time, q, v or of the forces */
 static inline void jo_state_changed(jo_data *d) { d->valid.accelerations = d->valid.kinematics = 0; }
 
-/* bodies and markers stand at q, v; what has its accelerations is not evaluated again, and would leave this bit standing */
+/* kinematics of bodies and markers are those of q, v; set only without valid accelerations, after which no evaluation would clear the bit */
 static inline void jo_kinematics_placed(jo_data *d) { d->valid.kinematics = !d->valid.accelerations; }
 
-/* an evaluation has taken them, or positions change behind them */
+/* kinematics consumed by an evaluation, or outdated by a change of positions */
 static inline void jo_kinematics_used(jo_data *d) { d->valid.kinematics = 0; }
 
 static inline void jo_accelerations_found(jo_data *d, int found) { d->valid.accelerations = found; }
 
-/* q and v are closed, and the bodies moved along; those of links stand elsewhere */
+/* q and v were projected, with the kinematics of the bodies; in hybrid mode without those of the links */
 static inline void jo_state_projected(jo_data *d)
 {
     d->valid.accelerations = 0;
     d->valid.kinematics = !d->valid.hybrid;
 }
 
-/* forces are others from here on, at the same time, q, v */
+/* change of the forces at the same time, q, v */
 static inline void jo_forces_break(jo_data *d) { d->valid.accelerations = 0; }
 
 static inline int jo_kinematics_valid(const jo_data *d) { return d->valid.kinematics; }
 static inline int jo_accelerations_valid(const jo_data *d) { return d->valid.accelerations; }
 
-/* ---- calls of the user, stages, meters ------------------------------------------------------------- */
+/* ---- calls of the user, stages, damage meters ------------------------------------------------------ */
 
-/* the caller may have changed the state: what hangs on it is computed again */
+/* start of a call: the caller may have changed the state */
 static inline void jo_call_begins(jo_data *d)
 {
     d->valid.before_call = d->valid.accelerations;
@@ -80,7 +80,7 @@ static inline void jo_call_begins(jo_data *d)
 static inline void jo_first_stage_done(jo_data *d) { d->valid.before_call = 0; }
 static inline int jo_valid_before_call(const jo_data *d) { return d->valid.before_call; }
 
-/* a and power are those of the present state again, bodies and markers are not */
+/* a and power of a stored stage belong to the present state; the kinematics do not */
 static inline void jo_stage_recalled(jo_data *d, int known)
 {
     jo_state_changed(d);
@@ -88,38 +88,38 @@ static inline void jo_stage_recalled(jo_data *d, int known)
 }
 static inline void jo_stage_forgotten(jo_data *d) { d->valid.stage = 0; }
 
-/* whether a and power belong to the present state, wherever the bodies stand */
+/* whether a and power belong to the present state, with or without the kinematics */
 static inline int jo_accelerations_known(const jo_data *d) { return d->valid.accelerations || d->valid.stage; }
 
 static inline void jo_damage_counted(jo_data *d) { d->valid.damage = 1; }
 static inline void jo_damage_outdated(jo_data *d) { d->valid.damage = 0; }
 static inline int jo_damage_valid(const jo_data *d) { return d->valid.damage; }
 
-/* a run with error control begins */
+/* start of a run with error control */
 static inline void jo_control_begins(jo_data *d)
 {
     d->valid.stage = d->valid.damage = 0;
     jo_forces_break(d);
 }
 
-/* ---- what methods and events remember ------------------------------------------------------------- */
+/* ---- history of methods and events ------------------------------------------------------------------ */
 
 static inline void jo_forces_jumped(jo_data *d) { d->valid.jump = 1; }
 
-/* the state is replaced */
+/* replacement of the state by the caller */
 static inline void jo_history_forgotten(jo_data *d)
 {
     d->valid.jump = 1;
     d->valid.levels = d->valid.grid = 0;
 }
 
-/* generalised alpha starts anew */
+/* restart of generalised alpha */
 static inline void jo_history_begins(jo_data *d) { d->valid.history = d->valid.newton_factors = d->valid.jump = 0; }
 static inline void jo_history_written(jo_data *d) { d->valid.history = 1; }
 static inline void jo_history_lost(jo_data *d) { d->valid.history = d->valid.newton_factors = 0; }
 static inline int jo_history_valid(const jo_data *d) { return d->valid.history && !d->valid.jump; }
 
-/* a step is taken back to its start, where the bits were `start` */
+/* return to the start of a step, where the bits were `start` */
 static inline jo_valid jo_valid_now(const jo_data *d) { return d->valid; }
 static inline void jo_step_repeated(jo_data *d, const jo_valid *start)
 {
@@ -149,10 +149,10 @@ static inline int jo_schur_soft(const jo_data *d) { return d->valid.schur_soft; 
 
 static inline void jo_tree_chosen(jo_data *d, int tree) { d->valid.tree = tree; }
 
-/* joint coordinates are read from q and v anew */
+/* joint coordinates were computed from q and v */
 static inline void jo_state_read(jo_data *d) { d->valid.accelerations = d->valid.stage = 0; }
 
-/* x and u move on */
+/* change of x and u */
 static inline void jo_positions_moved(jo_data *d) { d->valid.sync = JO_SYNC_NONE; }
 static inline void jo_sync_reached(jo_data *d, jo_sync_level how) { d->valid.sync = how; }
 static inline int jo_sync_valid(const jo_data *d, jo_sync_level how) { return d->valid.sync >= how; }
@@ -165,7 +165,7 @@ static inline int jo_joint_forces_valid(const jo_data *d) { return d->valid.join
 static inline void jo_hybrid_begins(jo_data *d) { d->valid.hybrid = d->valid.tree; }
 static inline void jo_hybrid_ends(jo_data *d) { d->valid.hybrid = 0; }
 
-/* an evaluation in q and v of a state that is in x and u; returns the bits that come back */
+/* evaluation in maximal coordinates of a state in joint coordinates; returns the bits to be restored */
 static inline jo_valid jo_detour_begins(jo_data *d)
 {
     const jo_valid before = d->valid;
@@ -178,7 +178,7 @@ static inline void jo_detour_ends(jo_data *d, const jo_valid *before)
     d->valid.kinematics = before->kinematics;
 }
 
-/* ---- which solver carries what ------------------------------------------------------------------------ */
+/* ---- split between the solvers -------------------------------------------------------------------------- */
 
 static inline int jo_tree_active(const jo_data *d) { return d->valid.tree; }
 static inline int jo_in_hybrid(const jo_data *d) { return d->valid.hybrid; }
@@ -186,13 +186,13 @@ static inline int jo_in_hybrid(const jo_data *d) { return d->valid.hybrid; }
 /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
 static inline int jo_nmaximal(const jo_data *d) { return d->split.nmaximal; }
 
-/* what is in the trees, of a model that both solvers run */
+/* whether a body, marker, coordinate or joint is in the trees */
 static inline int jo_body_in_tree(const jo_data *d, int i) { return d->split.body[i]; }
 static inline int jo_marker_in_tree(const jo_data *d, int i) { return d->split.marker[i]; }
 static inline int jo_coordinate_in_tree(const jo_data *d, int i) { return d->split.coordinate[i]; }
 static inline int jo_joint_in_tree(const jo_data *d, int i) { return d->split.joint[i]; }
 
-/* what the solver in maximal coordinates skips in hybrid mode */
+/* whether the maximal-coordinate solver skips an item: in hybrid mode those in the trees */
 static inline int jo_body_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.body[i]; }
 static inline int jo_marker_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.marker[i]; }
 static inline int jo_coordinate_inactive(const jo_data *d, int i) { return d->valid.hybrid && d->split.coordinate[i]; }

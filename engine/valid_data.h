@@ -1,4 +1,4 @@
-/* valid_data.h - which computed quantities belong to the present state; read and written by the functions of valid.h alone. */
+/* valid_data.h - validity bits of computed quantities, accessed through the functions of valid.h only. */
 #ifndef JO_VALID_DATA_H
 #define JO_VALID_DATA_H
 
@@ -6,7 +6,7 @@
  * q and v; q, v, accelerations a and multipliers lam. */
 typedef enum { JO_SYNC_NONE = 0, JO_SYNC_HYBRID = 1, JO_SYNC_STATE = 2, JO_SYNC_ALL = 3 } jo_sync_level;
 
-/* the bits of the table in valid.h */
+/* Validity bits, see the table in valid.h. */
 typedef struct {
     int kinematics, accelerations, before_call, stage, damage;
     int jump, history, levels, grid;
@@ -15,10 +15,10 @@ typedef struct {
     jo_sync_level sync;
 } jo_valid;
 
-/* Which solver carries what of a model that both run: constant, see valid.c. */
+/* Split of a model between the solvers: constant, see valid.c. */
 typedef struct {
     int nmaximal;           /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
-    int *body, *marker, *coordinate, *joint;   /* (each count) whether it is in the trees */
+    int *body, *marker, *coordinate, *joint;   /* (each count) whether an item is in the trees */
 } jo_split;
 
 #endif

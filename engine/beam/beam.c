@@ -1,8 +1,8 @@
 /* beam.c - geometrically exact beam element between two rigid bodies: strains, forces, energy.
  *
  * Ends r = R + A u with frames A B. phi is the rotation vector of the relative rotation of the ends, the middle frame Q
- * turns half of it further than end a. Strains (Reissner 1981; Simo 1985) in the middle frame, whose interpolation is
- * that of Crisfield and Jelenic (1999), so that rigid motion leaves them:
+ * turns half of it further than end a. Strains (Reissner 1981; Simo 1985) in the middle frame, with the interpolation of
+ * Crisfield and Jelenic (1999), are invariant under rigid motions:
  *   Gamma = Q^T (r_b - r_a) / L - e1,  kappa = phi / L,  e = [Gamma, kappa] - e0,  U = L/2 e . C e
  * With spins beta_a, beta_b of the ends resolved in Q, d = Gamma + e1 and tau = tan(|phi|/4) phi/|phi|:
  *   beta_m = (beta_a + beta_b)/2 - tau x (beta_b - beta_a)/2      spin of the middle frame
@@ -54,7 +54,7 @@ static jo_real arc(jo_beam_work *w)
     return a;
 }
 
-/* strains at the present q. Bent by more than half a turn, or over it since the last accepted state: JO_BENT */
+/* strains at the present q; JO_BENT if the rotation between the ends is 3 rad or more, or has passed pi since the last accepted state */
 static int strain(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
@@ -68,8 +68,9 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
         else
             for (int j = 0; j < 4; j++) e[k][j] = end[k][3 + j];
     }
+    /* tau = vec(e_a^-1 e_b) / (1 + c), c = cos(phi / 2) = e_a . e_b >= 0 */
     jo_real c = e[0][0] * e[1][0] + e[0][1] * e[1][1] + e[0][2] * e[1][2] + e[0][3] * e[1][3];
-    if (JO_RE(c) < 0.0) {   /* the same rotation with the other sign */
+    if (JO_RE(c) < 0.0) {   /* -e is the same rotation */
         c = -c;
         for (int j = 0; j < 4; j++) e[1][j] = -e[1][j];
     }
@@ -81,6 +82,7 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
         || (JO_RE(w->square) > JO_RIGHT_ANGLE_TAU2 && JO_RE(jo_dot3(w->last, w->last)) > JO_RIGHT_ANGLE_TAU2
             && JO_RE(jo_dot3(w->last, w->tau)) < 0.0))
         return isfinite(JO_RE(c)) ? JO_BENT : JO_NOT_FINITE;
+    /* middle frame Q, d = Q^T (r_b - r_a) / L, kappa = 4 atan(|tau|) / |tau| tau / L */
     const jo_real scale = jo_sqrt(0.5 * half);
     for (int j = 0; j < 4; j++) mid[j] = scale * (e[0][j] + e[1][j]);
     jo_rotation(w->Q, mid);
@@ -106,7 +108,7 @@ static int strain(const jo_model *m, const jo_data *d, const int i)
     return JO_OK;
 }
 
-/* rates of the strains at the present v */
+/* rates of the strains: Gamma' = dv / L + d x om_m, kappa' = H (om_b - om_a) / L, om_m = (om_a + om_b)/2 - tau x (om_b - om_a)/2 */
 static void strain_rate(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
@@ -159,7 +161,7 @@ static int section(const jo_model *m, const jo_data *d, const int i)
     return JO_OK;
 }
 
-/* moments that its ends exert on the element */
+/* moments M = (t -+ tau x t)/2 -+ H m of the ends a, b on the element, t = L n x d */
 static void end_moments(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beams.work[i];
@@ -174,6 +176,7 @@ static void end_moments(const jo_model *m, const jo_data *d, const int i)
     }
 }
 
+/* forces and torques of one element on its bodies; power of its damping */
 static void internal(const jo_model *m, jo_data *d, const int i)
 {
     const jo_beam *b = &m->beam[i];
@@ -205,7 +208,7 @@ static void internal(const jo_model *m, jo_data *d, const int i)
     }
 }
 
-/* elastic and damping forces of all beams added to those on their bodies, with the inertia that those do not have */
+/* elastic, damping and consistent inertial forces of all beams, added to the forces on their bodies */
 int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
 {
     for (int i = 0; i < m->nbeam; i++) {
@@ -220,7 +223,7 @@ int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a)
     return JO_OK;
 }
 
-/* square of the accelerations that the forces of one element would cause at its bodies, in the metric of the masses */
+/* square of the accelerations of the bodies by the forces of one element, in the norm of the masses: |n|^2 / m + |M|^2 / J */
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i)
 {
     const jo_beam_work *w = &d->beams.work[i];
@@ -255,8 +258,8 @@ jo_real jo_beam_stored(const jo_model *m, const jo_data *d)
     return U;
 }
 
-/* y (24) = strains and resultants in the middle of one element at the present q, v, then the resultants at its two
-   ends from its balance, each in the axes of the section there */
+/* y (24) = strains and resultants in the middle of one element at the present q, v; resultants at both ends from equilibrium, in the axes of
+ * the end sections */
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y)
 {
     const jo_beam_work *w = &d->beams.work[i];
@@ -286,7 +289,7 @@ void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
     d->beams.stiff = jo_take_reals(a, JO_BEAM_KEPT * m->nbeam);
 }
 
-/* once: quaternions of the end frames on their bodies, and what there is to do */
+/* constants: quaternions of the end frames on the bodies, and terms that differ from 0 */
 void jo_beam_setup(const jo_model *m, jo_data *d)
 {
     static const double unit[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
@@ -303,7 +306,7 @@ void jo_beam_setup(const jo_model *m, jo_data *d)
     }
 }
 
-/* the present state is accepted: the largest bending and tension so far */
+/* accepted state: largest rotation between the ends and largest tension / limit */
 void jo_beam_accept(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nbeam; i++) {
@@ -315,7 +318,7 @@ void jo_beam_accept(const jo_model *m, jo_data *d)
     }
 }
 
-/* the state is replaced: how the beams came to be bent is forgotten */
+/* replaced state: no rotation of the last accepted state */
 void jo_beam_reset_history(jo_data *d)
 {
     for (int i = 0; i < d->beams.count; i++)

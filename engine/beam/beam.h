@@ -1,15 +1,13 @@
-/* beam.h - geometrically exact beam elements: what other rooms may use. */
+/* beam.h - geometrically exact beam elements: forces, energy, sections, tangents; functions for other rooms. */
 #ifndef JO_BEAM_H
 #define JO_BEAM_H
 
 #include "arena.h"
 #include "data.h"
 
-/* small operators that the beam element's forces and tangents share.
- *
- * With Rodrigues' parameters tau = tan(phi/4) n of the relative rotation phi n of the ends, seen in the middle frame:
- *   d tau = (1 + tau^2)/4 dbeta,  d(phi n) = H dbeta,  H = E - mu tau~ tau~,  dbeta = beta_b - beta_a (spins, middle frame)
- */
+/* Operator H of the forces and tangents of the element. With Rodrigues' parameters tau = tan(phi/4) n of the rotation phi n between the
+ * ends and the spins beta_a, beta_b of the ends, all in the middle frame:
+ *   d tau = (1 + tau^2)/4 dbeta,  d(phi n) = H dbeta,  H = E - mu tau~ tau~,  dbeta = beta_b - beta_a */
 /* y = H x */
 static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x)
 {
@@ -19,7 +17,7 @@ static inline void jo_beam_h(jo_real *y, const jo_beam_work *w, const jo_real *x
     y[0] = x[0] - w->mu * t[0]; y[1] = x[1] - w->mu * t[1]; y[2] = x[2] - w->mu * t[2];
 }
 
-/* whether it has inertia of its own, and damping of that */
+/* whether the element has consistent mass and its damping */
 static inline int jo_beam_inertial(const jo_beam *b)
 {
     return JO_COMMON(b->data->share) != 0.0;
@@ -46,7 +44,7 @@ void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weigh
 void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a);
 static inline double *jo_beam_bent(jo_data *d) { return d->beams.bent; }   /* (nbeam x 2), see jo_data_bent */
 void jo_beam_setup(const jo_model *m, jo_data *d);
-int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertia at accelerations a, 0: at none */
+int jo_beam_forces(const jo_model *m, jo_data *d, const jo_real *a);   /* with inertial forces at accelerations a; NULL: a = 0 */
 double jo_beam_force_norm(const jo_model *m, const jo_data *d, int i);
 jo_real jo_beam_stored(const jo_model *m, const jo_data *d);
 void jo_beam_section(const jo_model *m, const jo_data *d, int i, jo_real *y);

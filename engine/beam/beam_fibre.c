@@ -1,14 +1,14 @@
-/* beam_fibre.c - beam elements whose fibres lean with the twist (Wagner 1929; Biot 1939).
+/* beam_fibre.c - Wagner effect of beam elements: axial strain of the fibres by twist (Wagner 1929; Biot 1939).
  *
- * A twist kappa of the section about its shear centre stretches the fibre at a distance r by (r kappa)^2/2 beside the axis,
- * on the mean over the section of area A by Ip/A kappa^2/2. So with p = Ip/A about the shear centre
+ * A twist kappa about the shear centre adds the strain (r kappa)^2/2 to the fibre at distance r, on average over the section of area A
+ * Ip/A kappa^2/2. With p = Ip/A about the shear centre
  *   e_x = Gamma_x + p kappa_x^2/2 - that of the unstressed shape,   U = L/2 e . C e
- * N of leaning fibres exerts a torque p N kappa_x, GJ becomes GJ + p N, and twist shortens the axis. Forces and tangents are
- * those of the element without with J^T s in the place of s, J^T C J and what J changes in the place of C, J = E + p kappa_x e1 e4^T.
+ * The normal force N has a torque p N kappa_x, GJ becomes GJ + p N, and twist shortens the axis. Forces and tangents are those of the plain
+ * element with J^T s instead of s, and J^T C J and the derivative of J instead of C, J = E + p kappa_x e1 e4^T.
  */
 #include "beam/beam.h"
 
-/* the strain of the axis */
+/* e_x += p (kappa_x^2 - that of the unstressed shape) / 2; lean = p kappa_x */
 void jo_beam_fibre(const jo_model *m, const jo_data *d, const int i)
 {
     const jo_beam_data *x = m->beam[i].data;
@@ -31,7 +31,7 @@ void jo_beam_fibre_force(const jo_data *d, const int i)
     w->f[3] += w->lean * w->s[0];
 }
 
-/* C = J^T C J, and X (6 x 6): what J changes by itself, its fourth column */
+/* C = J^T C J; X (6 x 6) = (dJ^T) s, nonzero in its fourth column only */
 void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_real *C, jo_real *X)
 {
     const jo_beam_work *w = &d->beams.work[i];
@@ -45,7 +45,7 @@ void jo_beam_fibre_tangent(const jo_model *m, const jo_data *d, const int i, jo_
     for (int c = 0; c < 6; c++) C[18 + c] += w->lean * C[c];
     X[21] = p * w->s[0];
     if (!w->damped) return;
-    /* the rate of e_x changes with the lean */
+    /* damping: derivative of e_x' = ... + lean kappa_x' */
     const jo_real rate = x->beta * p * w->rate[3];
     for (int r = 0; r < 6; r++) X[6 * r + 3] += rate * C[6 * r];
 }

@@ -1,11 +1,11 @@
-/* beam_helix.c - beam elements whose axis is a screw line between the ends, instead of its chord.
+/* beam_helix.c - beam elements with a helical axis between the ends instead of a chord.
  *
  * Sections in screw motion from one end to the other (Sonneville, Cardona and Bruels 2014) have, with psi = phi/2 and the
  * quotient d = Q_m^T (r_b - r_a)/L of the chord, the constant strain
  *   Gamma = g - e1,  g = D d,  D = E - k psi~ psi~,  k(x) = (sqrt(x)/sin(sqrt(x)) - 1)/x,  x = psi . psi
- * as an arc is longer than its chord by psi/sin(psi). Forces and tangents are those of the plain element with what is
- * conjugate to d and kappa: J^T s in the place of s, J^T C J and what J itself changes in the place of C, J = [D, A L/2; 0, E],
- * A = dg/dpsi. With the flexibility of bending within the element added to that in shear it is of fourth order.
+ * as an arc is longer than its chord by psi/sin(psi). Forces and tangents are those of the plain element with the quantities conjugate to
+ * d and kappa: J^T s instead of s, J^T C J and the derivative of J instead of C, J = [D, A L/2; 0, E], A = dg/dpsi. If the bending
+ * flexibility within the element is added to the shear flexibility, the element is of fourth order.
  */
 #include "beam/beam.h"
 
@@ -37,7 +37,7 @@ static void factor(jo_real k[3], const jo_real x)
     k[2] = (second - 2.0 * k[1]) / x;
 }
 
-/* turn of half the element, and k with its derivatives */
+/* psi = L kappa / 2, and k, k', k'' at psi . psi */
 static void half_turn(const jo_model *m, const jo_data *d, const int i, jo_real *psi, jo_real k[3])
 {
     const jo_beam_data *x = m->beam[i].data;
@@ -46,7 +46,7 @@ static void half_turn(const jo_model *m, const jo_data *d, const int i, jo_real 
     factor(k, jo_dot3(psi, psi));
 }
 
-/* y = D x */
+/* y = D x = x + k (psi . psi x - (psi . x) psi) */
 static void unbent(jo_real *y, const jo_real *x, const jo_real *psi, const jo_real k)
 {
     const jo_real s = jo_dot3(psi, psi), p = jo_dot3(psi, x);
@@ -63,7 +63,7 @@ static void bending(jo_real A[9], const jo_real *d, const jo_real *psi, const jo
                            - (i == j ? k[0] * p : 0.0);
 }
 
-/* H (6 x 6) += second derivatives of n . g with d and kappa; h = L/2 */
+/* H (6 x 6) += second derivatives of n . g with respect to d and kappa; h = L/2 */
 static void curving(jo_real *H, const jo_real *n, const jo_real *d, const jo_real *psi, const jo_real k[3], const jo_real h)
 {
     const jo_real s = jo_dot3(psi, psi), nd = jo_dot3(n, d), a = jo_dot3(psi, n), b = jo_dot3(psi, d), P = s * nd - a * b;
@@ -82,7 +82,7 @@ static void curving(jo_real *H, const jo_real *n, const jo_real *d, const jo_rea
     }
 }
 
-/* strains of d and phi: Gamma of the chord becomes that of the arc */
+/* Gamma = D d - e1 instead of d - e1 */
 void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beams.work[i];
@@ -92,7 +92,7 @@ void jo_beam_helix(const jo_model *m, const jo_data *d, const int i)
     for (int j = 0; j < 3; j++) w->e[j] += g[j] - w->d[j];
 }
 
-/* rates of d and kappa become those of the strains */
+/* rate = J [d', kappa'] */
 void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beams.work[i];
@@ -106,7 +106,7 @@ void jo_beam_helix_rate(const jo_model *m, const jo_data *d, const int i)
     jo_axpy3(w->rate, h, x);
 }
 
-/* f = J^T s: conjugate to d and kappa */
+/* f = J^T s, conjugate to d and kappa */
 void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
 {
     jo_beam_work *w = &d->beams.work[i];
@@ -119,7 +119,7 @@ void jo_beam_helix_force(const jo_model *m, const jo_data *d, const int i)
     for (int j = 0; j < 3; j++) w->f[3 + j] += h * x[j];
 }
 
-/* E = J^T C J of a stiffness C, and X (6 x 6) = J^T X J with what J changes by itself; X reads its fourth column alone */
+/* E = J^T C J; X (6 x 6) = J^T X J + derivative of J^T s at constant s, where only the fourth column of X on entry is not 0 */
 void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, const jo_real *C, jo_real *E, jo_real *X)
 {
     const jo_beam_work *w = &d->beams.work[i];
@@ -156,7 +156,7 @@ void jo_beam_helix_tangent(const jo_model *m, const jo_data *d, const int i, con
         }
     curving(X, w->s, w->d, psi, k, h);
     if (!w->damped) return;
-    /* damping: J times the rates changes with J */
+    /* damping: derivative of J [d', kappa'] */
     for (int a = 0; a < 3; a++) {
         jo_real H[36] = {0.0}, one[3] = {0.0}, row[6];
         one[a] = 1.0;

@@ -1,24 +1,24 @@
-/* beam_inertia.c - the consistent part of a beam element's inertia and of its mass-proportional damping.
+/* beam_inertia.c - consistent mass of a beam element beyond the lumped mass of its bodies, and mass-proportional damping of it.
  *
- * The bodies carry half of the element each. To that a `share` of the difference between the consistent and the lumped
- * mass is added: with c = share m / 6 a force c (x_b'' - x_a'') on end a and its opposite on b, and with the angular
- * velocities W of the ends in their own frames the momentum p = share/6 J (W_b - W_a) about end a, -p about b, whose
+ * Each body has half of the mass of the element. `share` times (consistent - lumped mass) is added: with c = share m / 6 a force c
+ * (x_b'' - x_a'') on end a and its opposite on b, and with the angular velocities W of the ends in their own frames the momentum p =
+ * share/6 J (W_b - W_a) about end a, -p about b, whose
  * torques are p' + W_a x p and -p' - W_b x p. Damping is alpha times these momenta; the bodies damp their own.
- * The ends move as points off the origins of the bodies: how their accelerations change with positions and velocities are
- * the tangents K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) in space.
+ * The ends are points off the origins of the bodies: the derivatives of their accelerations with respect to positions and
+ * velocities are the tangents K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) in three dimensions.
  */
 #include "newton/newton.h"
 #include "beam/beam.h"
 
-/* of one end */
+/* Motion of one end. */
 typedef struct {
-    const jo_real *A, *u, *B, *w;   /* of the body, its angular velocity (local) */
+    const jo_real *A, *u, *B, *w;   /* orientation, end position, end frame and angular velocity of the body, local */
     jo_real wu[3], acc[3];  /* w x u, w' x u + w x (w x u), local */
     jo_real v[3], a[3];     /* velocity and acceleration, world */
     jo_real W[3], Wd[3];    /* angular velocity and acceleration in the end's frame */
 } end_motion;
 
-/* a: accelerations, or 0 */
+/* motion of end k at accelerations a; NULL: a = 0 */
 static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const int k, const jo_real *a, end_motion *y)
 {
     const int body = k ? b->b : b->a, iv = m->body[body].iv;
@@ -43,7 +43,7 @@ static void motion(const jo_model *m, const jo_data *d, const jo_beam *b, const 
     jo_mul3t(y->W, y->B, y->w);
 }
 
-/* forces (world) and torques (frames of the ends) that the inertia needs, and those of the damping; its power */
+/* inertial and damping forces f (world), torques T (end frames) and momentum p; returns the power of the damping, W */
 static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], jo_real T[2][3], jo_real *p)
 {
     const jo_real *J = b->data->J, alpha = b->data->alpha, share = b->data->share / 6.0;
@@ -66,7 +66,7 @@ static jo_real momenta(const jo_beam *b, const end_motion *e, jo_real f[2][3], j
     return power;
 }
 
-/* added to the forces on the bodies, at accelerations a or, with 0, at none */
+/* forces on the bodies -= f, T at accelerations a; NULL: a = 0 */
 void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a)
 {
     const jo_beam *b = &m->beam[i];
@@ -85,7 +85,7 @@ void jo_beam_inertia(const jo_model *m, jo_data *d, int i, const jo_real *a)
     }
 }
 
-/* kinetic energy beyond that of the bodies */
+/* kinetic energy beyond that of the bodies, J */
 jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
 {
     jo_real T = 0.0;
@@ -119,14 +119,14 @@ static void add_block(jo_block N, int row, int column, const jo_real *M)
         for (int j = 0; j < 3; j++) at[j] += M[3 * i + j];
 }
 
-/* Newton's matrix: forces of the ends, which stand off the origins if `offset` */
+/* Newton's matrix of the forces of the ends; offset: ends off the origins of the bodies */
 static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, const end_motion *e, jo_real f[2][3],
                         const jo_real *const *turn, int offset)
 {
     const jo_real part = b->data->share * b->data->mass / 6.0, alpha = b->data->alpha;
     jo_real X[2][9] = {{0.0}}, Y[2][9] = {{0.0}}, At[2][9];
     if (offset)
-        for (int k = 0; k < 2; k++) {   /* how the acceleration and the velocity of the end change as its body turns, local */
+        for (int k = 0; k < 2; k++) {   /* derivatives X, Y of acceleration and velocity of the end with respect to the rotation, local */
             jo_real M[9] = {0.0};
             jo_add_skew(X[k], -c->a, e[k].u);
             jo_add_skew(Y[k], -c->v, e[k].u);
@@ -165,7 +165,7 @@ static void translation(jo_block N[2][2], const jo_beam *b, const jo_weights *c,
         }
 }
 
-/* their torques, which know velocities only */
+/* Newton's matrix of the torques, which depend on angular velocities and accelerations only */
 static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, const end_motion *e, const jo_real *p)
 {
     const jo_real *x = b->data->J, share = b->data->share / 6.0, alpha = b->data->alpha;

@@ -1,11 +1,11 @@
-/* beam_tangent.c - Newton's matrix: the beam element, differentiated.
+/* beam_tangent.c - derivatives of the forces of a beam element in Newton's matrix.
  *
- * Everything is resolved in the middle frame first. With x = [r_b - r_a, beta_a, beta_b] (a step of the difference of the
+ * All quantities are resolved in the middle frame first. With x = [r_b - r_a, beta_a, beta_b] (a step of the difference of the
  * origins of the bodies, and spins of the ends) strains change by B x, generalised forces [n, T_a, T_b] are L B^T s, and
  *   d[n, T_a, T_b] = L B^T C (B + beta E) x + L beta B^T C B x' + (dB^T) s x,  e' changes by E x with the position.
- * Torques stay with their bodies when these turn. Then rows and columns are turned into those of the bodies.
+ * Torques are resolved in the frames of the bodies, which rotate. Finally rows and columns are transformed to those of the bodies.
  *
- * Rows of all operators hold three blocks of three columns, each padded to four: they fill vectors.
+ * A row of an operator has three blocks of three columns, each padded to four for vector registers.
  */
 #include "newton/newton.h"
 #include "beam/beam.h"
@@ -90,7 +90,7 @@ static inline void add_product(jo_real *restrict S, const jo_real s, const jo_re
     }
 }
 
-/* spins as operators on x: of the middle, and of the ends against it */
+/* Spins as operators on x: of the middle frame, and of the ends relative to it. */
 typedef struct { jo_real middle[3 * ROW], end[2][3 * ROW]; } spins;
 
 static void spins_of(spins *p, const jo_beam_work *w)
@@ -107,7 +107,7 @@ static void spins_of(spins *p, const jo_beam_work *w)
     }
 }
 
-/* B: how the strains change */
+/* B: derivative of the strains */
 static void strain_operator(jo_real *B, const jo_beam_work *w, const spins *p, const jo_real L)
 {
     const jo_real mu = w->mu / L, *tau = w->tau, diagonal = 1.0 / L + mu * w->square;
@@ -124,12 +124,12 @@ static void strain_operator(jo_real *B, const jo_beam_work *w, const spins *p, c
         }
 }
 
-/* E: how the rates of the strains change with the position */
+/* E: derivative of the rates of the strains with respect to positions */
 static void rate_operator(jo_real *E, const jo_real *B, const jo_beam_work *w, const spins *p, const jo_real L)
 {
     jo_real O[2][3 * ROW], om[3 * ROW], difference[3 * ROW], x[3], t[3];
     for (int j = 0; j < 3; j++) x[j] = w->om[1][j] - w->om[0][j];
-    for (int k = 0; k < 2; k++) {   /* of the angular velocities of the ends, and of the middle */
+    for (int k = 0; k < 2; k++) {   /* derivatives of the angular velocities of ends and middle */
         zero(O[k], 3);
         add_cross(O[k], -1.0, w->om[k], p->end[k]);
     }
@@ -154,7 +154,7 @@ static void rate_operator(jo_real *E, const jo_real *B, const jo_beam_work *w, c
     for (int j = 3 * ROW; j < 6 * ROW; j++) E[j] /= L;
 }
 
-/* K (9 rows) = L B^T S, and with B also what the forces change by themselves */
+/* K (9 rows) = L B^T S; with B also (dB^T) s, the geometric stiffness */
 static void moments(jo_real *K, const jo_beam_work *w, const spins *p, const jo_real L, const jo_real *S, const jo_real *B)
 {
     jo_real t[3 * ROW], h[3 * ROW];
@@ -198,7 +198,7 @@ static inline void add_right(jo_real *restrict X, const jo_real *restrict K, jo_
         }
 }
 
-/* Y = rows of X turned into the axes of forces (world) and torques (bodies) */
+/* Y = rows of X in the axes of the forces (world) and torques (bodies) */
 static inline void turn_left(jo_real *restrict Y, const jo_beam_work *w, const jo_real *restrict X)
 {
     for (int i = 0; i < 3; i++) {
@@ -210,7 +210,7 @@ static inline void turn_left(jo_real *restrict Y, const jo_beam_work *w, const j
     }
 }
 
-/* s times the transposed axes, and with `turn` times that: from increments of the bodies into the middle frame */
+/* R = s A^T turn: from increments of the bodies to the middle frame; turn NULL: E */
 static inline void columns_of(jo_real *R, const jo_real *A, const jo_real s, const jo_real *turn)
 {
     for (int i = 0; i < 3; i++) {
@@ -220,7 +220,7 @@ static inline void columns_of(jo_real *R, const jo_real *A, const jo_real s, con
     }
 }
 
-/* into the blocks of the two bodies: n pulls b, and a back */
+/* Y into the blocks of the two bodies: n on b, -n on a */
 static void scatter(const jo_model *m, jo_data *d, const jo_beam *b, const jo_real *Y)
 {
     const int body[2] = {b->a, b->b};
@@ -270,6 +270,7 @@ void jo_beam_lag(const jo_model *m, const jo_data *d, const jo_real *x, const jo
     }
 }
 
+/* Newton's matrix of one element: S = C B (+ damping), K = L B^T S + (dB^T) s, columns and rows of the bodies */
 static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const int i)
 {
     const jo_beam *b = &m->beam[i];
@@ -300,7 +301,7 @@ static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const 
     }
     if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
-    if (stage->set) {   /* both are kept for [r_b - r_a, turn of a, turn of b] of the bodies, without weights */
+    if (stage->set) {   /* ROS2: K and V stored for [r_b - r_a, rotations of a and b], without weights */
         for (int v = 0; v < (w->damped ? 2 : 1); v++) {
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);
@@ -326,7 +327,7 @@ void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_weights *c = &stage->weights;
     jo_weights inertia = *c;
-    if (stage->set) inertia.v = 0.0;   /* ROS2: damping of the mass is not stiff */
+    if (stage->set) inertia.v = 0.0;   /* ROS2: mass-proportional damping is explicit */
     for (int i = 0; i < m->nbeam; i++) {
         if (jo_beam_inertial(&m->beam[i])) jo_beam_newton_inertia(m, d, i, &inertia);
         if (c->q != 0.0 || c->v != 0.0) elastic(m, d, stage, i);

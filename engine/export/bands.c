@@ -1,9 +1,10 @@
-/* bands.c - bands of stress: exact for sums of components, along the roots of the covariance for other criteria, and of samples where
- * the criterion is bent too much for that. */
+/* bands.c - confidence bands of stress: exact for linear criteria, from differences along the roots of the covariance for others, and from
+ * samples if the criterion is too nonlinear. */
 #include "bands.h"
 #include <math.h>
 
-enum { BATCH = 8 };     /* tensors judged at once, JO_LANES */
+enum { BATCH = 8 };     /* tensors per call of jo_recover, JO_LANES */
+#define DETERMINED 1e-12    /* remaining variance / variance below which earlier components determine a component */
 
 static int roots(const jo_plan *p) { return 6 + p->nerror + (p->scale > 0.0); }
 
@@ -25,14 +26,14 @@ void jo_band_blind(jo_band *b, const jo_plan *p)
     for (int i = 0; i < p->nspot; i++) b->value[i] = b->low[i] = b->high[i] = NAN;
 }
 
-/* Independent deviations (6 x 6, in rows) of a covariance: Cholesky's columns. What earlier components determine to a millionth
- * has no deviation of its own. */
+/* root (6 x 6, in rows): independent deviations of a covariance, its Cholesky columns. 0 for components that earlier components determine to
+ * a millionth. */
 static void root_of(double A[6][6], double *root)
 {
     for (int j = 0; j < 6; j++) {
         double rest = A[j][j];
         for (int l = 0; l < j; l++) rest -= root[6 * l + j] * root[6 * l + j];
-        const double own = rest > 1e-12 * A[j][j] ? sqrt(rest) : 0.0;
+        const double own = rest > DETERMINED * A[j][j] ? sqrt(rest) : 0.0;
         for (int i = 0; i < j; i++) root[6 * j + i] = 0.0;
         root[6 * j + j] = own;
         for (int i = j + 1; i < 6; i++) {
@@ -76,7 +77,7 @@ void jo_band_spread(jo_band *b, const jo_plan *p, const double *cov)
     }
 }
 
-/* the criterion (count) of tensors (count x 6) */
+/* out (count) = criterion of tensors (count x 6) */
 static void judge(const jo_plan *p, const double *tensors, int count, double *out)
 {
     static const double one = 1.0;
@@ -86,7 +87,7 @@ static void judge(const jo_plan *p, const double *tensors, int count, double *ou
         const int width = count - first < BATCH ? count - first : BATCH;
         for (int l = 0; l < BATCH; l++) {
             const double *s = tensors + 6 * (first + (l < width ? l : 0));
-            if (p->mises) {             /* the length of five numbers */
+            if (p->mises) {             /* von Mises stress as the norm of five numbers */
                 rows[l] = a * s[0] - a * s[1];
                 rows[JO_LANES + l] = -0.5 * s[0] - 0.5 * s[1] + s[2];
                 for (int c = 3; c < 6; c++) rows[(c - 1) * JO_LANES + l] = b * s[c];
@@ -99,7 +100,7 @@ static void judge(const jo_plan *p, const double *tensors, int count, double *ou
     }
 }
 
-/* Shell's sort: nothing is allocated */
+/* Shell sort in place, gaps 57, 23, 10, 4, 1 (Ciura) */
 static void sort(double *x, int count)
 {
     for (int gap = 57; gap > 0; gap = gap == 57 ? 23 : gap == 23 ? 10 : gap == 10 ? 4 : gap == 4 ? 1 : 0)
@@ -118,7 +119,7 @@ static double quantile(const double *sorted, int count, double share)
     return sorted[i] + (sorted[j] - sorted[i]) * (at - lower);
 }
 
-/* the band of a criterion that is bent too much for slopes, from points of the distribution */
+/* band of a nonlinear criterion from the quantiles of samples of the distribution */
 static void sample(jo_band *b, const jo_plan *p, const double *s, int count, int spot)
 {
     for (int i = 0; i < p->npoint; i++)

@@ -33,11 +33,11 @@ enum { DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED };
 typedef struct {
     Log log;
     Environment environment;
-    int stopped;            /* by an event */
-    char name[1];           /* longer */
+    int stopped;            /* whether an event ended the run */
+    char name[1];           /* first character of the name */
 } host;
 
-/* The logger takes a format. The text itself is the format, with % doubled: loggers that cannot read further arguments show it, too. */
+/* The text is passed to the logger as its format, with % doubled: loggers without support of further arguments print it, too. */
 static void forward(void *h, int status, const char *category, const char *text)
 {
     host *to = h;
@@ -127,7 +127,7 @@ API Status fmi2SetReal(Component instance, const Ref refs[], size_t count, const
     return jo_fmu_set(instance, refs, count, values);
 }
 
-/* all variables are real: of the other types there are none */
+/* functions for types without variables: all variables are real */
 #define NONE_OF(type, name)                                                                                                    \
     API Status fmi2Get##name(Component instance, const Ref refs[], size_t count, type values[])                                \
     {                                                                                                                          \

@@ -24,7 +24,7 @@ enum { RUNNING = JO_FMU_EVENTS | JO_FMU_CONTINUOUS | JO_FMU_STEPS, READABLE = RU
        ANY = READABLE | JO_FMU_MADE | JO_FMU_BROKEN };
 #define MAY(name, modes) do { if (!jo_fmu_may(instance, name, modes)) return JO_FMU_ERROR; } while (0)
 
-typedef struct { Log log; Environment environment; Boolean early; } host;   /* early: a step may return early */
+typedef struct { Log log; Environment environment; Boolean early; } host;   /* early: whether a step may return early */
 
 static void forward(void *h, int status, const char *category, const char *text)
 {
@@ -138,7 +138,7 @@ API Status fmi3SetFloat64(Instance instance, const Ref refs[], size_t count, con
     return jo_fmu_set(instance, refs, count, values);
 }
 
-/* all variables are Float64: of the other types there are none */
+/* functions for types without variables: all variables are Float64 */
 #define NONE_OF(type, name)                                                                                                     \
     API Status fmi3Get##name(Instance instance, const Ref refs[], size_t count, type values[], size_t size)                     \
     {                                                                                                                           \
@@ -190,7 +190,7 @@ API Status fmi3SetClock(Instance instance, const Ref refs[], size_t count, const
     return count ? jo_fmu_say(instance, JO_FMU_ERROR, "there are no clocks") : JO_FMU_OK;
 }
 
-/* what the description says is not provided */
+/* functions for capabilities that the model description does not declare */
 static Status missing(Instance instance, const char *what)
 {
     return instance ? jo_fmu_say(instance, JO_FMU_ERROR, "%s is not provided", what) : JO_FMU_ERROR;
@@ -370,7 +370,7 @@ API Status fmi3GetNumberOfContinuousStates(Instance instance, size_t *count)
 
 API Status fmi3EnterStepMode(Instance instance)
 {
-    MAY("fmi3EnterStepMode", 0);   /* there is no event mode to come from */
+    MAY("fmi3EnterStepMode", 0);   /* no event mode */
     return JO_FMU_OK;
 }
 API Status fmi3GetOutputDerivatives(Instance instance, const Ref refs[], size_t count, const int32_t orders[], double values[], size_t size)

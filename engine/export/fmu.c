@@ -1,4 +1,4 @@
-/* fmu.c - what both versions of the standard ask of an instance. */
+/* fmu.c - functions of an instance that are common to both versions of the FMI standard. */
 #include "fmu.h"
 #include "plant.h"
 #include <math.h>
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define NEAR 1e-6           /* of a step: instants that differ by less are the same */
+#define NEAR 1e-6           /* difference of times / step below which times are equal */
+#define MAX_STEPS 9e15      /* largest number of steps of a call: integers up to 2^53 are exact as doubles */
 
 static const char *const REASONS[] = {
     "", "the motion diverged", "a body has no inertia", "a joint is in a singular position", "no memory", "a function failed",
@@ -102,7 +103,7 @@ static int failed(jo_fmu *f)
                       jo_machine_error_index(f->machine));
 }
 
-/* derivatives of the states, computed once for each of them */
+/* derivatives of the present states; computed once per state */
 static const double *rates(jo_fmu *f)
 {
     double *xdot = f->scratch + jo_machine_states(f->machine);
@@ -176,7 +177,7 @@ int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *re
     if (f->has_stop && time + length > f->stop + NEAR * h)
         return jo_fmu_say(f, JO_FMU_ERROR, "a step to %.9g s ends after the stop time, %.9g s", time + length, f->stop);
     const double count = floor(length / h + 0.5);
-    if (!(count >= 1.0) || count > 9e15 || fabs(count * h - length) > NEAR * h)
+    if (!(count >= 1.0) || count > MAX_STEPS || fabs(count * h - length) > NEAR * h)
         return jo_fmu_say(f, JO_FMU_DISCARD, "a step of %.9g s is no multiple of the machine's own, %.9g s", length, h);
     f->current = 0;
     const int status = jo_machine_step(f->machine, (long long)count);
@@ -189,14 +190,14 @@ int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *re
     return status == JO_MACHINE_OK ? JO_FMU_OK : failed(f);
 }
 
-/* -- saved states: head, then the machine; doubles, so that the bytes of one are the doubles themselves ---------- */
+/* -- saved states: head, then the state of the machine, as doubles ------------------------------------------------ */
 
-/* The size of a state stands first, in bytes: it is compared before anything behind it is read. */
+/* The first number is the size of the state in bytes, which is checked before other numbers are read. */
 enum { STATE_BYTES, STATE_EXCHANGE, STATE_MODE, STATE_START, STATE_HAS_STOP, STATE_STOP, HEAD };
 
 static size_t state_bytes(const jo_fmu *f) { return sizeof(double) * (size_t)(HEAD + jo_machine_state_size(f->machine)); }
 
-/* whether a state is one of an instance of this kind; says what it is otherwise */
+/* whether a state belongs to an instance of this kind; logs the difference otherwise */
 static int fits(jo_fmu *f, const double *state)
 {
     static const char *const kinds[] = {"co-simulation", "model exchange"};
@@ -213,7 +214,7 @@ int jo_fmu_take(jo_fmu *f, void **state)
     if (!state) return JO_FMU_ERROR;
     const double head[HEAD] = {(double)state_bytes(f), f->exchange, f->mode, f->start, f->has_stop, f->stop};
     double *kept = *state;
-    const int other = !kept || kept[STATE_BYTES] != head[STATE_BYTES];   /* no room for a state of this instance */
+    const int other = !kept || kept[STATE_BYTES] != head[STATE_BYTES];   /* no memory of the size of this instance */
     double *made = other ? malloc(state_bytes(f)) : kept;
     if (!made) return jo_fmu_say(f, JO_FMU_ERROR, "no memory for a state");
     f->current = 0;
@@ -266,7 +267,7 @@ int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state)
 {
     double head[HEAD];
     if (!state || !bytes || size < sizeof head) return jo_fmu_say(f, JO_FMU_ERROR, "this is no state of the machine");
-    memcpy(head, bytes, sizeof head);   /* the bytes may lie at any address */
+    memcpy(head, bytes, sizeof head);   /* bytes may be unaligned */
     if (!fits(f, head)) return JO_FMU_ERROR;
     if (size != state_bytes(f)) return jo_fmu_say(f, JO_FMU_ERROR, "a state has %.0f bytes, not %.0f", head[0], (double)size);
     double *kept = *state;

@@ -1,4 +1,4 @@
-/* frame.c - inputs and outputs of a machine as bytes. */
+/* frame.c - encoding and decoding of frames with the inputs and outputs of a machine. */
 #include "frame.h"
 #include <float.h>
 #include <stdint.h>
@@ -74,7 +74,7 @@ static int fits(const unsigned char *bytes, long size, int kind, unsigned long m
     return 1;
 }
 
-/* whether a sequence number follows the last one; counts it otherwise */
+/* whether a sequence number continues the last one; otherwise counts the frame as old */
 static int follows(uint64_t sequence, jo_frame_counts *counts)
 {
     const uint64_t ahead = sequence - counts->last, behind = counts->last - sequence;   /* modulo 2^64 */

@@ -1,4 +1,4 @@
-/* gauged_twin.c - a Kalman filter, or samples each alone, in memory of the caller's; then stress with its band, and damage. */
+/* gauged_twin.c - Kalman filter or separate estimates of modal coordinates from strains; stress with confidence bands, and damage. */
 #include "gauged_twin.h"
 #include "bands.h"
 #include <float.h>
@@ -7,22 +7,27 @@
 #include <stdint.h>
 #include <string.h>
 
-/* first numbers of what is remembered */
+#define NO_VARIANCE 1e-300      /* smallest variance in relative changes of covariances, against division by 0 */
+#define DEPENDENT 1e-12         /* smallest / largest diagonal of R below which the gauges do not determine all modes */
+#define TIME_ROUNDING 1e-9      /* round-off of time / interval of the means */
+#define MAX_COUNT 9e15          /* largest integer in a memory: integers up to 2^53 are exact as doubles */
+
+/* indices of the first numbers of the memory */
 enum { AT_TIME, AT_ORIGIN, AT_INTERVAL, AT_SAMPLES, AT_NUMBER, AT_WATCHED, AT_SEEN, AT_USUAL, AT_STARTED, AT_LAP, AT_STEADY, AT_TOLD, HEADS };
 
 struct jo_twin {
     const jo_plan *plan;
-    double *memory;         /* all that is remembered, one behind the other */
+    double *memory;         /* memory of the twin, consecutive arrays */
     long long count;
     double *mask, *state, *x, *f, *K, *S, *P, *D, *health, *sum, *centre, *meter;
-    /* gains that are tried, and room for products */
+    /* trial gains and work space of products */
     double *K2, *S2, *P2, *pred, *T, *U, *Hs, *L, *lap_F, *lap_G, *lap_Q, *to_F, *to_G, *to_Q;
     double *x2, *y, *shown, *f2, *p, *dp, *cov, *moved, *V, *W, *scratch, *out;
-    const double *F, *Gu;   /* of the present lap */
+    const double *F, *Gu;   /* of the present number of steps between samples */
     jo_band band;
     double *seen, *seen2;
     unsigned char *states;
-    int fresh;              /* the band belongs to P */
+    int fresh;              /* whether the band belongs to P */
 };
 
 static int is_finite(double x) { return x >= -DBL_MAX && x <= DBL_MAX; }
@@ -40,7 +45,7 @@ static int largest_depth(const jo_plan *p)
     return most;
 }
 
-/* where everything is, from `base` on, which may be 0; the number of doubles */
+/* arrays from `base` on; returns the number of doubles; base NULL: count only */
 static long long lay_out(jo_twin *k, const jo_plan *p, double *base)
 {
     long long at = 0;
@@ -161,7 +166,7 @@ static void even(double *A, int n)
         for (int j = 0; j < i; j++) A[i * n + j] = A[j * n + i] = 0.5 * (A[i * n + j] + A[j * n + i]);
 }
 
-/* L of L L^T = A, in place, below the diagonal; 0 if A is not positive */
+/* Cholesky factor L of A = L L^T in place, lower triangle; 0 if A is not positive definite */
 static int cholesky(double *A, int n)
 {
     for (int j = 0; j < n; j++) {
@@ -200,7 +205,8 @@ static void backward(const double *L, double *b, int n)
 
 /* -- gains -------------------------------------------------------------------------------------- */
 
-/* From pred: K2 (nx x seen), S2 (seen) variances of the innovations, P2; scaled by the noise of each channel. 0 if it cannot be. */
+/* gain K2 (nx x seen), variances S2 (seen) of the innovations and covariance P2 from pred, scaled by the noise of each channel; 0 if
+ * singular */
 static int update(jo_twin *k, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -232,7 +238,7 @@ static int update(jo_twin *k, const double *seen)
         forward(k->L, row, m);
         backward(k->L, row, m);
     }
-    /* Joseph: (1 - K H) P (1 - K H)^T + K R K^T keeps it positive */
+    /* Joseph form, positive definite: (1 - K H) P (1 - K H)^T + K R K^T */
     times(k->K2, k->Hs, k->T, nx, m, nx);
     for (int i = 0; i < nx; i++)
         for (int j = 0; j < nx; j++) k->T[i * nx + j] = (i == j ? 1.0 : 0.0) - k->T[i * nx + j];
@@ -249,7 +255,7 @@ static int update(jo_twin *k, const double *seen)
     return 1;
 }
 
-/* F, Gu and Q of so many steps: products by the binary digits of their number; forces stay the same in between */
+/* F, Gu and Q of several steps by binary powers; constant forces in between */
 static void laps(jo_twin *k, double count)
 {
     const jo_plan *p = k->plan;
@@ -298,7 +304,7 @@ static int same(const double *a, const double *b, int n)
 
 typedef enum { FAILED = 0, KEPT = 1, NEW = 2, STEADY = 3 } outcome;
 
-/* the gain of the next sample, from that of the last one; it is kept where it repeats */
+/* gain of the next sample; a gain that repeats is stored */
 static outcome gain(jo_twin *k, double lap, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -321,14 +327,14 @@ static outcome gain(jo_twin *k, double lap, const double *seen)
     for (int i = 0; i < nx; i++)
         for (int j = 0; j < nx; j++) {
             const double a = k->P2[i * nx + i], b = k->P2[j * nx + j];
-            const double size = sqrt(a > 1e-300 ? a : 1e-300) * sqrt(b > 1e-300 ? b : 1e-300);
+            const double size = sqrt(a > NO_VARIANCE ? a : NO_VARIANCE) * sqrt(b > NO_VARIANCE ? b : NO_VARIANCE);
             const double change = fabs(k->P2[i * nx + j] - k->P[i * nx + j]) / size;
             if (change > most) most = change;
         }
     return most < p->steady ? STEADY : NEW;
 }
 
-/* gain of samples that stand alone, without a prior: Householder's W = Q R of the whitened rows, K = R^-1 Q^T L^-1 */
+/* gain of separate samples without a prior: Householder's W = Q R of the whitened rows, K = R^-1 Q^T L^-1 */
 static outcome alone(jo_twin *k, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -376,8 +382,8 @@ static outcome alone(jo_twin *k, const double *seen)
         least = size < least ? size : least;
         most = size > most ? size : most;
     }
-    if (least <= 1e-12 * most) return FAILED;
-    for (int c = 0; c < m; c++)                             /* R K = what the right side has become */
+    if (least <= DEPENDENT * most) return FAILED;
+    for (int c = 0; c < m; c++)                             /* R K = transformed right-hand side */
         for (int i = n - 1; i >= 0; i--) {
             double s = A[i * width + n + c];
             for (int l = i + 1; l < n; l++) s -= A[i * width + l] * k->K2[l * m + c];
@@ -403,7 +409,7 @@ static void cross(const double *a, const double *b, double *c)
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* known modal forces f (n): those of the frame's motion (spec of the floating frame, docs/theory-bodies.md) and of the mean loads */
+/* known modal forces f (n): of the motion of the frame (floating frame, docs/theory.md) and of the mean loads */
 static void known_forces(const jo_plan *p, const double *motion, const double *q, const double *dq, double *f)
 {
     const int n = p->n;
@@ -432,12 +438,12 @@ static void known_forces(const jo_plan *p, const double *motion, const double *q
     }
 }
 
-/* y less what known forces show at the gauges, and what the motion takes from the balance of the loads */
+/* y minus the strains by known forces, and minus the inertial forces of the motion in the equilibrium equations */
 static void offsets(jo_twin *k, const double *motion, const double *f)
 {
     const jo_plan *p = k->plan;
     const int n = p->n, ng = p->ngauge, na = p->na;
-    double *bent = k->dp;                                   /* static part, then all of the modes */
+    double *bent = k->dp;                                   /* static part, then sum of the modes */
     for (int j = 0; j < n; j++) bent[j] = f[j] * p->rest[j];
     for (int i = 0; i < ng; i++) {
         double s = 0.0;
@@ -473,7 +479,7 @@ static void offsets(jo_twin *k, const double *motion, const double *f)
     for (int i = 0; i < 6; i++) k->y[ng + i] -= carried[i];
 }
 
-/* x2 before the sample, and what the channels that are seen show beside it */
+/* prediction x2, and innovations of the valid channels */
 static void predict(jo_twin *k, const double *f, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -496,7 +502,7 @@ static void predict(jo_twin *k, const double *f, const double *seen)
     }
 }
 
-/* what each error of the gauges that stays moves the modes by, one column of `moved` each */
+/* moved: deviations of the modes by each systematic gauge error, one column each */
 static void deviations(jo_twin *k, int first)
 {
     const jo_plan *p = k->plan;
@@ -516,7 +522,7 @@ static void deviations(jo_twin *k, int first)
         }
         return;
     }
-    /* D = F D of the sample before, then D + K (V - H D) with what the errors add to the channels */
+    /* D = F D, then D + K (V - H D), V: errors at the channels */
     if (!first) {
         times(k->F, k->D, k->V, nx, nx, ne);
         memcpy(k->D, k->V, sizeof(double) * (size_t)nx * (size_t)ne);
@@ -570,7 +576,7 @@ static double *meter_of(jo_twin *k, int which, int spot)
     return at + (long long)spot * (JO_METER + p->meter[which].depth);
 }
 
-/* cycles as estimated, and with every peak further out, or in, by the half width of the band; time that was watched */
+/* damage of the estimated cycles, and with peaks increased or reduced by half of the band width; watched time */
 static void count_cycles(jo_twin *k, double time, int told)
 {
     const jo_plan *p = k->plan;
@@ -579,8 +585,8 @@ static void count_cycles(jo_twin *k, double time, int told)
         m[AT_ORIGIN] = time;
         m[AT_INTERVAL] = 0.0;
     }
-    const double number = floor((time - m[AT_ORIGIN]) / p->every + 1e-9);
-    if (number != m[AT_INTERVAL]) {                         /* peaks count from the mean so far */
+    const double number = floor((time - m[AT_ORIGIN]) / p->every + TIME_ROUNDING);
+    if (number != m[AT_INTERVAL]) {                         /* peaks relative to the present mean */
         if (m[AT_SAMPLES] > 0.0 && m[AT_NUMBER] > 0.0)
             for (int i = 0; i < p->nspot; i++) k->centre[i] = k->sum[i] / m[AT_NUMBER];
         m[AT_SAMPLES] = 0.0;
@@ -603,7 +609,7 @@ static void count_cycles(jo_twin *k, double time, int told)
     m[AT_SEEN] = time;
 }
 
-/* those further from the prediction than so many standard deviations are not seen; whether there are any */
+/* gate: channels whose innovation exceeds `gate` standard deviations are excluded; returns whether there are any */
 static int gated(jo_twin *k, const double *seen, const double *variance)
 {
     const jo_plan *p = k->plan;
@@ -746,7 +752,7 @@ static double get_double(const unsigned char *from)
     return value;
 }
 
-/* CRC-32 of ISO 3309, by half bytes */
+/* CRC-32 of ISO 3309, by half-bytes */
 static uint32_t checksum(const unsigned char *bytes, long long count)
 {
     static const uint32_t table[16] = {0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
@@ -776,7 +782,7 @@ void jo_twin_save(const jo_twin *k, unsigned char *buffer)
     put_number(buffer + end, checksum(buffer, end), 4);
 }
 
-/* numbers `from` .. `to` of a saved memory are all finite, or whole from 0 to `most` if that is not negative */
+/* whether numbers from .. to - 1 of a saved memory are finite and, if most >= 0, integers from 0 to `most` */
 static int possible(const unsigned char *numbers, long long from, long long to, double most)
 {
     for (long long i = from; i < to; i++) {
@@ -797,7 +803,7 @@ int jo_twin_load(jo_twin *k, const unsigned char *buffer, long long bytes)
     const long long mask = k->mask - k->memory, state = k->state - k->memory, x = k->x - k->memory;
     const long long health = k->health - k->memory, sum = k->sum - k->memory, meter = k->meter - k->memory;
     if (!possible(numbers, AT_SAMPLES, AT_WATCHED + 1, -1.0) || !possible(numbers, AT_STARTED, AT_STARTED + 1, 1.0)) return JO_TWIN_FOREIGN;
-    if (!possible(numbers, AT_LAP, AT_LAP + 1, 9e15) || !possible(numbers, AT_STEADY, mask + p->nchannel, 1.0)) return JO_TWIN_FOREIGN;
+    if (!possible(numbers, AT_LAP, AT_LAP + 1, MAX_COUNT) || !possible(numbers, AT_STEADY, mask + p->nchannel, 1.0)) return JO_TWIN_FOREIGN;
     if (!possible(numbers, state, x, JO_VALUE_BACK) || !possible(numbers, x, health, -1.0)) return JO_TWIN_FOREIGN;
     if (!possible(numbers, sum, meter, -1.0)) return JO_TWIN_FOREIGN;
     if (get_double(numbers + 8 * AT_STARTED) != 0.0 && !possible(numbers, AT_TIME, AT_TIME + 1, -1.0)) return JO_TWIN_FOREIGN;

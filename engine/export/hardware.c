@@ -1,13 +1,13 @@
-/* hardware.c - the machine beside hardware or another program, frame by frame (frame.h), on POSIX systems:
+/* hardware.c - execution of a machine with hardware or another program, with frames (frame.h), on POSIX systems:
  *
  *   NAME_hardware udp PORT [HZ [SECONDS]]       frames as datagrams on this computer (127.0.0.1)
  *   NAME_hardware shared FILE [HZ [SECONDS]]    frames in a file that is mapped into memory, such as /dev/shm/NAME
  *
- * Without a rate, or with 0, each frame of inputs is answered by a step and the outputs after it: the other side keeps the time. With
- * a rate the machine steps by the watch with the newest inputs and sends its outputs after each step. SECONDS ends it, 0 never.
+ * Without HZ, or with 0, a frame of inputs triggers a step and a frame of outputs: the other side determines the time. With HZ the machine
+ * steps in real time with the newest inputs and sends its outputs after each step. SECONDS: duration, 0: unlimited.
  *
- * A mapped file holds two places, first that of the inputs, then that of the outputs. Each begins with 8 bytes, a count that its
- * writer makes odd before and even after it writes the frame behind them; a reader that sees an odd or another count reads again. */
+ * A mapped file contains the inputs, then the outputs. Each part starts with a count of 8 bytes, which the writer makes odd before and even
+ * after it writes the frame; a reader repeats reading if the count is odd or has changed (sequence lock). */
 #define _POSIX_C_SOURCE 200809L
 #include "plant.h"
 #include "frame.h"
@@ -25,7 +25,8 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST = 4096 };       /* numbers of a frame */
+enum { MOST = 4096 };       /* largest count of numbers of a frame */
+#define WAIT 0.05           /* longest waiting time for a frame, s, between checks for the end */
 static union { double number; char bytes[PLANT_BYTES]; } memory;
 static unsigned char frame[JO_FRAME_HEAD + 8 * MOST + 8];
 static double inputs[MOST], outputs[MOST];
@@ -33,10 +34,10 @@ static volatile sig_atomic_t ended;
 
 typedef struct {
     int socket;
-    struct sockaddr_in from, peer;  /* of the last frame, and of the last that was taken */
-    int known;              /* the peer */
-    unsigned char *map;     /* else 0 */
-    uint64_t seen;          /* count of the inputs that were read last */
+    struct sockaddr_in from, peer;  /* senders of the last frame and of the last accepted frame */
+    int known;              /* whether there is a peer */
+    unsigned char *map;     /* shared memory; NULL: UDP */
+    uint64_t seen;          /* count of the last inputs that were read */
 } link_to;
 
 static void on_signal(int number)
@@ -103,13 +104,13 @@ static void set_count(unsigned char *place, uint64_t value)
     for (int i = 0; i < 8; i++) to[i] = (unsigned char)(value >> (8 * i) & 0xff);
 }
 
-/* a frame into `frame`, its size; 0 if none came; waits a while for one if asked to */
+/* receive a frame into `frame`; returns its size, 0: none; patient: wait up to WAIT */
 static long receive(link_to *l, int patient)
 {
     if (!l->map) {
         socklen_t size = sizeof l->from;
         fd_set set;
-        struct timeval wait = {0, patient ? 50000 : 0};
+        struct timeval wait = {0, patient ? (int)(1e6 * WAIT) : 0};
         FD_ZERO(&set);
         FD_SET(l->socket, &set);
         if (select(l->socket + 1, &set, 0, 0, &wait) <= 0) return 0;
@@ -117,7 +118,7 @@ static long receive(link_to *l, int patient)
         if (got < 0) return 0;
         return got ? (long)got : -1;
     }
-    const double until = now() + (patient ? 0.05 : 0.0);
+    const double until = now() + (patient ? WAIT : 0.0);
     do {
         const uint64_t count = count_at(l->map);
         if (count && count % 2 == 0 && count != l->seen) {
@@ -155,7 +156,7 @@ static int failed(jo_machine *machine, int status)
     return status != JO_MACHINE_STOPPED;
 }
 
-/* one step and the outputs after it; whether it goes on */
+/* one step and its outputs; returns whether the run continues */
 static int advance(jo_machine *machine, link_to *l, unsigned long mark, unsigned long long *sequence, int *code)
 {
     const int status = jo_machine_step(machine, 1);

@@ -1,4 +1,4 @@
-/* machine.c - one running copy of a constant plant in memory of the caller's. */
+/* machine.c - one instance of a constant plant in memory of the caller. */
 #include "machine.h"
 #include <float.h>
 #include <math.h>
@@ -7,21 +7,25 @@
 
 struct jo_machine {
     const jo_plant *plant;
-    jo_model model;         /* with the tunable numbers of this machine */
+    jo_model model;         /* model with the tunable numbers of this machine */
     jo_solver solver;
     jo_data *data;
     jo_real *tunable, *row;
     long long steps;
-    int known;              /* row belongs to the present state */
-    int status;             /* the last jo_status that was not JO_OK */
+    int known;              /* whether row belongs to the present state */
+    int status;             /* last jo_status other than JO_OK */
 };
 
-enum { MARK = 20261126, HEAD = 4 };   /* first numbers of a saved state: mark, size, steps, step size */
+enum { MARK = 20261126, HEAD = 4 };   /* identification and number of the first entries of a saved state: mark, size, steps, step length */
+
+#define MIN_NORM2 1e-6      /* smallest square of the norm of Euler parameters that can be normalised */
+#define NORM2_RANGE 4.0     /* largest square of the norm of saved Euler parameters, or its inverse */
+#define MAX_COUNT 9e15      /* largest number of steps: integers up to 2^53 are exact as doubles */
 
 static long long rounded(long long bytes) { return (bytes + 63) / 64 * 64; }
 static int is_finite(double x) { return x >= -DBL_MAX && x <= DBL_MAX; }
 
-/* where things are in the memory of a machine */
+/* Offsets of the arrays in the memory of a machine, bytes. */
 typedef struct { long long force, signal, friction, tunable, row, data, end; } layout;
 
 static layout lay_out(const jo_plant *p)
@@ -40,14 +44,14 @@ static layout lay_out(const jo_plant *p)
 
 long long jo_machine_bytes(const jo_plant *p) { return lay_out(p).end + 64; }
 
-/* the same number among those of this machine */
+/* address of the copy of a constant among the tunable numbers of this machine */
 static const jo_real *own(const jo_machine *k, const jo_real *constant)
 {
     const ptrdiff_t at = constant - k->plant->tunable;
     return k->tunable + at;
 }
 
-/* forces, signals and frictions that read the tunable numbers of this machine */
+/* copies of forces, signals and frictions with the tunable numbers of this machine */
 static void redirect(jo_machine *k, char *memory, const layout *at)
 {
     const jo_model *m = k->plant->model;
@@ -98,7 +102,7 @@ void jo_machine_in_bodies(jo_machine *k)
 const jo_plant *jo_machine_plant(const jo_machine *k) { return k->plant; }
 jo_data *jo_machine_data(jo_machine *k) { return k->data; }
 
-/* the workspace anew, with what depends on tunable numbers */
+/* new work space, with constants that depend on tunable numbers */
 static void begin(jo_machine *k)
 {
     const layout at = lay_out(k->plant);
@@ -134,7 +138,7 @@ int jo_machine_step(jo_machine *k, long long count)
     if (count <= 0) return count ? JO_MACHINE_WRONG : JO_MACHINE_OK;
     const long long goal = k->steps + count;
     k->known = 0;
-    while (k->steps < goal) {   /* a call ends early where the log of events is full */
+    while (k->steps < goal) {   /* a full log of events ends a call early */
         const int status = jo_run(&k->model, k->data, &k->solver, goal - k->steps, (long long)1 << 62, &k->steps, &written, k->row);
         if (status == JO_EVENT) {
             k->status = status;
@@ -169,7 +173,7 @@ double jo_machine_get_input(const jo_machine *k, int input)
     return jo_data_input(k->data)[k->plant->input[input].place];
 }
 
-/* a force changed at once: methods that remember the last step start anew; gravity is also kept by markers on the ground */
+/* jump of a force: restart of methods with history; new acceleration of the ground markers */
 int jo_machine_set_parameter(jo_machine *k, int parameter, double value)
 {
     if (parameter < 0 || parameter >= k->plant->nparameter || !is_finite(value)) return JO_MACHINE_WRONG;
@@ -199,7 +203,7 @@ int jo_machine_update(jo_machine *k)
     return JO_MACHINE_OK;
 }
 
-/* places of a row: time, q, v, lam, diagnostics, then the sensors */
+/* index of the first sensor in a row: after time, q, v, lam, diagnostics */
 static int sensors_at(const jo_model *m)
 {
     return 1 + m->nq + m->nv + m->nrow + (int)(sizeof(jo_diagnostics) / sizeof(jo_real));
@@ -240,7 +244,7 @@ int jo_machine_set_states(jo_machine *k, double time, const double *x)
         if (!is_finite(x[i])) return JO_MACHINE_WRONG;
     for (int i = 0; i < m->nbody; i++) {
         const double *e = x + m->body[i].iq + 3;
-        if (!(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3] > 1e-6)) return JO_MACHINE_WRONG;
+        if (!(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3] > MIN_NORM2)) return JO_MACHINE_WRONG;
     }
     jo_real *q = jo_data_q(k->data), *v = jo_data_v(k->data);
     for (int i = 0; i < m->nq; i++) q[i] = x[i];
@@ -262,7 +266,7 @@ int jo_machine_rates(jo_machine *k, double rate, jo_real *xdot)
     k->known = 0;
     const int status = jo_rates(&k->model, k->data, rate, rate, xdot);
     if (status != JO_OK) return failed(k, status);
-    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(jo_real) * (size_t)(k->model.nv + k->model.nstate));   /* rates of states follow */
+    memcpy(xdot + k->model.nq, jo_data_a(k->data), sizeof(jo_real) * (size_t)(k->model.nv + k->model.nstate));   /* includes the rates of states */
     return JO_MACHINE_OK;
 }
 
@@ -301,7 +305,7 @@ int jo_machine_save(jo_machine *k, double *state)
     return JO_MACHINE_OK;
 }
 
-/* doubles into an array of the engine; the next ones */
+/* copy doubles into an array of the engine; returns the next double */
 static const double *put(jo_real *to, const double *from, int count)
 {
     for (int i = 0; i < count; i++) to[i] = from[i];
@@ -313,14 +317,14 @@ static const double *put_int(int *to, const double *from, int count)
     return from + count;
 }
 
-/* whether Euler parameters may be of a step: unit ones, about */
+/* whether Euler parameters are plausible: square of the norm from 1/4 to 4 */
 static int turns(const double *e)
 {
     const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3];
-    return square >= 0.25 && square <= 4.0;
+    return square >= 1.0 / NORM2_RANGE && square <= NORM2_RANGE;
 }
 
-/* whether the numbers of a row, which follow `sensors`, are what a machine of this model can remember */
+/* whether the numbers of a row are consistent with this model: finite, discrete states and counts in their ranges */
 static int possible(const jo_model *m, const double *row)
 {
     const int sensors = sensors_at(m), lead = 1 + m->nq + m->nv + m->nrow;
@@ -356,7 +360,7 @@ int jo_machine_load(jo_machine *k, const double *state)
     jo_data *d = k->data;
     const double *head = state, *work = state + HEAD, *tunable = work + 3, *row = tunable + k->plant->ntunable;
     if (head[0] != MARK || head[1] != jo_machine_state_size(k)) return JO_MACHINE_WRONG;
-    if (!(head[2] >= 0.0 && head[2] < 9e15) || !is_finite(head[3]) || head[3] <= 0.0) return JO_MACHINE_WRONG;
+    if (!(head[2] >= 0.0 && head[2] < MAX_COUNT) || !is_finite(head[3]) || head[3] <= 0.0) return JO_MACHINE_WRONG;
     for (int i = 0; i < 3 + k->plant->ntunable; i++)
         if (!is_finite(work[i])) return JO_MACHINE_WRONG;
     if (!possible(m, row)) return JO_MACHINE_WRONG;

@@ -1,10 +1,10 @@
-/* main.c - run the machine and print its outputs: NAME [seconds [rows]] */
+/* main.c - program that runs a machine and prints its outputs: NAME [seconds [rows]] */
 #include "plant.h"
 #if !defined(JO_ONE_FILE) || defined(MAIN)
 #include <stdio.h>
 #include <stdlib.h>
 
-static union { double number; char bytes[PLANT_BYTES]; } memory;   /* all that it needs */
+static union { double number; char bytes[PLANT_BYTES]; } memory;   /* memory of the machine */
 
 int main(int argc, char **argv)
 {

@@ -1,5 +1,5 @@
-/* page.c - one machine for a page in a browser: WebAssembly without imports. Numbers cross one by one, arrays by their
- * addresses in the memory of the module; everything is in SI. */
+/* page.c - one machine for a page in a browser: WebAssembly without imports. Numbers are passed singly, arrays by their addresses in the
+ * memory of the module; SI units. */
 #include "plant.h"
 
 #define EXPORT(name) __attribute__((export_name(#name))) name
@@ -22,4 +22,4 @@ int EXPORT(error_index)(void) { return jo_machine_error_index(machine); }
 
 const double *EXPORT(positions)(void) { return jo_data_q(jo_machine_data(machine)); }       /* (nq) */
 const double *EXPORT(velocities)(void) { return jo_data_v(jo_machine_data(machine)); }      /* (nv) */
-const double *EXPORT(outputs)(void) { return jo_machine_outputs(machine); }                 /* (nout); 0 if it failed */
+const double *EXPORT(outputs)(void) { return jo_machine_outputs(machine); }                 /* (nout); NULL on failure */

@@ -1,7 +1,7 @@
-/* slope.c - directional derivatives by a complex step (Squire and Trapp, SIAM Rev. 40, 1998, 110-112).
+/* slope.c - directional derivatives by the complex-step method (Squire and Trapp, SIAM Rev. 40, 1998, 110-112).
  *
- * The machine is computed once with numbers x + i h s, h so small that h^2 vanishes beside 1: Im f / h is the derivative along s
- * without a difference. For that all sources are compiled once more with complex numbers, under other names (twice.h).
+ * Evaluation with x + i h s, h^2 negligible: Im f / h is the derivative along s without cancellation. All sources are compiled a second time
+ * with complex numbers and other names (twice.h).
  */
 #include "twice.h"
 #include "machine.h"
@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define SMALL 1e-30         /* imaginary step of the largest seed */
+#define SMALL 1e-30         /* imaginary step of the largest seed: its square is negligible, and far above the smallest double */
+#define FINITE 1e300        /* magnitude above which a seed or derivative has no finite value */
 
 static void turn_to_unit(const jo_model *m, jo_real *q)
 {
@@ -44,7 +45,7 @@ static int slope(jo_machine *k, jo_real *rates, const double *state, double rate
     if (jo_machine_load(k, state) != JO_MACHINE_OK) return 1;
     for (int i = 0; i < nknown; i++)
         if (fabs(seed[i]) > most) most = fabs(seed[i]);
-    if (!(most <= 1e300)) return 1;
+    if (!(most <= FINITE)) return 1;
     const double h = most > 0.0 ? SMALL / most : 0.0;
     for (int i = 0; i < nknown; i++) {
         lean(k, known[i], I * (h * seed[i]));
@@ -64,7 +65,7 @@ static int slope(jo_machine *k, jo_real *rates, const double *state, double rate
     if (derivatives && jo_machine_rates(k, rate, rates) != JO_MACHINE_OK) return 1;
     for (int j = 0; j < nunknown; j++) {
         if (unknown[j].kind == JO_SLOPE_RATE) change[j] = h > 0.0 ? cimag(rates[unknown[j].index]) / h : 0.0;
-        if (!(fabs(change[j]) <= 1e300)) return 1;
+        if (!(fabs(change[j]) <= FINITE)) return 1;
     }
     return 0;
 }

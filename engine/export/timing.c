@@ -1,6 +1,6 @@
-/* timing.c - how long single steps of the machine take on this computer: NAME steps [urgent]; prints nanoseconds and how often.
+/* timing.c - execution times of single steps of a machine on this computer: NAME steps [urgent]; prints a histogram, ns.
  *
- * Urgent, it asks to go before other programs and for memory that stays in place, and prints what it was granted: 1 the one, 2 the other. */
+ * urgent: requests real-time priority and locked memory, and prints the granted ones: 1 priority, 2 memory, 3 both. */
 #define _POSIX_C_SOURCE 200112L
 #include "plant.h"
 #ifdef __linux__
@@ -11,10 +11,12 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { BINS = 400 };        /* of 5 % each, from 100 ns on */
+enum { BINS = 400 };        /* bins of the histogram, each WIDTH times the one before */
+#define FIRST 100.0         /* upper edge of the first bin, ns */
+#define WIDTH 1.05          /* upper edge / upper edge of the bin before */
 static union { double number; char bytes[PLANT_BYTES]; } memory;
 
-enum { PRIORITY = 10 };     /* of 1 .. 99, below what drives devices */
+enum { PRIORITY = 10 };     /* real-time priority, 1 .. 99, below that of device drivers */
 
 static int hurry(void)
 {
@@ -40,12 +42,12 @@ int main(int argc, char **argv)
     static long counts[BINS];
     static double ends[BINS];
     const long steps = argc > 1 ? atol(argv[1]) : 100000;
-    const long warm = steps / 10 < 1000 ? steps / 10 : 1000;   /* the caches fill */
+    const long warm = steps / 10 < 1000 ? steps / 10 : 1000;   /* steps before the measurement, which fill the caches */
     jo_machine *machine = jo_machine_place(&PLANT, memory.bytes, (long long)sizeof memory.bytes);
     if (!machine || steps < 1) return 2;
     const int granted = argc > 2 ? hurry() : 0;
-    ends[0] = 100.0;
-    for (int i = 1; i < BINS; i++) ends[i] = 1.05 * ends[i - 1];
+    ends[0] = FIRST;
+    for (int i = 1; i < BINS; i++) ends[i] = WIDTH * ends[i - 1];
     double sum = 0.0, worst = 0.0;
     long done = 0;
     for (long k = -warm; k < steps; k++) {

@@ -1,8 +1,8 @@
-/* watch.c - read strains as a table, print what the twin tells: NAME [samples.csv|-] [memory]
+/* watch.c - program that reads strains from a table and prints the outputs of a twin: NAME [samples.csv|-] [memory]
  *
- * The first line names the columns: time (s), the gauges (m/m) and, where the frame moves, its motion; units in brackets are left out.
- * An empty cell, and one that is no number, was not measured. With the name of a memory the twin goes on from it, and writes it every
- * thousand samples and at the end, to another file first, so that a power cut leaves the old one or the new one. */
+ * The first line contains the names of the columns: time (s), gauges (m/m) and, for a moving frame, its motion; units in brackets are
+ * ignored. Cells that are empty or no numbers are missing values. With a memory file the twin continues from it and saves it every thousand
+ * samples and at the end, to another file first: after a power failure the old or the new file is complete. */
 #include "plant.h"
 #if !defined(JO_ONE_FILE) || defined(MAIN)
 #include <math.h>
@@ -15,7 +15,7 @@ static union { double number; char bytes[PLANT_BYTES]; } memory;
 static unsigned char saved[SAVED];
 static char line[LINE];
 
-/* the next cell of a line, without blanks around it and a unit in brackets; 0 at its end */
+/* next cell of a line without surrounding blanks; NULL at the end */
 static char *cell(char **rest)
 {
     char *start = *rest, *end;
@@ -36,7 +36,7 @@ static double number(const char *text)
     return end == text || *end ? NAN : x;
 }
 
-/* which column holds what: 0 the time, from 1 on the inputs of the twin; how many columns there are, 0 if one is missing */
+/* column[0] of the time, column[1 ..] of the inputs; returns the number of columns, 0 if one is missing */
 static int header(int *column)
 {
     int count = 0, found = 1;
@@ -72,13 +72,13 @@ static int save(const jo_twin *twin, const char *path)
     int good = fwrite(saved, 1, size, file) == size;
     good = fclose(file) == 0 && good;
     if (good && rename(beside, path)) {
-        remove(path);           /* where a file is not replaced */
+        remove(path);           /* systems on which rename does not replace files */
         good = !rename(beside, path);
     }
     return good;
 }
 
-/* whether the twin may go on: there is no memory yet, or it is one of this twin */
+/* load the memory; returns 1 also if there is no file yet, 0 if it is not one of this twin */
 static int load(jo_twin *twin, const char *path)
 {
     FILE *file = fopen(path, "rb");

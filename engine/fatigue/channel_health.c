@@ -1,7 +1,7 @@
-/* channel_health.c - which values of measured channels can be believed, sample by sample.
+/* channel_health.c - validity of each sample of measured channels.
  *
- * A channel is "stuck" if its value stays the same to the last digit while others change, and a "spike" is a jump far beyond
- * the usual steps, until a few samples stay there. What failed must be well for some samples before it is believed again. */
+ * Stuck: identical value while other channels change. Spike: jump far beyond the mean step, until `persist` samples stay at the new level.
+ * After a failure `back` valid samples are required. */
 #include "jousto.h"
 #include <math.h>
 
@@ -11,7 +11,7 @@
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* what a value is by itself */
+/* state of a single value: saturated, missing, not a number, or valid */
 static int plain(const jo_health *r, double x, int cell)
 {
     if (cell == r->infinite || isinf(x) || (isfinite(x) && fabs(x) >= r->range)) return JO_VALUE_SATURATED;
@@ -19,6 +19,7 @@ static int plain(const jo_health *r, double x, int cell)
     return isfinite(x) ? JO_VALUE_OK : JO_VALUE_NAN;
 }
 
+/* state of sample x of one channel with the memory m, which is updated */
 static int channel(const jo_health *r, double *m, long long n, double x, int state, int before, int others)
 {
     const int there = isfinite(x), same = there && x == m[JO_HEALTH_LAST * n];
@@ -37,7 +38,7 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
     }
     const int good = state == JO_VALUE_OK;
     if (good && isfinite(step)) {
-        /* a believed jump must not make the next one look usual */
+        /* cap: a valid jump must not raise the mean step such that the next jump is not detected */
         const double capped = known ? smaller(step, STEP_CAP * usual + MIN_STEP) : step;
         m[JO_HEALTH_USUAL * n] = usual + larger(r->follow, 1.0 / (1.0 + seen)) * (capped - usual);
         m[JO_HEALTH_SEEN * n] = seen + 1.0;
@@ -45,7 +46,7 @@ static int channel(const jo_health *r, double *m, long long n, double x, int sta
     if (good) m[JO_HEALTH_GOOD * n] = x;
     m[JO_HEALTH_LAST * n] = there ? x : NAN;
     m[JO_HEALTH_WELL * n] = good ? m[JO_HEALTH_WELL * n] + 1.0 : 0.0;
-    /* one wild value says nothing of the next */
+    /* no waiting time after a spike: a single outlier does not affect the next sample */
     return good && before != JO_VALUE_OK && before != JO_VALUE_SPIKE && m[JO_HEALTH_WELL * n] <= r->back ? JO_VALUE_BACK : state;
 }
 

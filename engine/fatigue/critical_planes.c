@@ -1,16 +1,16 @@
-/* critical_planes.c - damage on the planes through one place: shear along lines in each plane, or the normal stress, is counted by
- * rainflow; the worst line of the worst plane is found without counting all of them.
+/* critical_planes.c - largest fatigue damage on the planes through a point: rainflow counts of the shear along lines in each plane, or of
+ * the normal stress, with bounds that exclude most lines.
  *
- * Two bounds save most of the counting. No cycle of a line has more than its whole range and the largest normal stress of
- * its plane, and t samples have at most (t + 2) / 2 cycles: lines are taken in that order, until the bound is below the
- * worst damage found. Then, a level is crossed upwards once by every cycle around it. Damage grows at least with a power
- * p >= 1, so that its sum is largest if as few cycles as possible cross as many levels as possible (the row sums of a table
+ * Bound 1: a cycle has at most the range of the line and the largest normal stress of its plane, and t samples have at most (t + 2) / 2
+ * cycles; lines are counted in the order of this bound until it is below the largest damage. Bound 2: each cycle crosses every level
+ * within its range upwards once. Damage grows at least with a power p >= 1 of the amplitude: its sum is largest if as few cycles as
+ * possible cross as many levels as possible (the row sums of a table
  * of zeros and ones are majorised by the conjugate of its column sums, Gale and Ryser 1957). */
 #include "fatigue/rainflow.h"
 #include <math.h>
 
-enum { CELLS = 24 };   /* of the range of a line, between levels */
-/* planes whose damage differs by a smaller share are equal: round-off of sums, amplified by the slope of the curve */
+enum { CELLS = 24 };   /* intervals between levels in the range of a line */
+/* relative difference of damage below which planes are equal: round-off of sums, amplified by the slope of the S-N curve */
 #define TIE 1e-9
 
 /* damage of one cycle of an amplitude and the largest normal stress in it */
@@ -24,7 +24,7 @@ static double one(const jo_planes *r, const jo_meter *curve, double amplitude, d
     const double g = amplitude * (1.0 + r->k * top);
     if (!(g > 0.0)) return 0.0;
     const double u = (log(g) - r->first) / r->step;
-    if (u < 0.0) return 0.0;   /* the table begins where damage is nothing beside that of its end */
+    if (u < 0.0) return 0.0;   /* below the table: negligible damage */
     long long i = (long long)u;
     if (i > r->points - 2) i = r->points - 2;
     return exp(r->table[i] + (u - (double)i) * (r->table[i + 1] - r->table[i]));
@@ -38,7 +38,7 @@ static double cycle(const jo_planes *r, const jo_meter *curve, double from, doub
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* four-point count of x (count), which begins with sample `start` and goes round; sn (count) is the normal stress;
+/* damage by the four-point count of x (count) from sample `start` on, cyclically; sn (count): normal stress;
  * z and seg (count + 1): turning points and the largest normal stress between each and the next */
 static double counted(const jo_planes *r, const jo_meter *curve, const double *x, const double *sn, long long count,
                       long long start, double *z, double *seg)
@@ -69,7 +69,7 @@ static double counted(const jo_planes *r, const jo_meter *curve, const double *x
     }
     if (r->residue == JO_RESIDUE_HALF)
         for (long long i = 0; i + 1 < n; i++) sum += 0.5 * cycle(r, curve, z[i], z[i + 1], seg[i]);
-    if (round && n > 2) sum += cycle(r, curve, z[0], z[1], seg[0]);   /* the largest one, there and back */
+    if (round && n > 2) sum += cycle(r, curve, z[0], z[1], seg[0]);   /* largest range, closed by the repetition */
     return sum;
 }
 
@@ -93,7 +93,7 @@ static void extremes(const double *x, long long nt, double *low, double *high)
     }
 }
 
-/* where the history begins: for `repeat` at its largest magnitude, so that all cycles close in one round */
+/* first sample of the count; for `repeat` that of the largest magnitude, with which all cycles close within one round */
 static long long beginning(const jo_planes *r, const double *x, long long nt)
 {
     long long at = 0;
@@ -105,7 +105,7 @@ static long long beginning(const jo_planes *r, const double *x, long long nt)
 
 static double at_most(long long turns) { return 0.5 * (double)(turns + 2); }
 
-/* a bound of the damage of x (nt) from low to high by the levels that it crosses */
+/* bound 2 of the damage of x (nt) with extremes low, high */
 static double crossed(const jo_planes *r, const jo_meter *curve, const double *x, long long nt, double low, double high,
                       double top)
 {
@@ -120,7 +120,7 @@ static double crossed(const jo_planes *r, const jo_meter *curve, const double *x
         here = next;
         if (t + 1 < nt) turns += (x[t + 1] - x[t]) * (x[t] - x[t - 1]) <= 0.0;
     }
-    /* how often each level is crossed, the most first; one more for what goes round or counts half */
+    /* crossings of each level, descending; + 1 for the cyclic continuation and half cycles */
     double sum = 0.0;
     for (int i = 1; i < CELLS; i++) {
         sum += ends[i];
@@ -138,7 +138,7 @@ static double crossed(const jo_planes *r, const jo_meter *curve, const double *x
     return whole * bound;
 }
 
-/* places of the bounds (n), the largest first: heap sort, ties by their place */
+/* order (n) of the bounds, descending, ties by index: heap sort */
 static void sorted(const double *bound, long long *order, long long n)
 {
     for (long long i = 0; i < n; i++) order[i] = i;
@@ -163,7 +163,7 @@ static void sorted(const double *bound, long long *order, long long n)
     }
 }
 
-/* a history on one plane: normal stress, shear along two directions and along a line (nt each), room to count in */
+/* History on one plane: normal stress, shear along two directions and along a line (nt each); work space of the count. */
 typedef struct { double *sn, *u, *v, *x, *z, *seg; } history;
 
 static int has_lines(const jo_planes *r) { return r->kind != JO_PLANE_NORMAL; }
@@ -177,7 +177,7 @@ static void resolved(const jo_planes *r, long long plane, const double *s, long 
     project(row + 12, s, nt, h->v);
 }
 
-/* of each line of each plane: damage of a cycle as large as its range; below 0: it has none */
+/* bound 1 / number of cycles of each line: damage of a cycle of its whole range; negative: constant history */
 static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, long long nt, const history *h, double *bound)
 {
     double low, high, least, top;
@@ -185,7 +185,7 @@ static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, l
         resolved(r, i, s, nt, h);
         extremes(h->sn, nt, &least, &top);
         if (!has_lines(r)) {
-            /* a mean stress correction leaves no bound */
+            /* no bound with a mean stress correction */
             bound[i] = least == top ? -1.0 : curve->mean ? INFINITY : jo_cycle_damage(curve, least, top);
             continue;
         }
@@ -197,7 +197,7 @@ static void bounds(const jo_planes *r, const jo_meter *curve, const double *s, l
     }
 }
 
-/* whether the damage of a series surely is less */
+/* whether bound 2 of a series is below `damage` */
 static int falls_short(const jo_planes *r, const jo_meter *curve, const double *series, const double *sn, long long nt,
                        double damage)
 {
@@ -233,7 +233,7 @@ void jo_plane_damage(const jo_planes *r, const jo_meter *curve, const double *s,
         bound[order[q]] = counted(r, curve, series, sn, nt, beginning(r, series, nt), z, seg);
         if (bound[order[q]] > *damage) *damage = bound[order[q]];
     }
-    /* what was not counted is less; of planes that are equal but for round-off the first one */
+    /* lines that were not counted have less damage; first one of planes that are equal to round-off */
     for (; q < count; q++) bound[order[q]] = -1.0;
     for (q = 0; q < count; q++) {
         if (bound[q] > 0.0 && bound[q] >= *damage * (1.0 - TIE)) {

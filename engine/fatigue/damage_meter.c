@@ -1,15 +1,13 @@
-/* damage_meter.c - fatigue damage of a history as it comes: rainflow count (rainflow.h), Miner's sum.
+/* damage_meter.c - fatigue damage of a history, sample by sample: rainflow count (rainflow.h) and Miner's sum.
  *
- * The stack holds the turning points that no cycle has taken yet, the last one is the newest sample of the present run
- * up or down. Of its last four points A B C D the inner range B C is a closed cycle if it lies within A D; D may still
- * move on, but only away from C, so that nothing changes by closing early. What remains is the residue: ranges that
- * grow, then ranges that shrink.
+ * The stack contains the turning points that belong to no closed cycle; its last point is the newest sample of the present rise or fall.
+ * Of its last four points A B C D the inner range B C is a closed cycle if it lies within A D; D can still move, but only away from C, which
+ * does not affect this cycle. The remaining points are the residue: growing, then shrinking ranges.
  *
- * A full stack makes room where it costs least. While ranges grow, no later sample can reach the first point: it leaves
- * with half a cycle, as in ASTM E1049, and the count with half cycles stays exact. If all ranges shrink (a free
- * vibration that decays), one of the smallest, the last between known points, counts as a full cycle, and what the range
- * around it loses counts in full: never less than the exact damage, and hardly more. How many cycles were closed so, and
- * how large they were, is kept. */
+ * A full stack is reduced with the least error. If the first ranges grow, no later sample can reach the first point: half a cycle is
+ * removed, as in ASTM E1049, and the count with half cycles remains exact. If all ranges shrink (decaying vibration), the last range between
+ * known points, one of the smallest, counts as a full cycle, and the loss of the range around it counts in full: the damage is never below
+ * the exact one. Number and largest range of such forced cycles are stored. */
 #include "fatigue/rainflow.h"
 #include <float.h>
 #include <math.h>
@@ -20,7 +18,7 @@
 
 static double positive(double x) { return x > 0.0 ? x : 0.0; }
 
-/* FKM guideline, 6th edition, 4.4.2: R > 1, R <= 0, R < 1/2 and beyond */
+/* equivalent amplitude by the FKM guideline, 6th edition, 4.4.2: R > 1, R <= 0, R < 1/2, R >= 1/2 */
 static double fkm(double M, double s, double mean)
 {
     if (mean < -s) return s * (1.0 - M);
@@ -29,7 +27,7 @@ static double fkm(double M, double s, double mean)
     return s * 3.0 * (1.0 + M) * (1.0 + M) / (3.0 + M);
 }
 
-/* bonus of the stress ratio of welds, IIW-2259-15, 3.5.2 */
+/* amplitude / f(R) of welds, IIW-2259-15, 3.5.2: f = 1.2 - 0.4 R up to 1.6 (low residual stress), 0.9 - 0.4 R up to 1.3 (medium) */
 static double weld(double relief, double s, double mean)
 {
     if (relief == 0.0) return s;
@@ -70,12 +68,12 @@ double jo_cycle_damage(const jo_meter *r, double from, double to)
     return pow(s / r->amplitude, slope) / r->cycles;
 }
 
-/* share of the knee of the S-N curve below which a range is the rounding of the history */
+/* range / amplitude of the knee of the S-N curve below which a range is round-off of the history */
 #define ROUNDING 1e-12
 
 /* -- the stack ---------------------------------------------------------------------------------- */
 
-/* Kahan's sum: damage of 1e9 small cycles is not lost */
+/* Kahan summation: no loss of the damage of 1e9 small cycles */
 static void add_damage(double *m, double damage)
 {
     volatile double y = damage - m[JO_METER_ROUNDING], sum = m[JO_METER_DAMAGE] + y;
@@ -83,6 +81,7 @@ static void add_damage(double *m, double damage)
     m[JO_METER_DAMAGE] = sum;
 }
 
+/* reduce a full stack of n points; returns the new number of points */
 static int make_room(const jo_meter *r, double *m, int n)
 {
     double *z = m + JO_METER;
@@ -95,7 +94,7 @@ static int make_room(const jo_meter *r, double *m, int n)
     const double range = fabs(z[n - 3] - z[n - 2]);
     const double lost = jo_cycle_damage(r, z[n - 4], z[n - 3]) - jo_cycle_damage(r, z[n - 4], z[n - 1]);
     add_damage(m, jo_cycle_damage(r, z[n - 3], z[n - 2]));
-    if (lost > 0.0) add_damage(m, lost);   /* the range around it has lost its end */
+    if (lost > 0.0) add_damage(m, lost);   /* reduction of the surrounding range */
     m[JO_METER_CLOSED] += 1.0;
     m[JO_METER_FORCED] += 1.0;
     if (range > m[JO_METER_LARGEST_FORCED]) m[JO_METER_LARGEST_FORCED] = range;
@@ -103,7 +102,7 @@ static int make_room(const jo_meter *r, double *m, int n)
     return n - 2;
 }
 
-/* one sample; closed cycles go to `cycles` if it is not 0, their number is returned */
+/* one sample; closed cycles into `cycles` unless NULL; returns their number */
 static int push(const jo_meter *r, double *m, double x, double *cycles)
 {
     double *z = m + JO_METER;
@@ -122,7 +121,7 @@ static int push(const jo_meter *r, double *m, double x, double *cycles)
         return 0;
     }
     const double top = z[n - 1];
-    if (fabs(x - top) <= ROUNDING * r->amplitude) return 0;   /* rounding turns no history */
+    if (fabs(x - top) <= ROUNDING * r->amplitude) return 0;   /* round-off is no turning point */
     if (n > 1 && (x > top) == (top > z[n - 2])) {
         z[n - 1] = x;   /* further in the same direction */
     } else {
@@ -156,7 +155,7 @@ long long jo_meter_trace(const jo_meter *r, double *memory, const double *x, lon
     return closed;
 }
 
-/* a few meters at a time, so that their memory stays in the cache while their columns are read */
+/* meters per tile, whose memory fits into the cache while their columns are read */
 enum { TILE = 32 };
 
 void jo_meter_block(const jo_meter *r, double *memory, const double *x, long long count, long long n)
@@ -180,7 +179,7 @@ double jo_meter_damage(const jo_meter *r, const double *m, int residue, double *
         for (int i = 0; i + 1 < n; i++) sum += jo_cycle_damage(r, z[i], z[i + 1]);
         sum = 0.5 * (sum + m[JO_METER_SHED_DAMAGE]);
     } else if (residue == JO_RESIDUE_REPEAT) {
-        /* the residue after itself; points that have left cannot come again and count in full */
+        /* the residue repeated after itself; removed half cycles count as full cycles */
         jo_meter deep = *r;
         deep.depth = 2 * r->depth + 2;
         deep.width = 0.0;
@@ -204,7 +203,7 @@ int jo_meter_valid(const jo_meter *r, const double *m)
     for (int i = 0; i < 6; i++)
         if (!(m[counts[i]] >= 0.0 && m[counts[i]] == floor(m[counts[i]]) && m[counts[i]] <= DBL_MAX)) return 0;
     if (m[JO_METER_POINTS] > r->depth || m[JO_METER_FORCED] > m[JO_METER_CLOSED] || (m[JO_METER_POINTS] == 0.0) != (m[JO_METER_SAMPLES] == 0.0)) return 0;
-    if (!(m[JO_METER_DAMAGE] >= 0.0 && m[JO_METER_SHED_DAMAGE] >= 0.0 && m[JO_METER_LARGEST_FORCED] >= 0.0)) return 0;   /* may be infinite */
+    if (!(m[JO_METER_DAMAGE] >= 0.0 && m[JO_METER_SHED_DAMAGE] >= 0.0 && m[JO_METER_LARGEST_FORCED] >= 0.0)) return 0;   /* infinite values are valid */
     const double *z = m + JO_METER;
     const int n = (int)m[JO_METER_POINTS];
     for (int i = 0; i < n; i++) {

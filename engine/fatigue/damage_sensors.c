@@ -1,8 +1,8 @@
-/* damage_sensors.c - damage meters in a model: they count sensor values of every accepted state. */
+/* damage_sensors.c - damage meters in a model: a sample of each sensor value at every accepted state. */
 #include "maximal/maximal.h"
 #include "fatigue/fatigue.h"
 
-/* doubles that the read-out of the largest meter needs */
+/* doubles of work space for the residue of the largest meter */
 static int scratch_of(const jo_model *m)
 {
     int most = 0;
@@ -40,7 +40,7 @@ void jo_damage_setup(const jo_model *m, jo_data *d)
     }
 }
 
-/* a state is counted once, also when a run goes on from it */
+/* whether the state at `time` has not been counted, also when a run is continued from it */
 static int is_new(const double *memory, double time)
 {
     return memory[JO_METER_SAMPLES] + memory[JO_METER_DROPPED] == 0.0 || memory[JO_METER_TIME] != time;

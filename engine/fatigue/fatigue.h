@@ -1,4 +1,4 @@
-/* fatigue.h - damage meters, critical planes, recovered stress, health of channels: what other rooms may use. */
+/* fatigue.h - damage meters in a model; functions for other rooms. */
 #ifndef JO_FATIGUE_H
 #define JO_FATIGUE_H
 
@@ -17,6 +17,6 @@ static inline void jo_damage_read(const jo_model *m, const jo_data *d, int meter
 /* damage_sensors.c */
 void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a);
 void jo_damage_setup(const jo_model *m, jo_data *d);
-int jo_measure(const jo_model *m, jo_data *d);   /* the present state is accepted: the meters count it */
+int jo_measure(const jo_model *m, jo_data *d);   /* damage meters: samples of the accepted state */
 
 #endif

@@ -1,4 +1,4 @@
-/* rainflow.c - the rainflow count of a whole history: its closed cycles, and the turning points that remain. */
+/* rainflow.c - rainflow count of a complete history: closed cycles and residue of turning points (four-point rule). */
 #include "fatigue/rainflow.h"
 
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,

@@ -1,10 +1,10 @@
-/* rainflow.h - the four-point rule of the rainflow count, for meters (damage_meter.c), planes (critical_planes.c) and whole histories. */
+/* rainflow.h - four-point rule of the rainflow count, for damage_meter.c, critical_planes.c and rainflow.c. */
 #ifndef JO_RAINFLOW_H
 #define JO_RAINFLOW_H
 
 #include "jousto.h"
 
-/* The inner two of four turning points z lie within the outer two, and are a cycle; the last has to reach the second for that. */
+/* whether the inner range of four turning points z lies within the outer range: a closed cycle */
 static inline int jo_closes(const double *z)
 {
     return z[3] > z[2] ? z[3] >= z[1] && z[0] <= z[2] : z[3] <= z[1] && z[0] >= z[2];

@@ -1,10 +1,9 @@
-/* stress_recovery.c - stress of a body from its modal coordinates: s = S p, and a number that judges it.
+/* stress_recovery.c - stress field of a body from its modal coordinates, s = S p, and criteria such as the signed von Mises stress.
  *
- * Sites stand in tiles of JO_LANES; the modes of a tile lie behind one another, (k x rows x JO_LANES), so that they
- * stay in the nearest cache while instants run by and the sites of a tile share an instruction. The six components are
- * never stored: each value is worked out as soon as its tensor is known.
+ * Sites are stored in tiles of JO_LANES, (k x rows x JO_LANES) each: a tile remains in the first-level cache for all instants, and its sites
+ * share vector instructions. The six components are not stored; the criterion is evaluated directly.
  *
- * Plain doubles in every build: nothing here belongs to a model.
+ * Numbers are doubles in every build: no function depends on a model.
  */
 #include <math.h>
 
@@ -13,8 +12,8 @@
 enum { CHUNK = 64 };   /* instants of one tile at a time */
 #define NO_DEVIATOR 1e-150  /* sqrt(J2 / 3), unit of stress, below which the tensor is hydrostatic: its square must not underflow */
 
-/* Share of the difference of the extreme principal values up to which their sum is zero: in pure shear they are opposite and rounding
- * would choose the sign. Near two equal values the cubic equation below gives half the digits, 1e-8. */
+/* |sum| / difference of the extreme principal values below which their sum counts as 0: in pure shear round-off would decide the sign. Near
+ * two equal values the cubic equation below has half of the digits, 1e-8. */
 static const double SUM_ROUNDING = 1e-7;
 
 typedef struct {
@@ -35,12 +34,12 @@ static inline void product(const double *restrict S, int rows, int k, const doub
     }
 }
 
-/* Principal values of a symmetric tensor, the largest first, and the direction v of the one that stands apart.
+/* Principal values of a symmetric tensor, descending, and direction (x, y, z) of the separate one.
  *
  * With the mean m, the deviator D = S - m 1 and q = sqrt(J2 / 3) the roots are m + 2 q cos(theta + 2 pi i / 3),
- * cos(3 theta) = r = det D / (2 q^3). The root x = 2 cos(acos(|r|) / 3) of x^3 - 3 x = 2 |r| stands apart from the other two
- * by 1.7 or more, so that three steps of Newton's method give all its digits. The other two may be close: they are those of
- * D in the plane across its direction, where no digits are lost. `end` is positive if the largest stands apart. */
+ * cos(3 theta) = r = det D / (2 q^3). The root x = 2 cos(acos(|r|) / 3) of x^3 - 3 x = 2 |r| differs from the other two
+ * by 1.7 or more: three steps of Newton's method give all digits. The other two, which may be close, are those of D in the plane
+ * normal to its direction, without loss of digits. end: 1 if the separate value is the largest one, -1 if it is the smallest. */
 typedef struct {
     double first[JO_LANES], second[JO_LANES], third[JO_LANES];
     double x[JO_LANES], y[JO_LANES], z[JO_LANES], end[JO_LANES];
@@ -64,7 +63,7 @@ static void principal(double s[6][JO_LANES], principals *restrict out)
         for (int i = 0; i < 3; i++) x -= (x * (x * x - 3.0) - 2.0 * r) / (3.0 * (x * x - 1.0));
         const double root = det < 0.0 ? -x : x;
 
-        /* two rows of D - root 1 span the plane across its direction: the largest of their products */
+        /* direction: largest cross product of two rows of D - root 1 */
         const double A = a - root, B = b - root, C = c - root;
         const double x0 = B * C - e * e, y0 = e * f - d * C, z0 = d * e - B * f;   /* rows 2 x 3 */
         const double x1 = y0, y1 = A * C - f * f, z1 = d * f - A * e;              /* rows 3 x 1 */
@@ -75,7 +74,7 @@ static void principal(double s[6][JO_LANES], principals *restrict out)
         const double norm = two ? n2 : one ? n1 : n0;
         const double unit = norm > 0.0 ? 1.0 / sqrt(norm) : 0.0;
         const double nx = norm > 0.0 ? px * unit : 1.0, ny = py * unit, nz = pz * unit;
-        /* u and t across it */
+        /* u and t normal to the direction */
         const int flat = fabs(nx) > fabs(nz);
         const double ux0 = flat ? -ny : 0.0, uy0 = flat ? nx : -nz, uz0 = flat ? 0.0 : ny;
         const double length = 1.0 / sqrt(ux0 * ux0 + uy0 * uy0 + uz0 * uz0);
@@ -122,9 +121,9 @@ static void judge_tensors(const rule *c, double acc[6][JO_LANES], double *restri
     principals of;
 
     if (c->criterion == JO_SIGNED_MISES) {
-        /* the largest and the smallest principal value add up to 2 m - d2, with d2 the middle root of
-         * d^3 - J2 d - J3, which falls between the extremes at -+ sqrt(J2 / 3): its sign needs no root.
-         * x is 2 m, raised by what counts as zero; the two values differ by 1 to 1.16 times the von Mises stress */
+        /* sum of the largest and the smallest principal value: 2 m - d2, d2 the middle root of d^3 - J2 d - J3, which decreases
+         * between its extremes at -+ sqrt(J2 / 3): the sign follows without the root. x = 2 m + tolerance; the two principal values
+         * differ by 1 to 1.16 times the von Mises stress */
         for (int l = 0; l < JO_LANES; l++) {
             const double m = (acc[0][l] + acc[1][l] + acc[2][l]) / 3.0;
             const double d1 = acc[0][l] - m, d2 = acc[1][l] - m, d3 = acc[2][l] - m;
@@ -162,7 +161,7 @@ static void judge_tensors(const rule *c, double acc[6][JO_LANES], double *restri
     }
 }
 
-/* `rows` is a constant wherever this is called, so that the sums stay in registers */
+/* values of one tile; callers pass `rows` as a constant, so that the sums are in registers */
 static inline void instants(const double *S, int rows, int k, const double *p, long long t, int count, const rule *c,
                             double out[CHUNK][JO_LANES])
 {
@@ -245,7 +244,7 @@ void jo_principal(const double *s, long long count, double *values, double *dire
     for (long long i = 0; i < count; i++, s += 6) {
         double *value = values + 3 * i;
         const int l = (int)(i % JO_LANES);
-        if (l == 0) {   /* the next tensors at once, the last one again where there are no more */
+        if (l == 0) {   /* next JO_LANES tensors, padded with the last one */
             const int more = lesser(JO_LANES, count - i);
             for (int j = 0; j < JO_LANES; j++)
                 for (int r = 0; r < 6; r++) tensors[r][j] = s[6 * (j < more ? j : more - 1) + r];
@@ -255,7 +254,7 @@ void jo_principal(const double *s, long long count, double *values, double *dire
         value[1] = of.second[l];
         value[2] = of.third[l];
         if (!directions) continue;
-        /* which end stands apart, and the other two turned in the plane across it */
+        /* separate value, and the directions of the other two in the plane normal to its direction */
         const int apart = of.end[l] > 0.0 ? 0 : 2;
         const double n[3] = { of.x[l], of.y[l], of.z[l] };
         const int flat = fabs(n[0]) > fabs(n[2]);

@@ -53,7 +53,7 @@ void jo_friction_slip(const jo_model *m, const jo_data *d, const jo_friction *f,
 void jo_friction_direction(const jo_model *m, const jo_data *d, int i, jo_real *e);
 /* friction forces (2) per normal force and per torque of the collar; returns whether any is not 0 */
 int jo_friction_weights(const jo_model *m, const jo_data *d, int i, jo_real *press, jo_real *collar);
-void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* in axes of side 0 */
+void jo_friction_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, const jo_real *lam, jo_real *y);   /* axes of side 0 */
 void jo_friction_joint_reaction(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* last evaluation */
 void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_friction *f, jo_real *y);   /* static friction */
 

@@ -89,7 +89,8 @@ static int release(const jo_model *m, jo_data *d)
     return JO_OK;
 }
 
-/* end of the state of friction i, after jo_evaluate: sticking to sliding, or sliding to sticking and, above the static limit, to sliding back */
+/* end of the state of friction i, after jo_evaluate: sticking to sliding; sliding to sticking and, above the static limit, to sliding
+ * in the opposite direction */
 int jo_friction_switch(const jo_model *m, jo_data *d, int i)
 {
     const jo_friction *f = &m->friction[i];
@@ -102,7 +103,7 @@ int jo_friction_switch(const jo_model *m, jo_data *d, int i)
         jo_real e[2];
         jo_friction_slip(m, d, f, e);
         const jo_real speed = jo_length2(e[0], e[1]);
-        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* slip along two coordinates: changes direction without a stop */
+        if (jo_slips(f) == 2 && JO_RE(speed) > JO_PASSING_SPEED * m->size) {   /* new direction without a stop */
             for (int k = 0; k < 2; k++) d->direction[2 * i + k] = e[k] / speed;
             jo_forces_jumped(d);
             return jo_accelerations(m, d);

@@ -42,7 +42,8 @@ static int step_rk4(const jo_model *m, jo_data *d, const jo_solver *s, const jo_
         if (k || !jo_accelerations_valid(d) || baumgarte) {
             int status = jo_evaluate(m, d, stage);
             if (status != JO_OK) return status;
-            if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;   /* evaluation counts must not depend on how a run is split into calls */
+            /* evaluation counts must not depend on how a run is split into calls */
+            if (!k && jo_valid_before_call(d) && !baumgarte) d->counts.evaluations--;
         }
         jo_first_stage_done(d);
         if (k) jo_position_rate(m, d, d->rate, d->rate);
@@ -60,7 +61,8 @@ static void clear_extra_forces(const jo_model *m, jo_data *d)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
 }
 
-/* stage 2 of ROS2 with beams, solved for the change from a1, lam1 of stage 1: lag = g h K (2 v0 - x' + 4 g h a1) + 2 g h D a1 - (M^ - M) a1 */
+/* stage 2 of ROS2 with beams, solved for the change from a1, lam1 of stage 1:
+ * lag = g h K (2 v0 - x' + 4 g h a1) + 2 g h D a1 - (M^ - M) a1 */
 static void second_stage(const jo_model *m, jo_data *d, double gh)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
@@ -142,7 +144,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
         jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
         status = implicit ? jo_step_alpha(m, d, s) : s->method == JO_RK4 ? step_rk4(m, d, s, &stage) : step_ros2(m, d, s, &stage);
         jo_state_changed(d);
-        if (implicit) jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);   /* a and lam of the step, unless those of least norm are needed */
+        if (implicit) jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);   /* not lam of least norm */
         else if (status == JO_OK && jo_tree_active(d)) {   /* drives, and projection of the loops */
             jo_tree_prescribe_motion(m, d);
             if (s->projection && jo_nmaximal(d)) jo_project(m, d, &stage);

@@ -1,6 +1,6 @@
-/* lanes.h - W machines of one structure side by side: a number of each in the lanes of a vector.
+/* lanes.h - numbers of JO_VECTOR machines of one structure in the lanes of a vector: comparisons, selections, functions.
  *
- * Machines never meet: what happens in a lane depends on that lane alone. One that cannot go on becomes NaN and stays so.
+ * The machines are independent: results of a lane depend on that lane only. A machine that fails becomes NaN and remains NaN.
  */
 #ifndef JO_LANES_H
 #define JO_LANES_H
@@ -15,7 +15,7 @@ typedef long long jo_mask __attribute__((vector_size(8 * JO_VECTOR)));
 #define JO_PART(x, lane) ((x)[lane])
 #define JO_EACH_LANE(l) for (int l = 0; l < JO_MACHINES; l++)
 
-static inline jo_real jo_same(double x) { return x - (jo_real){0}; }   /* and not +: the sign of 0 stays */
+static inline jo_real jo_same(double x) { return x - (jo_real){0}; }   /* - 0 and not + 0: preserves the sign of 0 */
 static inline int jo_some(jo_mask x)
 {
     long long any = 0;

@@ -1,5 +1,5 @@
-/* left_out.c - in place of the sources that machines side by side do not need: beams, frictions, events, damage meters, moving
- * loads, functions of the user, implicit and adaptive steps. A model that has any of it is not run so (ensemble.py). */
+/* left_out.c - empty functions in place of the sources that the build with lanes omits: beams, frictions, events, damage meters, moving
+ * loads, functions of the user, implicit and adaptive steps. ensemble.py excludes models that need any of these. */
 #include "maximal/maximal.h"
 #include "beam/beam.h"
 #include "force/force.h"
@@ -169,7 +169,7 @@ int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, d
     return JO_NO_CONVERGENCE;
 }
 
-/* trees in joint coordinates: they run in q and v */
+/* trees in joint coordinates: the build with lanes uses q and v */
 void jo_loop_setup(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;
@@ -264,6 +264,6 @@ void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage 
     (void)m; (void)d; (void)stage;
 }
 
-/* kinds of force that no other file defines here */
+/* kinds of force that no file of this build defines */
 #define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0};
 JO_FORCES(LEFT_OUT)

@@ -1,7 +1,7 @@
-/* beam.c - a beam element between two rigid bodies, meant to run under sanitizers.
+/* beam.c - test of a beam element between two rigid bodies, for sanitizers.
  *
- * Checked: Newton's matrix against differences of the residual, energy in free flight at the order of the method, the
- * section sensor, too much bending comes back as a code.
+ * Checks: Newton's matrix against differences of the residual; energy in free flight by the order of the method; section sensor; status
+ * JO_BENT of excessive bending.
  */
 #include "beam/beam.h"
 #include <math.h>
@@ -18,7 +18,7 @@ static void fill(double beta, double alpha, double share, double helical)
 {
     memset(&data, 0, sizeof data);
     data.length = 0.9;
-    for (int k = 0; k < 2; k++) {   /* ends off the origins, their frames turned about z */
+    for (int k = 0; k < 2; k++) {   /* ends off the origins, frames rotated about z */
         const double angle = k ? 0.2 : -0.1, c = cos(angle), s = sin(angle);
         const double u[3] = {0.05, -0.1, 0.07 * (k + 1)}, B[9] = {c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0};
         memcpy(k ? data.u_b : data.u_a, u, sizeof u);
@@ -43,7 +43,7 @@ static void place(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->nv; i++) { v[i] = sin(1.0 + i); a[i] = cos(2.0 + i); }
 }
 
-/* q moved along unknown j: [dR (world), dtheta (local)] */
+/* q o increment along unknown j: [dR (world), dtheta (local)] */
 static void move(double *q, int j, double x)
 {
     double *R = q + 7 * (j / 6), *e = R + 3, old[4];
@@ -133,7 +133,7 @@ int main(int argc, char **argv)
         const double worst = worst_tangent(&m, d);
         printf("tangent %d: %.1e\n", k, worst);
         CHECK(worst < 1e-5);
-        if (argc > 1) {   /* work of the evaluations, to be counted */
+        if (argc > 1) {   /* evaluations only, for counts of instructions */
             double r[12], M[144];
             for (int i = 0; i < atoi(argv[1]); i++) jo_residual(&m, d, r);
             for (int i = 0; i < atoi(argv[1]); i++) jo_newton_matrix(&m, d, 1.0, 0.1, 0.01, M);
@@ -157,7 +157,7 @@ int main(int argc, char **argv)
         CHECK(fabs(sum - y[6 + i]) < 1e-12 * (1.0 + fabs(sum)));
     }
     memcpy(jo_data_q(d) + 10, jo_data_q(d) + 3, 4 * sizeof(double));
-    move(jo_data_q(d), 11, 2.8);   /* and 0.3 rad between the end frames */
+    move(jo_data_q(d), 11, 2.8);   /* + 0.3 rad between the end frames */
     CHECK(jo_accelerations(&m, d) == JO_BENT && jo_data_error_index(d) == 0);
     jo_data_free(d);
     return 0;

@@ -1,8 +1,8 @@
-/* chain.c - the engine on its own, meant to run under sanitizers.
+/* chain.c - test of the engine without Python, for sanitizers.
  *
  * Ground -revolute- flexible -fixed- rigid -spherical- flexible, two elimination branches, forces with every
- * kind of signal, every kind of sensor. Checked: energy is kept at the order of the method, constraints stay
- * closed, errors come back as codes.
+ * kind of signal, every kind of sensor. Checks: energy by the order of the method; constraint residuals;
+ * error codes.
  */
 #include "jousto.h"
 #include <math.h>
@@ -15,7 +15,7 @@ enum { N = 5, NP = 8, BODIES = 3, JOINTS = 3 };
 #define CHECK(x) \
     do { if (!(x)) { fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #x); exit(1); } } while (0)
 
-/* a cloud of eight particles with five mode shapes gives consistent invariants */
+/* consistent invariants of eight particles with five mode shapes */
 enum { PARTICLES = 8 };
 static double u0[PARTICLES][3], phi[PARTICLES][3][N];
 static double mass[1] = {PARTICLES}, S0[3], J0[6], I3[3 * NP], B0[3 * NP], D0[6 * NP], K[NP], D[NP], none[NP];
@@ -137,7 +137,7 @@ static double drift(const jo_model *m, jo_solver s)
     return worst;
 }
 
-/* the same with error control, in many calls that end in the middle of everything */
+/* the same with error control, split into many short calls */
 static double followed(const jo_model *m, jo_solver s)
 {
     jo_data *d = jo_data_new(m);
@@ -262,7 +262,7 @@ int main(void)
     free(row);
     jo_data_free(few);
 
-    /* events: a position and a reaction half-way between two steps of a plain run; the reaction stops */
+    /* events: a position and a reaction at half of a step of a plain run; the reaction ends the run */
     const int size = jo_row_size(&m), out = size - m.nout;
     double *plain = calloc((size_t)(202 * (size + 3)), sizeof *plain);
     count = 0;
@@ -287,12 +287,12 @@ int main(void)
     CHECK(happened[0] >= 1 && happened[1] == 1 && happened[2] == 0 && count <= 151 && written == count + 1);
     CHECK(jo_data_logged(d) == happened[0] + happened[1]);
     CHECK(fabs(last[out + 24] - event[1].threshold) < 1e-8 * (1.0 + fabs(event[1].threshold)));
-    CHECK(last[size] == happened[0]);   /* rows end with what the run remembers */
+    CHECK(last[size] == happened[0]);   /* rows end with the discrete states */
     jo_data_free(d);
     free(plain);
     m.nevent = 0;
 
-    /* errors are codes with the offending index */
+    /* error codes and indices */
     d = jo_data_new(&m);
     CHECK(jo_assemble(&m, d, 30, 1e-13) == JO_OK);
     jo_data_v(d)[m.body[2].iv] = 1e16;

@@ -1,8 +1,7 @@
-/* damage_meter.c - the damage meter on its own, meant to run under sanitizers.
+/* meter.c - test of the damage meter without a model, for sanitizers.
  *
- * Checked: the counts of ASTM E1049-85 and the damage of that block, every residue rule, what is dropped, full stacks
- * of growing and shrinking vibrations, blocks of many meters, a copy of the memory as a checkpoint, the count of a whole
- * history. */
+ * Checks: counts and damage of the block of ASTM E1049-85; residue rules; dropped samples; full stacks of growing and decaying vibrations;
+ * blocks of many meters; a copy of the memory as a checkpoint; count of a complete history. */
 #include "jousto.h"
 #include <math.h>
 #include <stdio.h>
@@ -68,7 +67,7 @@ static void astm(void)
     CHECK(near(once + repeated - once, twice[JO_METER_DAMAGE] - once, 1e-13));
 }
 
-/* what is not a number leaves no trace but its count */
+/* values that are not finite change only the count of dropped samples */
 static void dropped(void)
 {
     double a[SIZE] = {0}, b[SIZE] = {0};
@@ -84,7 +83,7 @@ static void dropped(void)
     CHECK(!memcmp(a, b, sizeof a));
 }
 
-/* a growing vibration needs no memory when halves count, a shrinking one is closed by force */
+/* growing vibration: exact with half cycles; decaying vibration: forced cycles */
 static void full(void)
 {
     double small[SIZE] = {0}, large[JO_METER + 500] = {0}, scratch[JO_METER + 1010];
@@ -117,7 +116,7 @@ static void full(void)
     CHECK(classes[6] == 0.0 && classes[0] <= 42.0);
 }
 
-/* blocks of many meters, cut anywhere, and the whole history at once */
+/* blocks of many meters in arbitrary pieces, and the complete history */
 static void blocks(void)
 {
     static double x[LONG * METERS], block[METERS * SIZE], column[LONG], cycles[LONG], traced[LONG], residue[LONG];
@@ -151,7 +150,7 @@ static void blocks(void)
     }
 }
 
-/* a memory that is none is told */
+/* inconsistent memories are detected */
 static void spoiled(void)
 {
     const double x[5] = {0, 3, -1, 2, 0.5};

@@ -1,5 +1,5 @@
-/* critical_planes.c - damage on planes, meant to run under sanitizers: alternating tension on its own plane has a closed form, and
- * more planes and lines are never less. */
+/* planes.c - test of the damage on planes, for sanitizers: closed form for alternating tension; additional planes and lines do not reduce the
+ * damage. */
 #include "jousto.h"
 #include <math.h>
 #include <stdio.h>

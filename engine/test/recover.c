@@ -1,4 +1,4 @@
-/* Stress fields against plain sums, with sites and instants that fill no tile and no chunk. */
+/* recover.c - test of stress fields against plain sums, with incomplete tiles and chunks, for sanitizers. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

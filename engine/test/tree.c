@@ -1,8 +1,8 @@
-/* tree.c - random trees of rigid bodies in joint coordinates, meant to run under sanitizers.
+/* tree.c - test of random trees of rigid bodies in joint coordinates, for sanitizers.
  *
- * Checked: where bodies stand and how they move against the kinematics here; accelerations against d'Alembert: along what a joint
- * allows, all bodies beyond it together need no force; energy and momentum at the order of the methods; going back and going on
- * elsewhere to the last bit; what has no inertia or is not finite comes back as a code.
+ * Checks: poses and velocities against independent kinematics; accelerations against d'Alembert's principle (no resultant of the inertial and
+ * applied forces of a subtree along its joint); energy and momentum by the order of the methods; restored states and copies equal bit for
+ * bit; error codes for missing inertia and values that are not finite.
  */
 #include "jousto.h"
 #include <math.h>
@@ -16,7 +16,7 @@ typedef enum { HINGE, SLIDE, BALL, WELD, CYLINDER, CROSS, KINDS } kind;
 #define CHECK(x) \
     do { if (!(x)) { fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #x); exit(1); } } while (0)
 
-/* everything of one tree: what a jo_model points to */
+/* Arrays of the jo_model of one tree. */
 typedef struct {
     jo_model m;
     jo_body body[BODIES];
@@ -27,11 +27,11 @@ typedef struct {
     jo_along_data along[LINKS];
     double mass[BODIES], S[BODIES][3], J[BODIES][6], u[MARKERS][3], A[MARKERS][9], gravity[3];
     double x[NX + NV];
-    int above[BODIES];      /* body that it hangs on, -1: the ground */
-    int of_body[BODIES];    /* its link */
+    int above[BODIES];      /* parent body, -1: ground */
+    int of_body[BODIES];    /* link of each body */
 } tree;
 
-/* a frame of reference; matrices by rows */
+/* Frame of reference; matrices by rows. */
 typedef struct { double A[9], r[3], v[3], w[3]; } frame;
 
 static unsigned state = 2026;
@@ -75,7 +75,7 @@ static void random_unit(double *e, int n)
     for (int i = 0; i < n; i++) e[i] /= sqrt(square);
 }
 
-/* of an orientation, by its largest component */
+/* quaternion of an orientation, from its largest component */
 static void parameters(double *e, const double *A)
 {
     const double s[4] = {A[0] + A[4] + A[8], A[0] - A[4] - A[8], A[4] - A[0] - A[8], A[8] - A[0] - A[4]};
@@ -170,7 +170,7 @@ static void random_body(tree *t, int i)
     }
 }
 
-/* a joint between the markers 2 i, on what is above, and 2 i + 1 */
+/* joint between marker 2 i on the parent and marker 2 i + 1 */
 static void hang(tree *t, int i, int parent, kind which)
 {
     static const int last[KINDS] = {JO_LINK_HINGE, JO_LINK_SLIDE, JO_LINK_BALL, JO_LINK_FIXED, JO_LINK_HINGE, JO_LINK_HINGE};
@@ -186,7 +186,7 @@ static void hang(tree *t, int i, int parent, kind which)
     if (which == HINGE || which == SLIDE) add_spring(t);
 }
 
-/* what hangs on a fixed body hangs on what that is fixed to */
+/* parent link: a fixed body stands for the body that it is fixed to */
 static int bears(const tree *t, int link)
 {
     while (link >= 0 && t->link[link].type == JO_LINK_FIXED) link = t->link[link].parent;
@@ -226,11 +226,11 @@ static void make(tree *t, unsigned seed, int loose)
     for (int j = 0; j < m->nu; j++) t->x[m->nx + j] = random_number();
 }
 
-/* ---- kinematics of the test's own ---------------------------------------------------------------- */
+/* ---- independent kinematics ------------------------------------------------------------------------ */
 
 static const frame GROUND = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0}, {0}, {0}};
 
-/* a frame that is fixed on another one at u with the axes B */
+/* frame at u with axes B, fixed on another frame */
 static frame fixed_on(const frame *o, const double *u, const double *B)
 {
     frame y;
@@ -246,7 +246,7 @@ static frame fixed_on(const frame *o, const double *u, const double *B)
     return y;
 }
 
-/* how a frame moves by a joint from where it is at zero; z of it before and after are the same for all but BALL */
+/* motion of a frame by a joint from coordinate zero; z is invariant except for BALL */
 static void move(frame *f, const jo_link *k, const double *x, const double *u)
 {
     double B[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, A[9], z[3] = {f->A[2], f->A[5], f->A[8]}, v[3], w[3];
@@ -272,7 +272,7 @@ static void move(frame *f, const jo_link *k, const double *x, const double *u)
     for (int i = 0; i < 3; i++) f->w[i] += w[i];
 }
 
-/* frames of the links, and q and v of the bodies, where x and u are */
+/* frames of the links, q and v of the bodies at x and u */
 static void place(const tree *t, frame *f, double *q, double *v)
 {
     static const double across[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0}, none[3] = {0};   /* x, y, z are y, z, x of the one before */
@@ -326,7 +326,7 @@ static jo_solver steps_of(int method, double step)
     return s;
 }
 
-/* a workspace with the bodies where x and u of the tree put them, and the numbers of turns with them */
+/* work space with q, v and counted angles at x, u of the tree */
 static jo_data *begin(const tree *t, frame *f)
 {
     double q[7 * BODIES], v[NV];
@@ -340,7 +340,7 @@ static jo_data *begin(const tree *t, frame *f)
 
 /* ---- checks ---------------------------------------------------------------------------------------- */
 
-/* force and moment about p that the bodies beyond a link need for their accelerations, less gravity's */
+/* inertial force minus weight of the subtree of a link, and its moment about p */
 static void needed(const tree *t, jo_data *d, int body, const double *p, double *F, double *T)
 {
     const double *q = jo_data_q(d) + 7 * body, *v = jo_data_v(d) + 6 * body, *a = jo_data_a(d) + 6 * body;
@@ -375,7 +375,7 @@ static int beyond(const tree *t, int link, int of)
     return of == link;
 }
 
-/* d'Alembert: largest force along what joints allow that the springs do not give */
+/* d'Alembert: largest resultant along the joints, minus the spring forces */
 static double unbalanced(const tree *t, const frame *f, jo_data *d)
 {
     double worst = 0.0;
@@ -446,7 +446,7 @@ static double energy(const tree *t, jo_data *d)
     return e.kinetic + e.potential + e.springs;
 }
 
-/* change of energy, and of momentum where nothing holds it, over a while; q at its end */
+/* change of energy, and of momentum without supports, in a run; q at its end */
 static double drift(const tree *t, jo_method method, double step, double *q)
 {
     frame f[LINKS];
@@ -466,7 +466,7 @@ static double drift(const tree *t, jo_method method, double step, double *q)
     return worst;
 }
 
-/* differences of what runs with steps h and 2h have at their ends, and drifts: they fall by the power of the order */
+/* differences of the final states of runs with steps h and 2h, and drifts, decrease by the order of the method */
 static void check_order(const tree *t, jo_method method, double step, double least)
 {
     double q[3][7 * BODIES], apart[2] = {0.0, 0.0}, drifts[3];
@@ -477,7 +477,7 @@ static void check_order(const tree *t, jo_method method, double step, double lea
     CHECK(drifts[0] > 0.7 * least * drifts[1] || drifts[1] < 1e-10);
 }
 
-/* the acceleration is that of the motion: differences of velocities over steps of 0.1 ms */
+/* accelerations against differences of velocities over steps of 0.1 ms */
 static void check_motion(const tree *t)
 {
     frame f[LINKS];
@@ -495,7 +495,7 @@ static void check_motion(const tree *t)
     jo_data_free(d);
 }
 
-/* back to where it was, and on from there in another workspace: the same bits */
+/* restored state and continuation in another work space: equal bit for bit */
 static void check_rewinding(const tree *t)
 {
     frame f[LINKS];
@@ -523,7 +523,7 @@ static void check_rewinding(const tree *t)
     jo_data_free(other);
 }
 
-/* rows of a run: finite, and the joint coordinates at their ends */
+/* rows of a run: finite, with the joint coordinates at the end */
 static void check_rows(const tree *t)
 {
     frame f[LINKS];
@@ -540,9 +540,9 @@ static void check_rows(const tree *t)
     jo_data_free(d);
 }
 
-/* ---- what has to be refused ------------------------------------------------------------------------ */
+/* ---- error codes ------------------------------------------------------------------------------------- */
 
-/* what a step returns from where one number of q or v is wrong */
+/* status of a step from a state with one invalid number of q or v */
 static int stepped(const tree *t, int at, double wrong)
 {
     frame f[LINKS];
