@@ -39,6 +39,7 @@ static void lay_state(const jo_model *m, jo_arena *a, jo_data *d)
     d->state_bytes = a->used - state;
 }
 
+/* all arrays of a jo_data from the arena; without a block only counts the bytes */
 static jo_data *lay_out(const jo_model *m, jo_arena *a)
 {
     jo_data spare, *taken = jo_take(a, sizeof(jo_data)), *d = taken ? taken : &spare;

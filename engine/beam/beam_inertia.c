@@ -190,6 +190,7 @@ static void rotation(jo_block N[2][2], const jo_beam *b, const jo_weights *c, co
     }
 }
 
+/* consistent inertia of one element in Newton's matrix */
 void jo_beam_newton_inertia(const jo_model *m, jo_data *d, int i, const jo_weights *c)
 {
     const jo_beam *b = &m->beam[i];

@@ -44,6 +44,7 @@ static void root_of(double A[6][6], double *root)
     }
 }
 
+/* spread or roots of the stress covariance S cov S^T + missed at all hot spots */
 void jo_band_spread(jo_band *b, const jo_plan *p, const double *cov)
 {
     const int n = p->n;
@@ -135,6 +136,7 @@ static void sample(jo_band *b, const jo_plan *p, const double *s, int count, int
     b->high[spot] = quantile(b->found, p->npoint, 0.5 + 0.5 * p->level);
 }
 
+/* band of a nonlinear criterion at one hot spot: central differences along the roots, samples if the second differences are large */
 static void bent(jo_band *b, const jo_plan *p, int spot, const double *q, const double *moved)
 {
     const int n = p->n, count = roots(p), ne = p->nerror;
@@ -175,6 +177,7 @@ static void bent(jo_band *b, const jo_plan *p, int spot, const double *q, const 
     if (p->floor > 0.0 && b->low[spot] < 0.0) b->low[spot] = 0.0;
 }
 
+/* value, low, high at all hot spots; linear: value +- quantile sqrt(variance) */
 void jo_band_stress(jo_band *b, const jo_plan *p, const double *q, const double *moved)
 {
     const int n = p->n, ne = p->nerror;

@@ -34,6 +34,7 @@ int jo_fmu_say(jo_fmu *f, int status, const char *format, ...)
     return status;
 }
 
+/* new instance with its machine and work space; NULL without memory */
 jo_fmu *jo_fmu_make(const char *name, const char *token, int exchange, int logging, jo_fmu_log log, void *host)
 {
     jo_fmu silent = {.log = log, .host = host, .logging = logging};
@@ -120,6 +121,7 @@ int jo_fmu_rates(jo_fmu *f, double *xdot)
     return JO_FMU_OK;
 }
 
+/* values of the variables refs (count) */
 int jo_fmu_get(jo_fmu *f, const unsigned *refs, size_t count, double *values)
 {
     const jo_plant *p = &PLANT;
@@ -147,6 +149,7 @@ int jo_fmu_get(jo_fmu *f, const unsigned *refs, size_t count, double *values)
     return JO_FMU_OK;
 }
 
+/* set inputs and parameters refs (count) */
 int jo_fmu_set(jo_fmu *f, const unsigned *refs, size_t count, const double *values)
 {
     const jo_plant *p = &PLANT;
@@ -166,6 +169,7 @@ int jo_fmu_set(jo_fmu *f, const unsigned *refs, size_t count, const double *valu
     return JO_FMU_OK;
 }
 
+/* co-simulation step: whole steps of the machine from time to time + length */
 int jo_fmu_advance(jo_fmu *f, double time, double length, int *early, double *reached)
 {
     const double now = jo_machine_time(f->machine), h = jo_machine_step_size(f->machine);
@@ -228,6 +232,7 @@ int jo_fmu_take(jo_fmu *f, void **state)
     return JO_FMU_OK;
 }
 
+/* restore a saved state */
 int jo_fmu_give(jo_fmu *f, const void *from)
 {
     const double *state = from;
@@ -284,6 +289,7 @@ int jo_fmu_read(jo_fmu *f, const void *bytes, size_t size, void **state)
 #ifdef PLANT_SLOPES
 #include "slope.h"
 
+/* kind and index of a value reference */
 static jo_slope_ref ref_of(const jo_fmu *f, unsigned ref)
 {
     const jo_plant *p = &PLANT;

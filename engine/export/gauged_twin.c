@@ -544,7 +544,7 @@ static void deviations(jo_twin *k, int first)
 }
 
 /* modes and stress from the state */
-static void tell(jo_twin *k, int first)
+static void estimate_outputs(jo_twin *k, int first)
 {
     const jo_plan *p = k->plan;
     const int n = p->n, nx = p->nx;
@@ -626,6 +626,7 @@ static int gated(jo_twin *k, const double *seen, const double *variance)
     return wild;
 }
 
+/* store the gain, covariance and variances of the sample */
 static void keep(jo_twin *k, outcome found, double lap, const double *seen)
 {
     const jo_plan *p = k->plan;
@@ -647,6 +648,7 @@ static void keep(jo_twin *k, outcome found, double lap, const double *seen)
     k->fresh = 0;
 }
 
+/* one sample: check of the time, health of the gauges, gain, gate, update, stress, damage */
 int jo_twin_step(jo_twin *k, double time, const double *strain, const double *motion)
 {
     const jo_plan *p = k->plan;
@@ -697,7 +699,7 @@ int jo_twin_step(jo_twin *k, double time, const double *strain, const double *mo
             k->x[i] = s;
         }
         if (observer) memcpy(k->f, k->f2, sizeof(double) * (size_t)p->n);
-        tell(k, first);
+        estimate_outputs(k, first);
     } else {
         jo_band_blind(&k->band, p);
     }
@@ -710,6 +712,7 @@ int jo_twin_step(jo_twin *k, double time, const double *strain, const double *mo
 double jo_twin_time(const jo_twin *k) { return k->memory[AT_TIME]; }
 const unsigned char *jo_twin_states(const jo_twin *k) { return k->states; }
 
+/* outputs: stress, bands, damage, cycles, watched time */
 const double *jo_twin_outputs(jo_twin *k)
 {
     const jo_plan *p = k->plan;
@@ -792,6 +795,7 @@ static int possible(const unsigned char *numbers, long long from, long long to, 
     return 1;
 }
 
+/* check version, mark, size, checksum and ranges of a saved memory, then load it */
 int jo_twin_load(jo_twin *k, const unsigned char *buffer, long long bytes)
 {
     const jo_plan *p = k->plan;

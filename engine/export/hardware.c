@@ -170,6 +170,7 @@ static int advance(jo_machine *machine, link_to *l, unsigned long mark, unsigned
     return status == JO_MACHINE_OK && y;
 }
 
+/* arguments, link, then the loop: wait for the time or a frame, read inputs, step, send outputs */
 int main(int argc, char **argv)
 {
     link_to l;

@@ -236,6 +236,7 @@ void jo_machine_get_states(const jo_machine *k, double *x)
     for (int i = 0; i < k->model.nstate; i++) x[k->model.nq + k->model.nv + i] = jo_data_states(&k->model, k->data)[i];
 }
 
+/* check and set time, q, v and states of forces; Euler parameters are normalised */
 int jo_machine_set_states(jo_machine *k, double time, const double *x)
 {
     const jo_model *m = &k->model;
@@ -354,6 +355,7 @@ static int possible(const jo_model *m, const double *row)
     return 1;
 }
 
+/* check a saved state, then restore head, work, tunable numbers and the row */
 int jo_machine_load(jo_machine *k, const double *state)
 {
     const jo_model *m = &k->model;

@@ -37,6 +37,7 @@ static void lean(jo_machine *k, jo_slope_ref at, jo_real by)
     else jo_data_v(d)[at.index - nq] += by;
 }
 
+/* load the state, add i h seed, evaluate outputs and rates, imaginary parts / h */
 static int slope(jo_machine *k, jo_real *rates, const double *state, double rate, const jo_slope_ref *known, const double *seed,
                  int nknown, const jo_slope_ref *unknown, double *change, int nunknown)
 {

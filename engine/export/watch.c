@@ -88,6 +88,7 @@ static int load(jo_twin *twin, const char *path)
     return jo_twin_load(twin, saved, (long long)size) == JO_TWIN_OK;
 }
 
+/* arguments, twin, header, then a line of outputs for each sample */
 int main(int argc, char **argv)
 {
     static int column[1 + PLANT_INPUTS];

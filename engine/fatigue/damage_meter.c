@@ -36,6 +36,7 @@ static double weld(double relief, double s, double mean)
     return s / (f < 1.0 ? 1.0 : f > most ? most : f);
 }
 
+/* amplitude s of a cycle corrected for its mean stress, see jo_meter in jousto.h */
 double jo_cycle_amplitude(const jo_meter *r, double from, double to)
 {
     const double s = 0.5 * fabs(from - to), mean = 0.5 * (from + to);

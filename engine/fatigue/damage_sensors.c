@@ -46,6 +46,7 @@ static int is_new(const double *memory, double time)
     return memory[JO_METER_SAMPLES] + memory[JO_METER_DROPPED] == 0.0 || memory[JO_METER_TIME] != time;
 }
 
+/* sample of all meters at the accepted state */
 int jo_measure(const jo_model *m, jo_data *d)
 {
     const double time = JO_COMMON(d->time[0]);

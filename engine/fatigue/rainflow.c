@@ -1,6 +1,7 @@
 /* rainflow.c - rainflow count of a complete history: closed cycles and residue of turning points (four-point rule). */
 #include "fatigue/rainflow.h"
 
+/* turning points on the stack `residue`; while the inner range of its last four points is closed, it is moved to `cycles` */
 long long jo_rainflow(const double *x, long long count, double *cycles, long long *where, double *residue,
                       long long *residue_where, long long *length)
 {

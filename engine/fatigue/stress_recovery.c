@@ -190,6 +190,7 @@ static void tile(const double *S, int rows, int k, const double *p, long long t,
 
 static int lesser(long long a, long long b) { return (int)(a < b ? a : b); }
 
+/* criterion at all sites and instants, tile by tile and CHUNK instants at a time */
 void jo_recover(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
                 int criterion, double scale, double *out, long long stride)
 {
@@ -208,6 +209,7 @@ void jo_recover(const double *S, long long ns, int rows, int k, const double *p,
     }
 }
 
+/* extremes of the criterion over the instants at all sites, and their instants */
 void jo_recover_extremes(const double *S, long long ns, int rows, int k, const double *p, long long nt, const double *w,
                          int criterion, double scale, long long first, double *low, long long *low_at, double *high,
                          long long *high_at)

@@ -32,6 +32,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return f->active ? jo_same(0.0) : 0.5 * x->stiffness * s * s - x->preload * s;
 }
 
+/* force at the present time + lead; power of the damper, spring signal and active force */
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
 {
     const jo_coordinate_work *w = &d->coordinate[f->coordinate];
@@ -50,6 +51,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
     return JO_OK;
 }
 
+/* df/ds = -stiffness + spring', df/ds' = -damping + damper'; 0 at the limit */
 static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, const jo_force_work *y)
 {
     (void)stage;

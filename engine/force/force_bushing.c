@@ -65,6 +65,7 @@ static jo_real stored(const jo_data *d, const jo_force *f)
     return energy(f, x, unused);
 }
 
+/* F = preload - K x, torque conjugate to the rotation vector, -D times relative velocity */
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     (void)stage;

@@ -2,6 +2,7 @@
 #include "newton/newton.h"
 #include "force/force.h"
 
+/* forces on the rigid and modal coordinates times the signal; power */
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *out)
 {
     jo_body_work *w = &d->body[f->body];

@@ -94,6 +94,7 @@ static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
     s[1].rate = jo_choose(speed, cut, none);
 }
 
+/* u = rest + I, f = u within the limits, rates of I and yf; power */
 static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);

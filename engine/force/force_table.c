@@ -16,6 +16,7 @@ static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, co
     }
 }
 
+/* forces of all elements that are not released; error_index: force */
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
@@ -63,7 +64,7 @@ void jo_start_states(const jo_model *m, jo_data *d)
 {
     if (!m->nstate) return;
     jo_real unused[2];
-    jo_residuals(m, d, unused);   /* markers and coordinates stand and move as q and v say */
+    jo_residuals(m, d, unused);   /* kinematics of markers and coordinates at q, v */
     jo_coordinates_rate(m, d, m->ncoordinate);
     jo_state_changed(d);
     for (int i = 0; i < m->nforce; i++) {

@@ -301,6 +301,7 @@ static void set_first_sides(const jo_model *m, jo_data *d, const double *g)
         if (fabs(d->events.level[i]) <= JO_TOUCH * fabs(g[i] - d->events.level[i])) d->events.side[i] = sign(g[i]);
 }
 
+/* step of length s->step in parts that end at events */
 int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double end = s->step;

@@ -316,6 +316,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     return control_error(m, d, s, &x, &error) ? accept_step(m, d, s, &x, error) : JO_OK;
 }
 
+/* start of a run: accelerations, references of the error, first step */
 static int begin(const jo_model *m, jo_data *d, const jo_solver *s, long long last)
 {
     static const jo_control clean = {0};

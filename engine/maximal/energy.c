@@ -34,6 +34,7 @@ void jo_energy(const jo_model *m, jo_data *d, jo_energies *out)
         jo_body_inertia(b, w, &unused);
         T += kinetic(b, w);
         for (int j = 0; j < b->n; j++) U += 0.5 * b->K[j] * w->p[j] * w->p[j];
+        /* P = -g . (m R + A S) */
         jo_mul3(centre, w->A, w->S);
         jo_axpy3(centre, b->mass[0], d->q + b->iq);
         P -= jo_dot3(m->gravity, centre);

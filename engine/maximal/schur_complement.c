@@ -393,6 +393,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
         if (is_switched_off(w->lock)) continue;
         for (int r = 0; r < n; r++) w->scale[r] = w->S[step * r];
     }
+    /* scale of a row: its diagonal before elimination */
     jo_hub_scales(m, d);
     if (jo_schur_soft(d)) regularise(m, d);
     for (int c = first_column(d); c < m->ncolumn; c++) {
@@ -409,6 +410,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
             d->error_index = regular == 0 ? joint : body < 0 ? m->marker[k->side[0]].body : body;
             return regular == 0 ? JO_SINGULAR_JOINT : JO_NOT_FINITE;
         }
+        /* L_ik = S_ik L_kk^-T */
         for (int i = w->first; i < w->first + w->count; i++) {
             const jo_below_plan *x = &d->schur.belows[i];
             if (is_switched_off(x->lock)) continue;
@@ -416,6 +418,7 @@ static int factor(const jo_model *m, jo_data *d, int set)
             JO_BY_KIND(x->kind, x->rows, w->n, CALL)
 #undef CALL
         }
+        /* S_ij -= L_ik D_k^-1 L_jk^T */
         for (int i = w->update; i < w->update + w->updates; i++) {
             const jo_update_plan *u = &d->schur.updates[i];
             if (is_switched_off(u->lock_x) || is_switched_off(u->lock_y)) continue;

@@ -205,6 +205,7 @@ static void bridge(const jo_model *m, const jo_data *d, const jo_sensor *s, jo_r
     y[0] = 0.5 * (r[0] - r[1]) / (2.0 + r[0] + r[1]) + 0.5 * (r[2] - r[3]) / (2.0 + r[2] + r[3]);
 }
 
+/* energy or work of a kind, J */
 static jo_real energy(const jo_model *m, jo_data *d, int kind)
 {
     jo_energies now;

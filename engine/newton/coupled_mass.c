@@ -110,6 +110,7 @@ void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
     for (int i = 0; i < m->nv; i++) d->a[i] = d->newton.base[i];
+    /* right-hand side of the bodies: lag - (M base - Q), modes also - g h (D + g h K) base */
     jo_equations_residual(m, d, d->newton.sum);
     for (int i = 0; i < m->nbody; i++) {
         const jo_body *b = &m->body[i];

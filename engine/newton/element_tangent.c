@@ -98,6 +98,7 @@ static inline void angle_change(const jo_marker_work *a, const jo_marker_work *b
     }
 }
 
+/* c = change of the gradient of a coordinate by dr, pa, pb */
 static inline void gradient_change(const jo_data *d, const jo_coordinate *k, const jo_coordinate_work *w, const jo_real *dr,
                                    const jo_real *pa, const jo_real *pb, gradient *c)
 {

@@ -78,6 +78,7 @@ static void line_row(const jo_model *m, jo_data *d, const jo_weights *by, int i,
     }
 }
 
+/* rows of one joint and derivatives of its reactions: coincident points, perpendicular axes, lines */
 void jo_newton_joint(const jo_model *m, jo_data *d, const jo_stage *stage, int i)
 {
     const jo_joint *k = &m->joint[i];

@@ -27,6 +27,7 @@ void jo_newton_rows(const jo_model *m, jo_data *d, const jo_stage *stage)
     }
 }
 
+/* matrix of bodies, beams, joints, frictions, forces, and the geometric stiffness of all loads */
 int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nnewton; i++) d->newton.N[i] = 0.0;

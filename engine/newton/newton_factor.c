@@ -343,6 +343,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             d->error_index = joint >= 0 ? joint : node->body;
             return joint >= 0 ? JO_SINGULAR_JOINT : JO_SINGULAR_BODY;
         }
+        /* blocks to the right: A_cj = A_cc^-1 A_cj */
         if (six) invert_six(A);
         for (int b = node->first; b < node->first + node->count; b++) {
             jo_real *Y = d->newton.N + m->branch[b].upper;
@@ -354,6 +355,7 @@ int jo_newton_factor(const jo_model *m, jo_data *d, int redundant)
             else
                 solve_rows(A, node->size, stride, pivot, Y, padded);
         }
+        /* later blocks: A_ij -= A_ic A_cj */
         for (int f = m->fill_first[c]; f < m->fill_first[c + 1]; f++) {
             const jo_fill *fill = &m->fill[f];
             const jo_branch *left = &m->branch[fill->left], *right = &m->branch[fill->right];

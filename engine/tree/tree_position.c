@@ -216,6 +216,7 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
         w->l = jo_vec_mat_mul(p->A, c->l);
         w->w = p->w;
         for (int j = 0; j < 3; j++) w->A[j] = B[j];
+        /* A = A_lambda K R(q), l = l_0 + S q, w = w_lambda + S qd */
         if (k->type == JO_LINK_HINGE) {
             const jo_real cosine = jo_cos(x[0]), sine = jo_sin(x[0]);
             w->A[0] = jo_vec_axpy(jo_vec_scale(cosine, B[0]), sine, B[1]);
@@ -237,6 +238,7 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d)
             w->l = jo_vec_load(x);
             slide_rate = jo_vec_load(u);
         }
+        /* p = p_lambda + l, v = v_lambda + S qd + w_lambda x l */
         w->p = jo_vec_add(p->p, w->l);
         w->v = jo_vec_add(jo_vec_add(p->v, slide_rate), jo_vec_cross(p->w, w->l));
     }
@@ -275,6 +277,7 @@ void jo_tree_body_rates(const jo_model *m, jo_data *d, const jo_real *rate, jo_r
 /* position, orientation (by rows), velocity and angular velocity of a marker from q and v, world frame */
 typedef struct { jo_real r[3], A[9], v[3], w[3]; } frame;
 
+/* frame y of a marker from q and v; body -1: ground */
 static void marker_frame(const jo_model *m, const jo_data *d, int body, int marker, frame *y)
 {
     jo_real A[9], arm[3];
