@@ -21,7 +21,7 @@ from jousto.reduction import NodeFrame, in_frame
 Patch = pytest.MonkeyPatch
 STEEL = jo.Material(E=2.1e11, nu=0.3, rho=7850.0)
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*the energy balance misses", "ignore:.*not connected"
+    "ignore:.*the error of the energy balance", "ignore:.*not connected"
 )
 
 

@@ -285,7 +285,7 @@ def test_straight_paths_need_their_ends_only() -> None:
 
 def test_refuses_clearly() -> None:
     field = random_field(0, 5, 40, 3)
-    with pytest.raises(InputError, match="unknown|no criterion"):
+    with pytest.raises(InputError, match="not a criterion"):
         hot_spots(field, criterion="mises")
     with pytest.raises(InputError, match=r"count is 0.*\n?.*"):
         hot_spots(field, count=0)
@@ -297,13 +297,13 @@ def test_refuses_clearly() -> None:
         hot_spots(field, extreme="most")
     with pytest.raises(InputError, match="of no use"):
         hot_spots(field, extreme="smallest")
-    with pytest.raises(InputError, match="neither a run nor stress fields"):
+    with pytest.raises(InputError, match="must be a run or fields"):
         hot_spots(7)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no instant from 5"):
         hot_spots(field, start=5.0)
     A = np.tile([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], (40, 1, 1))
     world = field_from(field.modes, field.p, field.time, A=A)
-    with pytest.raises(InputError, match="world axes turns with the body"):
+    with pytest.raises(InputError, match="world axes changes with the rotation"):
         hot_spots(world, criterion="s11")
     here, there = hot_spots(field, count=1)[0], hot_spots(world, count=1)[0]
     assert there.value == pytest.approx(here.value, rel=1e-12)

@@ -1,4 +1,4 @@
-"""The start of a machine: its declared pose and velocities, or a given state."""
+"""Initial state of a machine: declared pose and velocities, or a given state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.simulation.state import State
 
 
 def declared(machine: Machine) -> tuple[Array, Array]:
-    """Return coordinates and velocities (N,) as bodies declare them."""
+    """Return the declared coordinates and velocities (N,) of the bodies."""
     q, v = _empty(machine)
     for i, body in enumerate(machine.mechanism.bodies):
         n = len(body.modal_coordinates)
@@ -29,7 +29,7 @@ def given(machine: Machine, state: State) -> tuple[Array, Array]:
     Raises
     ------
     InputError
-        If it is that of another machine.
+        If the state is that of another machine.
     """
     bodies = machine.mechanism.bodies
     modes = [len(body.modal_coordinates) for body in bodies]
@@ -54,7 +54,7 @@ def given(machine: Machine, state: State) -> tuple[Array, Array]:
 
 
 def angles(machine: Machine) -> Array:
-    """Return the scalar functions (ns,) at the declared pose, from which angles are counted."""
+    """Return the scalar functions (ns,) at the declared pose, the reference of angles."""
     pose = machine.frames.evaluate(declared(machine)[0])
     return machine.scalars.values(pose.y, np.zeros(machine.scalars.count))
 

@@ -1,4 +1,4 @@
-"""Newton's method for points of an equilibrium path, at a load or at a distance along it."""
+"""Newton's method for a point of an equilibrium path, at a load or at an arc length."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from jousto.simulation.modes.linear import rotations
 from jousto.simulation.modes.spectrum import Spectrum, nearest
 from jousto.simulation.statics.residual import Balance
 
-SMALL = 1e-10  # length of the last increment
-STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
-NEUTRAL = 1e-13  # of the largest stiffness over its metric: no stiffness
-PUSHED = 1e-3  # length of what forces would move along neutral directions at that stiffness
-TURN = 1.0  # rad or sizes of the mechanism, largest increment of a body
+SMALL = 1e-10  # increment at which Newton's iteration has converged, sizes of the mechanism or rad
+STALLED = 1e-6  # increment below which an iteration that no longer contracts is at round-off
+NEUTRAL = 1e-13  # stiffness over metric, relative to the largest, below which there is none
+PUSHED = 1e-3  # displacement along neutral directions at that stiffness, above which a force acts
+TURN = 1.0  # largest increment of a body in an iteration, rad or sizes of the mechanism
 
 
 class NoConvergenceError(Exception):
-    """Newton's iteration failed; `body` moved most."""
+    """Error of Newton's iteration; `body` is the body with the largest increment."""
 
     def __init__(self, message: str, body: str = "") -> None:
         self.body = body
@@ -42,7 +42,7 @@ class SingularTangentError(NoConvergenceError):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """Positions, multipliers (and the torque of a held azimuth) and the parameter."""
+    """Point of a path: positions q, multipliers (with the azimuth torque) and the parameter."""
 
     q: Array
     lam: Array
@@ -52,7 +52,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """Increments of all unknowns per unit of the path's length, and of the parameter."""
+    """Path tangent: derivatives of all unknowns and of the parameter by the arc length."""
 
     step: Array
     value: float
@@ -62,7 +62,7 @@ T = TypeVar("T")
 
 
 def _steady(solve: Callable[..., T]) -> Callable[..., T]:
-    """Take what the engine cannot do at a trial position for a failure of the iteration."""
+    """Decorate `solve` so that errors of the engine at a trial position are NoConvergenceError."""
 
     @wraps(solve)
     def tried(*values: Any, **options: Any) -> T:
@@ -75,12 +75,12 @@ def _steady(solve: Callable[..., T]) -> Callable[..., T]:
 
 
 def factor(balance: Balance, point: Point) -> Any:
-    """Return the factors of the tangent matrix.
+    """Return the sparse LU factors of the tangent matrix at a point.
 
     Raises
     ------
     NoConvergenceError
-        If it is singular.
+        If the matrix is singular.
     """
     A = balance.matrix(point.q, point.lam, point.value)
     try:
@@ -90,24 +90,26 @@ def factor(balance: Balance, point: Point) -> Any:
 
 
 def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
-    """Return Newton's step without, and its part along, neutral directions, (size,) each.
+    """Return Newton's step split into its parts across and along neutral directions, (size,) each.
 
-    Spin of a rope about its own axis, say, has no stiffness and takes no force. With
-    ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s at the
-    round-off of K, that part of a step x is ``s P D x``: where K is regular s does nothing, and
-    where it is none everything.
+    A neutral direction, such as the spin of a rope about its own axis, has no stiffness and no
+    force. With ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s
+    at the round-off of K, the neutral part of a step x is ``s P D x``: about 0 in directions with
+    stiffness, x in directions without.
 
     Raises
     ------
     NoConvergenceError
-        If constraints contradict one another, so that the matrix is singular all the same.
+        If the matrix is singular because constraints contradict one another.
     """
     nv = balance.model.nv
     metric = balance.metric(point.q, point.lam, point.value)
     r = balance.residual(point.q, point.lam, point.value)
     A = balance.matrix(point.q, point.lam, point.value)
     fall = largest_speed(balance.model, r[:nv] / metric)  # m/s2
-    least = max(least_stiffness(A, metric), NEUTRAL * fall / balance.model.size)  # no stiffness
+    least = max(
+        least_stiffness(A, metric), NEUTRAL * fall / balance.model.size
+    )  # regularisation s, 1/s2
     added = np.concatenate([least * metric, np.zeros(len(r) - nv)])
     try:
         lu = spl.splu((A + sp.diags(added)).tocsc())
@@ -120,13 +122,13 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
 
 
 def least_stiffness(A: Any, metric: Array) -> float:
-    """Return the stiffness, over the metric, that round-off of the tangent matrix leaves."""
+    """Return the round-off of the tangent matrix as a stiffness over the metric, 1/s2."""
     nv = len(metric)
     return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
 
 
 def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the point of rest at a value of the parameter, from one nearby.
+    """Return the equilibrium at a value of the parameter, from a point nearby.
 
     Raises
     ------
@@ -161,12 +163,12 @@ def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> P
 
 @_steady
 def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the point of rest nearby by Newton's steps without their neutral part.
+    """Return the equilibrium nearby, by Newton's steps without their neutral part.
 
     Raises
     ------
     NoConvergenceError
-        If the iteration fails, or forces push along a neutral direction.
+        If the iteration fails, or a force acts along a neutral direction.
     """
     q, lam = point.q, point.lam
     before = np.inf
@@ -178,7 +180,7 @@ def at_least(balance: Balance, point: Point, value: float, iterations: int = 15)
         if finished(length, before, cut):
             if balance.length(free) > PUSHED:
                 raise NoConvergenceError(
-                    "it is pushed where nothing holds it", mover(balance, free)
+                    "a force acts in a direction without stiffness", mover(balance, free)
                 )
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
@@ -189,11 +191,11 @@ def at_least(balance: Balance, point: Point, value: float, iterations: int = 15)
 def along(
     balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
 ) -> Point:
-    """Return the point at a distance along the path, ``x^T W x + (weight s)^2 = length^2``.
+    """Return the equilibrium at an arc length, ``x^T W x + (weight s)^2 = length^2``.
 
     Newton's method for the unknowns and the parameter together (Riks 1979; Schweizerhof and
-    Wriggers 1986). x are the increments from `point`, rotations as rotation vectors: the
-    derivative of ``|theta|^2`` with body-fixed turns is ``2 theta``, exactly.
+    Wriggers 1986). x are the increments from `point`, with rotations as rotation vectors: the
+    derivative of ``|theta|^2`` by body-fixed rotations is exactly ``2 theta``.
 
     Raises
     ------
@@ -229,7 +231,7 @@ def along(
 
 @_steady
 def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
-    """Return the direction of the path of length 1, onwards from the last one.
+    """Return the unit tangent of the path, in the sense of the last one.
 
     Raises
     ------
@@ -248,9 +250,9 @@ def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -
 
 
 def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) -> Spectrum:
-    """Return the modes of the tangent stiffness nearest to 0 at a point of the path.
+    """Return the modes of the tangent stiffness with omega^2 nearest to 0 at a point.
 
-    Held: neutral directions have the stiffness that round-off leaves, so that they are stable.
+    With `held`, the stiffness of `least_stiffness` is added, so that neutral modes are stable.
     """
     nv, nrow = balance.model.nv, balance.model.nrow
     A = balance.matrix(point.q, point.lam, point.value)
@@ -263,7 +265,7 @@ def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) 
 
 
 def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
-    """Return how many modes have no stiffness but round-off, ``|x K x| <= 1000 eps |x||K||x|``."""
+    """Return the number of modes without stiffness, ``|x K x| <= 1000 eps |x||K||x|``."""
     nv = balance.model.nv
     K = balance.matrix(point.q, point.lam, point.value)[:nv, :nv]
     x = np.abs(found.shapes)
@@ -272,7 +274,7 @@ def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
 
 
 def free_motion(balance: Balance, point: Point) -> str:
-    """Return which body can move freely, and how, at a point with a singular tangent."""
+    """Return a sentence with the body that moves freely, and its motion, at a singular tangent."""
     from jousto.simulation.modes.spectrum import nearest
 
     nv, nrow = balance.model.nv, balance.model.nrow
@@ -280,7 +282,7 @@ def free_motion(balance: Balance, point: Point) -> str:
     M = balance.mass(point.q, point.lam, point.value)
     found = nearest(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
     if not found.shapes.shape[1]:
-        return "its joints hold everything but contradict one another"
+        return "its joints contradict one another"
     x = np.real(found.shapes[:, 0])
     model = balance.model
     moves = np.array([np.linalg.norm(x[b.iv : b.iv + 3]) for b in model.bodies]) / model.size
@@ -296,7 +298,7 @@ def free_motion(balance: Balance, point: Point) -> str:
 
 
 def bounded(balance: Balance, step: Array) -> float:
-    """Return the factor that keeps turns and travels of an iteration within TURN."""
+    """Return the factor on a step that limits rotations and translations of bodies to TURN."""
     size = balance.model.size
     most = max(
         max(
@@ -309,7 +311,7 @@ def bounded(balance: Balance, step: Array) -> float:
 
 
 def finished(length: float, before: float, cut: float) -> bool:
-    """Return whether the increment was the last one."""
+    """Return whether Newton's iteration has converged or stalled at round-off."""
     if cut < 1.0:
         return False
     return length <= SMALL or (length <= STALLED and length > 0.3 * before)
@@ -322,7 +324,7 @@ def _checked(balance: Balance, step: Array, length: float, before: float, k: int
 
 
 def mover(balance: Balance, step: Array) -> str:
-    """Return the name of the body that an increment moves most."""
+    """Return the name of the body with the largest increment."""
     bodies = balance.model.bodies
     moves = step[: balance.model.nv] * velocity_metres(balance.model)
     size = [float(np.linalg.norm(moves[b.iv : b.iv + 6])) for b in bodies]
