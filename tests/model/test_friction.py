@@ -7,7 +7,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.native import Engine, displaced
-from jousto.simulation.modes.linear import turning
+from jousto.simulation.modes.linear import body_frame_increments
 from verification.mechanisms import rod
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
@@ -180,7 +180,7 @@ def test_linearised_motion_holds_its_derivatives(kind, law):
     plain = jo.model.Engine(model)
     rng = np.random.default_rng(3)
     dq, dv = rng.normal(size=(2, model.nv))
-    dq, dv = turning(model, model.q0) @ dq * 1e-2, dv * 1e-2
+    dq, dv = body_frame_increments(model, model.q0) @ dq * 1e-2, dv * 1e-2
     steps.q[:] = displaced(model, model.q0, 1e-30j * dq)
     steps.v[:] = model.v0 + 1e-30j * dv
     exact = steps.accelerations()[0].imag / 1e-30

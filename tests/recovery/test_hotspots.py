@@ -19,7 +19,7 @@ from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.hot_spots import hot_spots
 from jousto.recovery.hotspots.measures import EXTREMES, measure
 from jousto.recovery.hotspots.search import search
-from jousto.recovery.hotspots.windows import cut, spectral
+from jousto.recovery.hotspots.windows import cut_windows, spectral
 from jousto.reduction.fields.stress import StressModes
 
 CRITERIA: tuple[Any, ...] = (
@@ -257,7 +257,7 @@ def test_norms_and_windows() -> None:
     assert np.all(bound >= norm)
     assert np.all(bound <= 1.12 * norm + 1e-140)
     y = rng.normal(size=(129, 7)).cumsum(axis=0)
-    windows = cut(y, 16)
+    windows = cut_windows(y, 16)
     columns = np.sqrt((B**2).sum(axis=1))
     strays = windows.strays(columns, bound)
     ends = np.linspace(0.0, 1.0, 17)[:16, None]

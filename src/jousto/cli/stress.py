@@ -109,7 +109,7 @@ def stress(
 
 def errors(field: StressField, criterion: Criterion, *, residual: bool = False) -> list[str]:
     """Return what the stress of the worst place may be wrong by."""
-    from jousto.recovery.budget import error_budget, told
+    from jousto.recovery.budget import budget_text, error_budget
     from jousto.recovery.fields.criteria import weights
     from jousto.recovery.hotspots.hot_spots import hot_spots
 
@@ -118,7 +118,7 @@ def errors(field: StressField, criterion: Criterion, *, residual: bool = False) 
     found = hot_spots(field, count=1, criterion=criterion)
     if not found.spots:
         return [f"errors: {REMARK}"]
-    return [told(error_budget(found), residual=residual)]
+    return [budget_text(error_budget(found), residual=residual)]
 
 
 def worst_first(

@@ -17,7 +17,7 @@ from jousto.export.constants import number, text
 from jousto.export.description import description, token, variables
 from jousto.export.ports import Named
 from jousto.export.program import Program, program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.toolchain import build, platforms
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
@@ -98,7 +98,7 @@ def write_fmu(
     made = program(model, solver, state=state, name=name or out.stem, named=named)
     why = why_not_exchanged(model)
     exchange = not why
-    code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
+    code = flat_files(made, "fmu.c", "fmu.h", f"fmi{version}.c")
     if derivatives:
         code |= slopes(code, made)
     identity = token(made, "".join(code.values()) + repr(sorted(made.fields.items())))

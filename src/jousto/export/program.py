@@ -18,7 +18,7 @@ from jousto.export.ports import Named, Port, Ports, identifier, ports, refuse
 from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose_fixed
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.state import State, put
@@ -176,7 +176,7 @@ def program(
     if chosen.method == "alpha":
         model = replace(model, tree=())  # implicit methods work in q and v
     engine = Engine(model)
-    if (begun := beginning(model, state)) is not None:
+    if (begun := initial_state(model, state)) is not None:
         put(engine, begun, "export")
         model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
     native = prepared(engine, chosen, chosen.step)

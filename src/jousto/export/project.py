@@ -55,10 +55,10 @@ def one_file(made: Program, *hosted: str) -> str:
         f" * without MAIN it is a part of your program, see {made.name}.h.\n"
         " * The engine in it is under the BSD-3-Clause licence of jousto. */\n"
     )
-    return f"{about}{LIMIT}#include <math.h>\n{sources.joined(files, known_headers(made))}"
+    return f"{about}{LIMIT}#include <math.h>\n{sources.join_files(files, known_headers(made))}"
 
 
-def flat(made: Program, *hosted: str) -> dict[str, str]:
+def flat_files(made: Program, *hosted: str) -> dict[str, str]:
     """Return all files by name, in one folder, with further files of engine/export."""
     code = {name: value for name, value in known_headers(made).items() if "/" not in name}
     code |= sources.engine()
@@ -70,7 +70,7 @@ def flat(made: Program, *hosted: str) -> dict[str, str]:
 def public_header(made: Program) -> str:
     """Return the header of `one_file`: the functions of a machine, and names of its variables."""
     known = known_headers(made)
-    text = sources.joined({f"{made.name}_h": f'#include "{made.name}.h"\n'}, known)
+    text = sources.join_files({f"{made.name}_h": f'#include "{made.name}.h"\n'}, known)
     guard = f"{made.name.upper()}_MACHINE_H"
     return f"#ifndef {guard}\n#define {guard}\n{text}\n#endif\n"
 

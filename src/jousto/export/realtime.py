@@ -15,7 +15,7 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
 from jousto.export.instruction_count import Work, work_of
 from jousto.export.program import Program, program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.toolchain import build, here, platforms
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
@@ -140,12 +140,12 @@ def realtime(
     with tempfile.TemporaryDirectory(prefix="jousto-realtime-") as folder:
         binary = Path(folder) / "timing"
         flags = (*NO_ALLOCATION, "-g")  # debug information, which assigns instructions to files
-        build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
-        found = timed(made, binary, int(steps), urgent=urgent)
+        build(flat_files(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
+        found = time_steps(made, binary, int(steps), urgent=urgent)
         return replace(found, work=work_of(model, binary, Path(folder)))
 
 
-def timed(made: Program, binary: Path, steps: int, *, urgent: bool) -> StepTimes:
+def time_steps(made: Program, binary: Path, steps: int, *, urgent: bool) -> StepTimes:
     """Return the step times of a program with timing.c, without instruction count.
 
     Raises

@@ -36,23 +36,23 @@ def folder() -> Path:
 def headers() -> dict[str, str]:
     """Return the headers of the engine by name, for one folder."""
     rooms = [path for path in folder().glob("*/*.h") if path.parent.name not in (HOST, "test")]
-    return {path.name: flat(path) for path in (*folder().glob("*.h"), *rooms)}
+    return {path.name: without_folders(path) for path in (*folder().glob("*.h"), *rooms)}
 
 
 def engine() -> dict[str, str]:
     """Return the engine files of a step by name, for one folder, in order."""
     rooms = [path for path in folder().glob("*/*.c") if path.parent.name not in NO_ROOMS]
     files = sorted((*folder().glob("*.c"), *rooms), key=lambda path: path.name)
-    return {path.name: flat(path) for path in files if path.name not in LEFT_OUT}
+    return {path.name: without_folders(path) for path in files if path.name not in LEFT_OUT}
 
 
 def find(name: str) -> str:
     """Return the text of an engine file by name, from any of its folders."""
     (path,) = (path for path in folder().rglob(name) if path.parent.name not in NO_ROOMS)
-    return flat(path)
+    return without_folders(path)
 
 
-def flat(path: Path) -> str:
+def without_folders(path: Path) -> str:
     """Return the text of an engine file with the folders in its includes removed."""
     return FOLDER.sub('#include "', path.read_text(encoding="utf-8"))
 
@@ -112,7 +112,7 @@ ENUM = re.compile(r"^enum \{ ([^}]*) \};", flags=re.MULTILINE)
 DEFINE = re.compile(r"^#define (\w+)", flags=re.MULTILINE)
 
 
-def joined(files: dict[str, str], known: dict[str, str]) -> str:
+def join_files(files: dict[str, str], known: dict[str, str]) -> str:
     """Return C files joined into one, with each header once and conflicting static names renamed.
 
     Parameters

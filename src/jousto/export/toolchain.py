@@ -183,7 +183,7 @@ def build(
         def compiled(name: str) -> str:
             made = f"{name}.o"
             line = [*command, *options, "-c", name, "-o", made]
-            key = objects.key(line, included(sources, name), command)
+            key = objects.key(line, with_includes(sources, name), command)
             known = OBJECTS.get(key) or objects.find(key)
             if known is None:
                 run(line, platform, place, made)
@@ -210,7 +210,7 @@ def build(
             out.chmod(0o755)
 
 
-def included(sources: Mapping[str, str], name: str) -> list[str]:
+def with_includes(sources: Mapping[str, str], name: str) -> list[str]:
     """Return the names and texts of a file and of all files that it includes."""
     found = {name: sources[name]}
     waiting = [name]

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 
 from jousto.export.program import Program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.toolchain import WEB, build
 
 FLAGS = ("-DJO_NO_ALLOCATION", "-Wl,-z,stack-size=1048576")
@@ -26,5 +26,5 @@ def web_module(made: Program) -> bytes:
     """
     with tempfile.TemporaryDirectory(prefix="jousto-web-") as folder:
         out = Path(folder) / "machine.wasm"
-        build(flat(made, "page.c"), WEB, out, flags=FLAGS)
+        build(flat_files(made, "page.c"), WEB, out, flags=FLAGS)
         return out.read_bytes()

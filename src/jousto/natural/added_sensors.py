@@ -25,7 +25,7 @@ from jousto.simulation.results.solution import Solution
 SOME_NODES = 4  # number of nodes per flexible body with acceleration sensors
 
 
-def measured(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
+def with_added_sensors(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
     """Return the mechanism with sensors of all accelerations, reactions, forces and energies.
 
     Parameters
@@ -38,11 +38,11 @@ def measured(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
         item for item in mechanism.items if every or not isinstance(item, Sensor) or is_read(item)
     ]
     taken = {sensor.name for sensor in mechanism.sensors}
-    more = [sensor for sensor in further(mechanism) if sensor.name not in taken]
+    more = [sensor for sensor in added_sensors(mechanism) if sensor.name not in taken]
     return Mechanism(*kept, *more, name=mechanism.name, core=mechanism.core)
 
 
-def further(mechanism: Mechanism) -> Iterator[Sensor]:
+def added_sensors(mechanism: Mechanism) -> Iterator[Sensor]:
     """Yield the added sensors."""
     for body in mechanism.bodies:
         if isinstance(body, BeamNode):

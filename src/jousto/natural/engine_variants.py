@@ -19,7 +19,7 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.packing.sensors import NOT_UNIQUE
 from jousto.natural.comparison import FRAME, Compared, Way, sizes
-from jousto.natural.rebuilt_mechanism import exchanged, moved
+from jousto.natural.rebuilt_mechanism import transfer_state, with_parts
 from jousto.reduction.frames.clamp import by_mean_axes, in_frame
 from jousto.reduction.frames.frame import MeanFrame, NodeFrame
 from jousto.reduction.methods import FreeFree, ShapeFunctions
@@ -113,7 +113,7 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
     )
 
 
-def tried(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
+def run_variant(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
     """Return the differences of a variant, or the reason of its failure; without warnings."""
     try:
         with warnings.catch_warnings():
@@ -125,17 +125,17 @@ def tried(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
 
 def by_other_method(course: Course, model: Model) -> Way:
     """Return the differences from another method of the engine, at both steps."""
-    other = another(course.solver, model)
+    other = contrasting_method(course.solver, model)
     start = course.runs[0].state(0.0)
 
     def make() -> tuple[Compared, ...]:
         runs = [course.again(model, other, start, k) for k in (1, 2)]
         return differences(course, course.runs, runs)
 
-    return tried(named(other), make)
+    return run_variant(method_name(other), make)
 
 
-def another(solver: Solver, model: Model) -> Any:
+def contrasting_method(solver: Solver, model: Model) -> Any:
     """Return a method that differs from this one as much as possible."""
     if not isinstance(solver, Newton):
         return GeneralizedAlpha()
@@ -145,7 +145,7 @@ def another(solver: Solver, model: Model) -> Any:
     return ROS2()
 
 
-def named(solver: Any) -> str:
+def method_name(solver: Any) -> str:
     """Return the name of a method in the report."""
     name = type(solver).__name__
     if not isinstance(solver, Newton):
@@ -159,12 +159,12 @@ def others(course: Course, beside: Mapping[str, Mechanism]) -> Iterator[Way]:
     bodies = [body for body in flexible if not _framed(course.mechanism, body)]
     frames = {body: part for body in bodies if (part := in_another_frame(body)) is not None}
     if frames:
-        yield tried(FRAME, lambda: _with(course, frames, undamped=True))
+        yield run_variant(FRAME, lambda: _with(course, frames, undamped=True))
     finer = {body: part for body in bodies if (part := in_finer_basis(body)) is not None}
     if finer:
-        yield tried("finer basis", lambda: _with(course, finer))
+        yield run_variant("finer basis", lambda: _with(course, finer))
     for name, mechanism in beside.items():
-        yield tried(name, lambda mechanism=mechanism: _given(course, mechanism))  # type: ignore[misc]
+        yield run_variant(name, lambda mechanism=mechanism: _given(course, mechanism))  # type: ignore[misc]
 
 
 def _framed(mechanism: Mechanism, body: FlexibleBody) -> bool:
@@ -239,12 +239,12 @@ def _with(
         own = Mechanism(*items, name=own.name, core=own.core)
     start = course.runs[0].state(0.0)
     if undamped and any(body.modal_damping.any() for body in parts):
-        own = exchanged(own, {body: body.reduced for body in parts}, damping=0.0)
+        own = with_parts(own, {body: body.reduced for body in parts}, damping=0.0)
         run = course.again(compile(own), course.solver, replace(start, work=None))
         names = {body.name: part for body, part in parts.items()}
         parts = {b: names[b.name] for b in own.bodies if b.name in names}  # type: ignore[misc]
-    other = exchanged(own, parts)
-    model, state = compile(other), moved(start, own, other)
+    other = with_parts(own, parts)
+    model, state = compile(other), transfer_state(start, own, other)
     try:
         found = course.again(model, course.solver, state)
     except RunFailed:  # faster modes may need another method, the choice of `simulate`

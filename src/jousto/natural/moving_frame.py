@@ -10,7 +10,7 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.numbers import number
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.initial_state import angles, declared, given
+from jousto.natural.equations.initial_state import angles, declared_state, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
 from jousto.natural.equations.trapezoidal_step import PENALTY, TOLERANCE, Motion, Stepper
@@ -95,7 +95,7 @@ def moving_frame(
     reader = Reader(machine, mechanism.sensors)
     machine.close()
     near = angles(machine)
-    q, v = declared(machine) if state is None else given(machine, state)
+    q, v = declared_state(machine) if state is None else state_of_engine(machine, state)
     start = machine.place(q, 0.0, near)
     stepper = Stepper(
         machine,

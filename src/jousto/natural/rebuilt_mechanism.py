@@ -66,12 +66,12 @@ def _refers(old: Any) -> bool:
     return type(old).__module__.startswith("jousto.mechanism.")
 
 
-def held(mechanism: Mechanism) -> Mechanism:
+def with_constant_inputs(mechanism: Mechanism) -> Mechanism:
     """Return the mechanism with its external inputs replaced by their initial values."""
     return _exchanged(mechanism, Exchange({}, hold=True))
 
 
-def exchanged(
+def with_parts(
     mechanism: Mechanism, parts: Mapping[FlexibleBody, ReducedPart], **more: Any
 ) -> Mechanism:
     """Return the mechanism with other reduced parts in some bodies, with the same initial motion.
@@ -114,7 +114,7 @@ def _exchanged(mechanism: Mechanism, change: Exchange) -> Mechanism:
     return Mechanism(*items, name=mechanism.name, core=mechanism.core)
 
 
-def moved(state: State, old: Mechanism, new: Mechanism) -> State:
+def transfer_state(state: State, old: Mechanism, new: Mechanism) -> State:
     """Return the state of a mechanism with other parts that equals a state of the old one.
 
     The states of controllers are copied; stick-slip states and revolution counters are not.

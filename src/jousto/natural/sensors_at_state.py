@@ -10,7 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.initial_state import angles, given
+from jousto.natural.equations.initial_state import angles, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
 from jousto.natural.equations.trapezoidal_step import PENALTY, Stepper
@@ -60,7 +60,7 @@ def at_states(
     found: list[list[Array]] = []
     gaps = rates = np.zeros(len(machine.rows.offset))
     for k, state in enumerate(states):
-        q, v = given(machine, state)
+        q, v = state_of_engine(machine, state)
         place = machine.place(q, state.time, near)
         before, rate = rate, place.slopes.times(v)
         if (

@@ -21,19 +21,19 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.packing.sensors import NOT_UNIQUE
-from jousto.natural.added_sensors import largest_of, measured, typical_sizes
+from jousto.natural.added_sensors import largest_of, typical_sizes, with_added_sensors
 from jousto.natural.comparison import Compared, Way, sizes
 from jousto.natural.engine_variants import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.natural.equations.supported import check_known, is_read
 from jousto.natural.moving_frame import moving_frame
-from jousto.natural.rebuilt_mechanism import held
+from jousto.natural.rebuilt_mechanism import with_constant_inputs
 from jousto.natural.result import NaturalRun
 from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verification import Verification
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import RunFailed, simulate
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import MEMORY, State, put
@@ -107,10 +107,10 @@ def verify(
     _check(t_end, step, begin, beside)
     without_fmus(mechanism, "verify", "has no second formulation")
     if begin is None and mechanism.start != "initial":
-        begin = partial(beginning, start=mechanism.start)
-    mechanism = held(mechanism)
+        begin = partial(initial_state, start=mechanism.start)
+    mechanism = with_constant_inputs(mechanism)
     unknown = not_known(mechanism)
-    whole = measured(mechanism, every=bool(unknown))
+    whole = with_added_sensors(mechanism, every=bool(unknown))
     output, step = outputs_of(t_end, step)
     try:
         model = compile(whole)
@@ -140,7 +140,7 @@ def verify(
         ways=ways,
         unknown=unknown,
         still=is_still(run, last, every),
-        shared=shared(whole, model),
+        shared=friction_not_unique(whole, model),
         stopped=tuple(filter(None, stopped)),
         ended=not stopped[1],
     )
@@ -155,7 +155,7 @@ def verify(
     times = run.time[:last:every]
     engine = by_engine(model, run, times)
     rows = tuple(
-        compared(s, run, times, (engine[s.name], found.readings[s.name]), typical)
+        compare_reading(s, run, times, (engine[s.name], found.readings[s.name]), typical)
         for s in whole.sensors
     )
     if frames:
@@ -289,7 +289,7 @@ def begun_by(begin: Callable[[Model], State | None], model: Model) -> State | No
     return state
 
 
-def shared(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
+def friction_not_unique(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
     """Return the names of frictions whose normal force is a reaction that is not unique."""
     open_ended = {s.name for s in model.sensors if s.description.endswith(NOT_UNIQUE)}
     return tuple(
@@ -344,12 +344,12 @@ def by_engine(model: Model, run: Solution, times: Array) -> dict[str, Array]:
     return {s.name: values[:, s.offset : s.offset + s.count] for s in model.sensors}
 
 
-def off(a: Array, b: Array) -> Array:
+def largest_difference(a: Array, b: Array) -> Array:
     """Return the largest absolute difference over the components, (nt,)."""
     return np.asarray(np.abs(a - b).max(axis=1, initial=0.0, where=np.isfinite(a - b)))
 
 
-def compared(
+def compare_reading(
     sensor: Sensor,
     run: Solution,
     times: Array,
@@ -360,7 +360,9 @@ def compared(
     name, reading = sensor.name, sensor.reading
     about = run.about(name)
     values = run[name][run.time <= times[-1]]
-    apart = off(*(x / sizes(values, list(component_units(about)), typical) for x in found))
+    apart = largest_difference(
+        *(x / sizes(values, list(component_units(about)), typical) for x in found)
+    )
     worst = int(np.argmax(apart))
     unknown = reading.kind == "energy" and reading.of in DONE
     return Compared(
@@ -383,7 +385,7 @@ def with_runs(
     units = list(component_units(runs[1].about(row.name)))
     size = sizes(runs[1][row.name], units, typical)
     coarse, fine = (
-        float(off(a[row.name] / size, b[row.name] / size).max())
+        float(largest_difference(a[row.name] / size, b[row.name] / size).max())
         for a, b in zip(frames, runs, strict=True)
     )
     return replace(row, coarse=coarse, fine=fine)

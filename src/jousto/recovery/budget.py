@@ -94,10 +94,10 @@ class ErrorBudget:
         )
 
     def __str__(self) -> str:
-        return told(self)
+        return budget_text(self)
 
 
-def told(budget: ErrorBudget, *, residual: bool = False) -> str:
+def budget_text(budget: ErrorBudget, *, residual: bool = False) -> str:
     """Return a budget as a text, for a stress with or without residual stress."""
     how = HOW if residual else HOW | {"modes": f"{HOW['modes']}, or with the residual stress"}
     first = f"error budget of {budget._sentence}"

@@ -27,7 +27,7 @@ def window(time: Array, start: float | None, end: float | None, where: str) -> s
     return slice(first, last)
 
 
-def between(time: Array, times: ArrayLike, where: str) -> tuple[Index, Index, Array]:
+def bracket_instants(time: Array, times: ArrayLike, where: str) -> tuple[Index, Index, Array]:
     """Return the indices of the instants around each time, and the weight of the later one.
 
     Raises

@@ -35,7 +35,7 @@ def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
         return []
     u = Input(name)
     if b1 < 0.0:
-        wanted = scaled(u, gain / (-b1 * g), b0 / (-b1 * g))
+        wanted = scaled_signal(u, gain / (-b1 * g), b0 / (-b1 * g))
         limit = g * actuator.limit
         return [
             Servo(
@@ -47,13 +47,13 @@ def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
                 abs(limit) if math.isfinite(limit) else None,
             )
         ]
-    found: list[Any] = [JointForce(name, s, scaled(u, g * gain, g * b0))]
+    found: list[Any] = [JointForce(name, s, scaled_signal(u, g * gain, g * b0))]
     if b2 < 0.0:
         found.append(Spring(f"{name} damping", s, 0.0, -b2 * g * g, 0.0))
     return found
 
 
-def scaled(u: Signal, factor: float, offset: float) -> Signal:
+def scaled_signal(u: Signal, factor: float, offset: float) -> Signal:
     """Return the signal ``factor u + offset``, without a factor 1 or an offset 0."""
     made = u if factor == 1.0 else factor * u
     return made if offset == 0.0 else made + offset

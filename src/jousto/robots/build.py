@@ -24,8 +24,8 @@ from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot
-from jousto.robots.joint_limits import RESTITUTION, joint_forces, limits_of, moving
-from jousto.robots.joints import couplings, lifts, make_joint, make_loops, rotor
+from jousto.robots.joint_limits import RESTITUTION, effective_inertias, joint_forces, limits_of
+from jousto.robots.joints import couplings, gravity_compensation, make_joint, make_loops, rotor
 from jousto.robots.kinematics.tree import Tree
 from jousto.robots.root_pose import Seat
 
@@ -34,7 +34,7 @@ SHARE = 1e-6  # mass of a link without mass over that of its children
 
 
 @dataclass(frozen=True, eq=False)
-class Built:
+class RobotItems:
     """Bodies, joints and coordinates of the mechanism of a robot.
 
     Parameters
@@ -122,7 +122,7 @@ def mechanism(
     start = given["at"] | begins
     weight = robot.gravity if gravity is None else np.asarray(gravity, dtype=np.float64)
     robot = with_actuators(robot, actuators, {**given["drives"], **given["efforts"]})
-    made = built(
+    made = build_robot(
         replace(robot, gravity=weight), seat, at=start, stops=(stops, restitution), losses=losses
     )
     items: list[Any] = [*made.items]
@@ -132,7 +132,7 @@ def mechanism(
     return Mechanism(*items, Gravity(weight), name=robot.name)
 
 
-def built(
+def build_robot(
     robot: Robot,
     seat: Seat,
     *,
@@ -140,7 +140,7 @@ def built(
     stops: tuple[bool | float, float],
     losses: bool,
     prefix: str = "",
-) -> Built:
+) -> RobotItems:
     """Return the bodies, joints, forces and sensors of a robot on its base.
 
     Raises
@@ -149,7 +149,7 @@ def built(
         If a joint starts outside its limits, or a moving body has no mass.
     """
     tree = Tree(replace(robot, loops=()))
-    begun = starts(tree, at, {x.name: x.kind for x in robot.joints})
+    begun = initial_coordinates(tree, at, {x.name: x.kind for x in robot.joints})
     poses = initial_poses(robot, tree, begun, seat)
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
@@ -159,17 +159,17 @@ def built(
         if joint.kind in SINGLE and (made := joints.get(joint.name)) is not None
     }
     items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
-    inertias = moving(tree)
+    inertias = effective_inertias(tree)
     limits = limits_of(robot, tree, *stops, inertias)
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), limits, inertias if losses else None)
         items += rotor(joint, coordinates)
     items += make_loops(robot, bodies, seat).values()
-    items += lifts(robot, bodies)
+    items += gravity_compensation(robot, bodies)
     for actuator in robot.actuators:
         items += actuator_forces(actuator, coordinates.get(actuator.joint))
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
-    return Built(bodies, joints, coordinates, tuple(items))
+    return RobotItems(bodies, joints, coordinates, tuple(items))
 
 
 def check_joints(
@@ -320,7 +320,9 @@ def free_name(name: str, taken: set[str]) -> str:
     return name
 
 
-def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dict[str, float]:
+def initial_coordinates(
+    tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]
+) -> dict[str, float]:
     """Return the initial coordinates of joints: given ones, or zero clipped to the limits."""
     found = {name: float(x) for name, x in at.items()}
     usual = dict(zip(tree.positions, map(float, tree.initial), strict=True))

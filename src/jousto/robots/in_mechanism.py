@@ -17,7 +17,7 @@ from jousto.mechanism.bodies.base import ZERO3, Orientation
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.robots.actuators import with_actuators
-from jousto.robots.build import built, by_joint, check_joints
+from jousto.robots.build import build_robot, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.joint_limits import RESTITUTION
 from jousto.robots.readers.files import read_robot
@@ -200,8 +200,8 @@ class RobotInMechanism(Assembly, section="robots"):
         marker = ground["origin"] if base is None else base
         seat = Seat(marker, Frame(self.position, rotation_matrix(self.orientation)))
         try:
-            made = built(
-                prefixed(robot, prefix),
+            made = build_robot(
+                with_prefix(robot, prefix),
                 seat,
                 at={f"{prefix}{name}": x for name, x in given.items()},
                 stops=(self.stops, self.restitution),
@@ -259,7 +259,7 @@ class RobotInMechanism(Assembly, section="robots"):
         return f"<RobotInMechanism {self.name!r}: {what}>"
 
 
-def prefixed(robot: Robot, prefix: str) -> Robot:
+def with_prefix(robot: Robot, prefix: str) -> Robot:
     """Return a robot with a prefix on the names of links and joints, but not of frames."""
     links = tuple(replace(link, name=f"{prefix}{link.name}") for link in robot.links)
     joints = tuple(

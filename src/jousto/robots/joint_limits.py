@@ -29,7 +29,7 @@ DRY = {"rad": 0.01, "m": 1e-3}  # smallest speed of full dry friction, rad/s or 
 SOON = 2e-3  # shortest time in which full dry friction stops a joint, s
 
 
-def moving(tree: Tree) -> dict[str, float]:
+def effective_inertias(tree: Tree) -> dict[str, float]:
     """Return the effective inertia of each coordinate at the initial pose, kg m2 or kg."""
     inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
     inertia = 1.0 / np.maximum(inverse, 1e-300)

@@ -44,7 +44,7 @@ def make_loops(robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat) -> dic
     return made
 
 
-def lifts(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
+def gravity_compensation(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
     """Return the forces of gravity compensation."""
     found = []
     for link in robot.links:

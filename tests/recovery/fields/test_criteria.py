@@ -13,8 +13,8 @@ from jousto.recovery.fields.criteria import (
     evaluate,
     principal,
     principal_values,
+    rotate_tensors,
     tensor,
-    turned,
     voigt,
 )
 from jousto.recovery.fields.kernels import kernel
@@ -137,7 +137,7 @@ def test_turning_keeps_invariants(rng: np.random.Generator) -> None:
     for strain in (False, True):
         for criterion in criteria()[:7]:
             np.testing.assert_allclose(
-                evaluate(turned(s, Q, strain), criterion, strain),
+                evaluate(rotate_tensors(s, Q, strain), criterion, strain),
                 evaluate(s, criterion, strain),
                 atol=1e-13,
             )

@@ -338,20 +338,22 @@ class Assessment:
             ("mean stress", mean),
             ("cycles", f"{self.cycles.total:g}, residue: {self.residue}"),
             ("damage", f"{self.damage:.6g} (Miner's sum, allowed {self.allowable:g})"),
-            ("life", f"{told(self.life)} for a history of {told(self.duration)}"),
+            ("life", f"{duration_text(self.life)} for a history of {duration_text(self.duration)}"),
             ("safety", f"{self.safety:.4g} in stress, {self.life_safety:.4g} in life"),
         ]
         if not math.isnan(self.probability):
-            rows.append(("survival", f"{100 * self.probability:.6g} % after {told(self.required)}"))
+            rows.append(
+                ("survival", f"{100 * self.probability:.6g} % after {duration_text(self.required)}")
+            )
         return "\n".join(f"{name:12s} {text}" for name, text in rows)
 
 
-def told(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """Return a time, s, as a text, with a larger unit if it is long.
 
     Examples
     --------
-    >>> told(90.0), told(7.3e8), told(float("inf"))
+    >>> duration_text(90.0), duration_text(7.3e8), duration_text(float("inf"))
     ('90 s', '7.3e+08 s (23.1 years)', 'for ever')
     """
     if math.isinf(seconds):

@@ -22,11 +22,11 @@ from jousto.fatigue.cycles.rainflow import Cycles, check_residue
 from jousto.fatigue.miner.damage import (
     _sum,
     check_stress,
+    duration_text,
     equivalents,
     proportional,
     reference,
     stress_safety,
-    told,
 )
 from jousto.fatigue.miner.spectrum import Spectrum
 from jousto.materials.strength.mean_stress import MeanStress
@@ -169,7 +169,7 @@ class DamageField(Tabular):
                     place,
                     f"{'' if self.exact[i] else '< '}{self.peak[i] / 1e6:.5g}" if some else "0",
                     f"{self.damage[i]:.5g}",
-                    told(float(self.life[i])),
+                    duration_text(float(self.life[i])),
                     f"{least}{min(float(self.safety[i]), 1.0 / SHARE):.4g}",
                 )
             )
@@ -188,7 +188,7 @@ class DamageField(Tabular):
     def head(self) -> list[tuple[str, str]]:
         """Return the settings of the assessment as pairs of name and text."""
         mean = "not corrected" if self.mean is None else str(self.mean)
-        required = f", required {told(self.required)}"
+        required = f", required {duration_text(self.required)}"
         if self.once:
             required = " once; the safety is that of one repetition, required=... gives another"
         return [
@@ -196,7 +196,10 @@ class DamageField(Tabular):
             ("stress", f"{self.criterion}, mean stress: {mean}"),
             ("S-N curve", str(self.sn)),
             ("cycles", f"rainflow, residue: {self.residue}, transitions: {self.transitions}"),
-            ("history", f"{told(self.duration)}{required}, damage allowed {self.allowable:g}"),
+            (
+                "history",
+                f"{duration_text(self.duration)}{required}, damage allowed {self.allowable:g}",
+            ),
         ]
 
     def __str__(self) -> str:

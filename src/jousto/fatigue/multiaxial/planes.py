@@ -26,7 +26,7 @@ from jousto.base.object_repr import described
 from jousto.base.ranking import largest, ranking
 from jousto.fatigue.multiaxial.enclosing_ball import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife
-from jousto.recovery.fields.planes import outward
+from jousto.recovery.fields.planes import positive_normal
 
 BLOCK_BYTES = 64 << 20  # memory for the stresses on planes at a time, bytes
 COARSE = math.radians(9.0)  # angle between normals of the first search, rad
@@ -207,7 +207,7 @@ def nearness(normal: Array) -> tuple[float, ...]:
     Among mirrored normals positive components come first. Components are rounded to 1e-3, which is
     above the difference of two normals of one plane on the finest grid.
     """
-    n = outward(normal).round(3)
+    n = positive_normal(normal).round(3)
     return (*np.abs(n).tolist(), *n.tolist())
 
 
@@ -324,7 +324,7 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
         refined.append((float(found.max()), centre))
     top = max(value for value, _ in refined)
     equal = [normal for value, normal in refined if value >= top - PLANE_TIE * abs(top)]
-    best = outward(max(equal, key=nearness))
+    best = positive_normal(max(equal, key=nearness))
     value, shear, normal, index = (x[0] for x in _values(s, best[None], criterion))
     return CriticalPlane(best, float(value), float(shear), float(normal), int(index))
 

@@ -34,7 +34,7 @@ def reaction(
     return np.concatenate([along[used] @ on_b[:, 0], along[used] @ turned])
 
 
-def rubbing(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
+def friction_law(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
     """Return the force law of a friction, ``f = -mu(speed) N s'/speed`` along its coordinates."""
     joint, law = friction.joint, friction.law
     assert isinstance(law, Regularised)

@@ -12,7 +12,7 @@ from jousto.natural.equations.system import Machine
 from jousto.simulation.state import State
 
 
-def declared(machine: Machine) -> tuple[Array, Array]:
+def declared_state(machine: Machine) -> tuple[Array, Array]:
     """Return the declared coordinates and velocities (N,) of the bodies."""
     q, v = _empty(machine)
     for i, body in enumerate(machine.mechanism.bodies):
@@ -23,7 +23,7 @@ def declared(machine: Machine) -> tuple[Array, Array]:
     return q.ravel(), v.ravel()
 
 
-def given(machine: Machine, state: State) -> tuple[Array, Array]:
+def state_of_engine(machine: Machine, state: State) -> tuple[Array, Array]:
     """Return coordinates and velocities (N,) of a state of the engine.
 
     Raises
@@ -55,7 +55,7 @@ def given(machine: Machine, state: State) -> tuple[Array, Array]:
 
 def angles(machine: Machine) -> Array:
     """Return the scalar functions (ns,) at the declared pose, the reference of angles."""
-    pose = machine.frames.evaluate(declared(machine)[0])
+    pose = machine.frames.evaluate(declared_state(machine)[0])
     return machine.scalars.values(pose.y, np.zeros(machine.scalars.count))
 
 

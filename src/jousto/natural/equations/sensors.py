@@ -91,12 +91,18 @@ class Reader:
             return np.append(e[:1], resolve(now, e[1:]))
 
         def motion(now: _Now) -> Array:
-            x = seen(now, at) if other is None else observed(seen(now, at), seen(now, other))
+            x = (
+                marker_motion(now, at)
+                if other is None
+                else relative_motion(marker_motion(now, at), marker_motion(now, other))
+            )
             return resolve(now, x[kind])
 
         def parts(now: _Now) -> Array:
             assert other is not None
-            return resolve(now, separated(seen(now, at), seen(now, other)))
+            return resolve(
+                now, acceleration_parts(marker_motion(now, at), marker_motion(now, other))
+            )
 
         return {"orientation": orientation, "acceleration parts": parts}.get(kind, motion)
 
@@ -171,7 +177,7 @@ class _Now:
         self.motion, self.moved, self.energies = motion, moved, energies
 
 
-def seen(now: _Now, at: int) -> dict[str, Array]:
+def marker_motion(now: _Now, at: int) -> dict[str, Array]:
     """Return position, orientation, velocities and accelerations of a marker in the world.
 
     ``w = sum e_k x e_k' / 2`` over the axes e_k, and ``w' = sum e_k x e_k'' / 2``.
@@ -186,7 +192,7 @@ def seen(now: _Now, at: int) -> dict[str, Array]:
     }
 
 
-def observed(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
+def relative_motion(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
     """Return the motion of a marker relative to another one that moves and rotates."""
     x = {key: of[key] - by[key] for key in of}
     w, turn = by["angular velocity"], by["angular acceleration"]
@@ -199,14 +205,14 @@ def observed(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
     return x
 
 
-def separated(of: dict[str, Array], by: dict[str, Array]) -> Array:
+def acceleration_parts(of: dict[str, Array], by: dict[str, Array]) -> Array:
     """Return the parts (15,) of the acceleration of a marker relative to another one.
 
     The parts are the acceleration of the other marker, the centripetal, the tangential, the
     Coriolis and the relative one, each in world axes.
     """
     w, turn = by["angular velocity"], by["angular acceleration"]
-    moved = observed(of, by)
+    moved = relative_motion(of, by)
     d = moved["position"]
     return np.concatenate(
         [

@@ -17,7 +17,7 @@ from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law, moving
 from jousto.natural.equations.frames import Frames, Pose
-from jousto.natural.equations.friction import rubbing
+from jousto.natural.equations.friction import friction_law
 from jousto.natural.equations.supported import check_known
 
 LEAST = 1e-12
@@ -91,7 +91,7 @@ class Machine:
                 self.laws += [LAWS[p.kind](p, self.frames, self.scalars) for p in force.pushes]
         for friction in mechanism.frictions:
             self.felt[id(friction)] = len(self.laws)
-            self.laws.append(rubbing(friction, self.rows, self.scalars))
+            self.laws.append(friction_law(friction, self.rows, self.scalars))
         self.rubs = bool(mechanism.frictions)
         self.pressed = self.rubs or bool(
             self.rows.signals

@@ -15,7 +15,12 @@ from jousto.output.scenes.backdrop import new_picture
 from jousto.output.scenes.stage import make_stage
 from jousto.output.scenes.view import View
 from jousto.output.style import MUTED, Picture, drawing
-from jousto.simulation.modes.linear import MechanismModes, nodal, rotations, turning
+from jousto.simulation.modes.linear import (
+    MechanismModes,
+    body_frame_increments,
+    nodal_displacements,
+    rotations,
+)
 from jousto.simulation.results.memory import MemoryRecords
 from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
@@ -88,16 +93,20 @@ def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
     """Return a run of two instants: the machine at rest, and in the mode with its joints closed."""
     model, q = data.model, data.state.q
     x = data.increments[:, mode]
-    moved = [u.ravel() for u in nodal(model, q, x[:, None]).values()]
+    moved = [u.ravel() for u in nodal_displacements(model, q, x[:, None]).values()]
     # bodies of one point may turn on the spot: then their turning counts
     seen = [u for u in moved if u.any()] or [x]
     farthest = max((u[np.abs(u).argmax()] for u in seen), key=abs)
     # turned in the complex plane to the instant at which that point is farthest
     x = np.real(x * np.conj(farthest)) / abs(farthest)
-    size = max(np.abs(u).max(initial=0.0) for u in nodal(model, q, x[:, None]).values())
+    size = max(
+        np.abs(u).max(initial=0.0) for u in nodal_displacements(model, q, x[:, None]).values()
+    )
     size = size or _extent(model, q) * np.abs(x).max()
     engine = Engine(model)
-    engine.q[:] = displaced(model, q, scale * _extent(model, q) / size * (turning(model, q) @ x))
+    engine.q[:] = displaced(
+        model, q, scale * _extent(model, q) / size * (body_frame_increments(model, q) @ x)
+    )
     engine.time[0] = data.state.time
     far = np.array(engine.q)
     with suppress(SimulationError):  # it is drawn with gaps then

@@ -27,7 +27,7 @@ from jousto.recovery.beams.strains import (
     resultants,
     strains,
 )
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.recovery.shape import rotation_matrices
 from jousto.simulation.results.solution import Solution
 
@@ -144,7 +144,7 @@ class SectionForces:
             For an unknown component or an instant outside the run.
         """
         k = component_of(self.name, component)
-        before, after, share = between(self.time, [time], f"beam '{self.name}'")
+        before, after, share = bracket_instants(self.time, [time], f"beam '{self.name}'")
         x = float(share[0])
         values = (1.0 - x) * self.ends[before[0], :, :, k] + x * self.ends[after[0], :, :, k]
         s = np.stack([self.s_nodes[:-1], self.s_nodes[1:]], axis=1)
@@ -272,7 +272,7 @@ def section_forces(
     shape, time = find_beam(run, beam), run.time
     if times is not None:
         wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        first, last, share = between(time, wanted, where)
+        first, last, share = bracket_instants(time, wanted, where)
         span = slice(int(first.min()), int(last.max()) + 1)
         known = section_forces(run, beam, start=time[span.start], end=time[span.stop - 1])
         a, b = first - span.start, last - span.start

@@ -191,7 +191,7 @@ def strains(beam: Elements, at: Poses) -> Strains:
     """
     phi = logarithm(np.swapaxes(at.Qa, -1, -2) @ at.Qb)
     # Qm^T = exp(-phi / 2) Qa^T
-    r = rotated(-0.5 * phi, _apply(np.swapaxes(at.Qa, -1, -2), at.rb - at.ra))
+    r = rotate_vectors(-0.5 * phi, _apply(np.swapaxes(at.Qa, -1, -2), at.rb - at.ra))
     L = beam.L[:, None]
     bow = helix(beam, phi)
     gamma = bow.arc(r) / L - np.array([1.0, 0.0, 0.0])
@@ -222,9 +222,9 @@ def rates(beam: Elements, found: Strains, Qa: Array, slip: Array, spin: Array) -
     w = _apply(back, spin)
     # k = phi' = T^-1 w; the midpoint rotates faster than end a by P w
     k = w - 0.5 * np.cross(phi, w) + _inverse(phi) * np.cross(phi, np.cross(phi, w))
-    wm = rotated(half, w)
+    wm = rotate_vectors(half, w)
     more = 0.5 * wm - _lag(phi) * np.cross(phi, wm)
-    v = rotated(half, _apply(back, slip)) + np.cross(found.r, more)
+    v = rotate_vectors(half, _apply(back, slip)) + np.cross(found.r, more)
     v = found.helix.arc(v) + found.helix.turned(found.r, k)
     v[..., :1] += found.lean * k[..., :1]
     return np.asarray(np.concatenate([v, k], axis=-1) / beam.L[:, None])
@@ -267,8 +267,8 @@ def end_resultants(found: Strains, s: Array) -> Array:
     at_a = middle - 0.5 * lever + twist
     at_b = middle + 0.5 * lever + twist
     turn = 0.5 * phi
-    a = np.concatenate([rotated(turn, n), rotated(turn, at_a)], axis=-1)
-    b = np.concatenate([rotated(-turn, n), rotated(-turn, at_b)], axis=-1)
+    a = np.concatenate([rotate_vectors(turn, n), rotate_vectors(turn, at_a)], axis=-1)
+    b = np.concatenate([rotate_vectors(-turn, n), rotate_vectors(-turn, at_b)], axis=-1)
     return np.stack([a, b], axis=-2)
 
 
@@ -284,7 +284,7 @@ def exponential(phi: Array) -> Array:
     return np.asarray(matrices.reshape(*phi.shape, 3))
 
 
-def rotated(phi: Array, x: Array) -> Array:
+def rotate_vectors(phi: Array, x: Array) -> Array:
     """Return ``exp(phi) x`` of vectors (..., 3) by Rodrigues' formula."""
     angle2 = (phi * phi).sum(axis=-1, keepdims=True)
     angle = np.sqrt(angle2)

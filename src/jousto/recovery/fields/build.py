@@ -17,7 +17,7 @@ from jousto.recovery.fields.criteria import tensor, voigt
 from jousto.recovery.fields.field import Frame, StressField
 from jousto.recovery.fields.inertia import amplitudes
 from jousto.recovery.fields.places import Sites, site_indices
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
@@ -118,7 +118,7 @@ def stress_field(
         raise InputError(Problem(where, "loads= has no effect without residual=; give both"))
     if times is not None:
         wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        before, after, share = between(time, wanted, where)
+        before, after, share = bracket_instants(time, wanted, where)
         share = share[:, None]
         p = (1.0 - share) * p[before] + share * p[after]
         e = (1.0 - share) * e[before] + share * e[after]

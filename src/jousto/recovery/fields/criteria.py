@@ -143,7 +143,7 @@ def voigt(tensors: ArrayLike, strain: bool = False) -> Array:
     return np.asarray(out * np.array([1, 1, 1, 2, 2, 2])) if strain else out
 
 
-def turned(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
+def rotate_tensors(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
     """Return stresses or strains (..., 6) in rotated axes, ``A S A^T`` with A (..., 3, 3)."""
     T, R = tensor(s, strain), np.asarray(A, dtype=np.float64)
     return voigt(R @ T @ np.swapaxes(R, -1, -2), strain)

@@ -25,14 +25,14 @@ from jousto.recovery.fields.criteria import (
     Criterion,
     check_criterion,
     principal,
-    turned,
+    rotate_tensors,
     weights,
 )
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.places import Sites, refuse_gaps, refuse_no_rotations, site_indices
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.reduction.fields.stress import StressModes
 
 Frame = Literal["site", "body", "world"]
@@ -259,7 +259,7 @@ class StressField:
             return self.p, self.A
         if isinstance(times, slice):
             return self.p[times], None if self.A is None else self.A[times]
-        before, after, share = between(self.time, times, f"stress of '{self.name}'")
+        before, after, share = bracket_instants(self.time, times, f"stress of '{self.name}'")
         p = (1.0 - share[:, None]) * self.p[before] + share[:, None] * self.p[after]
         if self.A is None:
             return p, None
@@ -279,7 +279,7 @@ class StressField:
             s = (S.reshape(-1, S.shape[2]) @ p[0]).reshape(-1, 6)
         else:
             s = chosen._tensors(p)[0]
-        return s if A is None else turned(s, A[0], self.strain)
+        return s if A is None else rotate_tensors(s, A[0], self.strain)
 
     @explained
     def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
@@ -288,7 +288,7 @@ class StressField:
         p, A = self._rows(times)
         s = self.take(places)._tensors(p)
         if A is not None:
-            s = turned(s, A[:, None], self.strain)
+            s = rotate_tensors(s, A[:, None], self.strain)
         single = len(places) == 1 and isinstance(site, str | int | np.integer)
         return np.asarray(s[:, 0] if single else s)
 

@@ -109,7 +109,7 @@ def critical_plane(
     if by == "maximum":
         values, directions = principal(history, strain)
         k = largest(values[:, 0])
-        n = outward(directions[k, :, 0])
+        n = positive_normal(directions[k, :, 0])
         least = largest(-(history @ plane_weights(n, strain)))
         return CriticalPlane(n, float(values[k, 0]), float(t[k]), float(t[least]), by)
     if by != "range":
@@ -125,10 +125,10 @@ def critical_plane(
         found = _refined(history, normals[start], strain)
         best = found if found[0] > best[0] + TIE * abs(best[0]) else best
     value, n, top, bottom = best
-    return CriticalPlane(outward(n), value, float(t[top]), float(t[bottom]), by)
+    return CriticalPlane(positive_normal(n), value, float(t[top]), float(t[bottom]), by)
 
 
-def outward(normal: Array) -> Array:
+def positive_normal(normal: Array) -> Array:
     """Return the normal or its opposite, such that its (first) largest component is positive."""
     return normal if normal[largest(np.abs(normal))] >= 0.0 else -normal
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 from jousto.recovery.hotspots.measures import Measure
-from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut, spectral
+from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut_windows, spectral
 
 STRIDES = (128, 16)  # number of instants in a window, coarse and fine
 SMALLEST = 1e-8  # weight of a coordinate without stress over the mean weight
@@ -226,7 +226,7 @@ def prepare(modes: Array, p: Array, measure: Measure) -> Search:
     strides = [stride for stride in STRIDES if stride < nt] or [STRIDES[-1]]
     count = -(-max(nt - 1, 1) // strides[0])
     filled = np.concatenate([y, np.repeat(y[-1:], count * strides[0] + 1 - nt, axis=0)])
-    windows = tuple(cut(filled, stride) for stride in strides)
+    windows = tuple(cut_windows(filled, stride) for stride in strides)
     return Search(modes, p, measure, T, y, windows, margin)
 
 

@@ -13,7 +13,7 @@ from jousto.recovery.hotspots.search import Found, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
 
 
-def every(
+def search_all(
     field: StressField,
     criterion: Criterion,
     measure: Measure,
@@ -77,7 +77,7 @@ def rounding(field: StressField) -> Array:
     return np.asarray(SAFETY * UNIT * (n + SAFETY) * np.sqrt((parts**2).sum(axis=1)))
 
 
-def highest(field: StressField, measure: Measure) -> float:
+def upper_bound(field: StressField, measure: Measure) -> float:
     """Return an upper bound of all sites and instants of a body, ``sum_j |G S_j| max |p_j|``."""
     length = np.sqrt(((measure.rows @ field.S) ** 2).sum(axis=1))
     bound = (length * _sizes(field)).sum(axis=1) + rounding(field)

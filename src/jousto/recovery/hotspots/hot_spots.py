@@ -14,10 +14,10 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.object_repr import described
 from jousto.base.ranking import TIE, ranking
 from jousto.recovery.fields.build import stress_field
-from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
+from jousto.recovery.fields.criteria import Criterion, evaluate, rotate_tensors, tensor, weights
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.exhaustive_beams import every, highest
-from jousto.recovery.hotspots.interval_bounds import Between, between, largest_between
+from jousto.recovery.hotspots.exhaustive_beams import search_all, upper_bound
+from jousto.recovery.hotspots.interval_bounds import Between, bounds_between, largest_between
 from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.report import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.search import Found as Places, Proof, search
@@ -192,7 +192,7 @@ def hot_spots(
         spans.append((float(part.time[0]), float(part.time[-1])))
         found = _searched(part, criterion, sought, count, separation)
         certificates[field.name] = found.certificate
-        gaps[field.name] = between(part, sought)
+        gaps[field.name] = bounds_between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
     # hot spots of all bodies; the omitted ones of a body are included in its bound
@@ -232,7 +232,7 @@ def worst_places(
     """
     _check(tuple(fields), count, criterion, separation)
     sought = measure(criterion, extreme, strain=fields[0].strain)
-    bounds = np.array([highest(field, sought) for field in fields])
+    bounds = np.array([upper_bound(field, sought) for field in fields])
     best: list[tuple[float, HotSpot]] = []
     for k in np.argsort(-bounds, kind="stable").tolist():
         if len(best) >= count and bounds[k] + TIE * abs(bounds[k]) < best[count - 1][0]:
@@ -256,7 +256,7 @@ def _searched(
     """Return the hot spots of one body."""
     apart = section_size(part) if separation is None else float(separation)
     if part.columns is not None:
-        return every(part, criterion, sought, count=count, separation=apart)
+        return search_all(part, criterion, sought, count=count, separation=apart)
     return search(
         part.S,
         part.p,
@@ -360,7 +360,7 @@ def _spot(field: StressField, place: int, instant: int, criterion: Criterion) ->
         on = slice(int(field.columns[place]), int(field.columns[place]) + field.S.shape[2])
     s = np.asarray(field.S[place] @ field.p[instant, on])
     if field.A is not None:
-        s = turned(s, field.A[instant], field.strain)
+        s = rotate_tensors(s, field.A[instant], field.strain)
     values, vectors = np.linalg.eigh(tensor(s, field.strain))
     normal = vectors[:, int(np.argmax(np.abs(values)))]
     normal = normal * (1.0 if normal[int(np.argmax(np.abs(normal)))] >= 0.0 else -1.0)

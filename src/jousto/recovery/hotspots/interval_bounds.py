@@ -101,14 +101,14 @@ def cubics(p: Array, v: Array, time: Array) -> Cubics:
     return Cubics(path, stray.max(axis=0, initial=0.0))
 
 
-def between(field: StressField, measure: Measure) -> Between | None:
+def bounds_between(field: StressField, measure: Measure) -> Between | None:
     """Return the bound of a criterion at all sites between the instants of a field.
 
     None without velocities, with one instant, or for a criterion whose sign jumps.
     """
     if field.v is None or field.nt < 2 or not measure.smooth:
         return None
-    columns = reach(field.S, measure)
+    columns = sensitivity(field.S, measure)
     curve, allowance = -np.inf, 0.0
     for first in range(0, field.nt - 1, INSTANTS):
         # one more interval on each side for the fourth derivative
@@ -129,12 +129,12 @@ def largest_between(field: StressField, place: int, measure: Measure) -> float:
     values = measure.value(found.path @ S.T)
     ranked = measure.rank(values)
     k = int(np.argmax(ranked))
-    top = float(ranked[k]) + float((reach(S[None], measure) @ found.stray)[0])
+    top = float(ranked[k]) + float((sensitivity(S[None], measure) @ found.stray)[0])
     # sign of the largest ranked value
     down = measure.extreme == "smallest" or (measure.extreme == "magnitude" and values[k] < 0.0)
     return -top if down else top
 
 
-def reach(S: Array, measure: Measure) -> Array:
+def sensitivity(S: Array, measure: Measure) -> Array:
     """Return the largest change (ns, n) of a criterion per unit of each coordinate."""
     return np.asarray(np.sqrt(((measure.rows @ S) ** 2).sum(axis=1)))

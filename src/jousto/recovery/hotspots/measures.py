@@ -57,14 +57,14 @@ class Measure:
     smooth: bool = True
 
 
-def root(A: Array) -> Array:
+def matrix_root(A: Array) -> Array:
     """Return G (r, 6) with ``G^T G = A`` for a positive semidefinite A, r its rank."""
     values, vectors = np.linalg.eigh(A)
     kept = values > 1e-12 * values[-1]
     return np.asarray(np.sqrt(values[kept])[:, None] * vectors[:, kept].T)
 
 
-def length(g: Array) -> Array:
+def vector_norm(g: Array) -> Array:
     """Return ``|g|`` over the last axis."""
     return np.asarray(np.sqrt(np.einsum("...i,...i->...", g, g)))
 
@@ -87,7 +87,7 @@ def principal_bounds(g: Array) -> tuple[Array, Array]:
     a, b, c, d, e, f = a / u, b / u, c / u, d / u, e / u, f / u
     J3 = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f)
     phi = np.arccos(np.clip(0.5 * J3, -1.0, 1.0)) / 3.0
-    slack = SLACK * length(g)
+    slack = SLACK * vector_norm(g)
     high = m + 2.0 * size * np.cos(phi) + slack
     low = m + 2.0 * size * np.cos(phi + 2.0 * np.pi / 3.0) - slack
     return high, low
@@ -138,7 +138,7 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
     if criterion in ("von-mises", "signed-von-mises"):
         # the signed criterion never exceeds the unsigned one, for any extreme
         tight = positive or chosen == "magnitude"
-        return Measure(chosen, mises_rows(strain), value, rank, length, tight, tight)
+        return Measure(chosen, mises_rows(strain), value, rank, vector_norm, tight, tight)
     if criterion == "max-shear":
         # factor 2 for strains, whose shear is the full difference of the principal values
         rows = (2.0 if strain else 1.0) * tensor_rows(strain)
@@ -171,7 +171,7 @@ def mises_rows(strain: bool) -> Array:
     V[:3, :3] -= 0.5
     if strain:
         V = (4.0 / 9.0) * V @ np.diag([1.0, 1.0, 1.0, 0.25, 0.25, 0.25])
-    return root(V)
+    return matrix_root(V)
 
 
 def _first(g: Array) -> Array:

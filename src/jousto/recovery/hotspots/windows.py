@@ -59,7 +59,7 @@ class Windows:
         return np.asarray(np.minimum(np.minimum(box, ellipsoid), norm[:, None] * self.far[at]))
 
 
-def cut(y: Array, stride: int) -> Windows:
+def cut_windows(y: Array, stride: int) -> Windows:
     """Return the windows of a path (k stride + 1, n)."""
     count = (len(y) - 1) // stride
     n = y.shape[1]

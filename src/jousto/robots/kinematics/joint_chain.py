@@ -43,7 +43,7 @@ class Step:
     body: int
 
 
-def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
+def build_steps(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
     """Return the steps from the ground outward, the step index of each body, the coordinates."""
     joined: dict[int, list[int]] = {}
     for k, joint in enumerate(parts.joints):
@@ -71,7 +71,7 @@ def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
         used.add(k)
         joint = parts.joints[k]
         far = joint.b if near == joint.a else joint.a
-        steps += climb(joint, at[near], names, len(steps), far, forward=near == joint.a)
+        steps += joint_steps(joint, at[near], names, len(steps), far, forward=near == joint.a)
         at[far] = len(steps) - 1
         waiting += [(far, i) for i in reversed(joined.get(far, [])) if i not in used]
     return tuple(steps), tuple(at[i] for i in range(len(parts.bodies))), names
@@ -96,7 +96,7 @@ def free_bodies(parts: Parts, joined: dict[int, list[int]]) -> list[int]:
     return found
 
 
-def climb(
+def joint_steps(
     joint: Tie, parent: int, names: Names, first: int, far: int, *, forward: bool
 ) -> list[Step]:
     """Return the steps of one joint, from its proximal to its distal body."""
@@ -147,7 +147,7 @@ class Names:
             ball = any(kind == "ball" for _, kind, _ in joint.moves)
             for name in joint.names:
                 self.add(name, name, "ball" if ball else "turn")
-            self.initial += quaternion(relative(parts, joint)) if ball else joint.initial
+            self.initial += quaternion(relative_axes(parts, joint)) if ball else joint.initial
 
     def add(self, key: str, name: str, kind: str) -> None:
         """Add a coordinate."""
@@ -171,7 +171,7 @@ def quaternion(A: Array) -> list[float]:
     return [float(x) for x in euler_parameters(A)]
 
 
-def relative(parts: Parts, joint: Tie) -> Array:
+def relative_axes(parts: Parts, joint: Tie) -> Array:
     """Return the axes of frame b in frame a (3, 3) at the initial pose."""
     a, b = (
         (Frame() if body < 0 else parts.bodies[body].pose) @ frame
@@ -180,7 +180,7 @@ def relative(parts: Parts, joint: Tie) -> Array:
     return np.asarray(a.A.T @ b.A)
 
 
-def independent(parts: Parts, names: Names) -> tuple[list[str], Array, Array]:
+def free_coordinates(parts: Parts, names: Names) -> tuple[list[str], Array, Array]:
     """Return the free scalar coordinates, with G and c of all ones, ``s = G s_free + c``.
 
     Raises

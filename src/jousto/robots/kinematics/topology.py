@@ -204,7 +204,7 @@ class _Look:
 
     def place(self, marker: Marker) -> Place:
         """Return body index (-1 for the ground) and frame of a marker."""
-        return self.numbers.get(id(marker.body), -1), placed(marker)
+        return self.numbers.get(id(marker.body), -1), marker_frame(marker)
 
     def ends(self, joint: Joint) -> tuple[int, int]:
         """Return the indices of the bodies of a joint."""
@@ -254,7 +254,7 @@ def relation(name: str, line: Line) -> Relation:
     return Relation(name, tuple(s.name for s in line.coordinates), factors, float(line.offset))
 
 
-def placed(marker: Marker) -> Frame:
+def marker_frame(marker: Marker) -> Frame:
     """Return the pose of a marker in its body."""
     return Frame(np.asarray(marker.position_local), np.asarray(marker.axes))
 

@@ -17,7 +17,7 @@ from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
 from jousto.robots.description import Frame, Robot
 from jousto.robots.kinematics.jacobians import cross, in_motion, unit
-from jousto.robots.kinematics.joint_chain import grown, independent
+from jousto.robots.kinematics.joint_chain import build_steps, free_coordinates
 from jousto.robots.kinematics.loop_joints import Bound, Measured
 from jousto.robots.kinematics.loops import Loops, View
 from jousto.robots.kinematics.topology import Parts, of_mechanism, of_robot
@@ -136,9 +136,9 @@ class Tree:
             message = f"machine is {machine!r}, must be a Mechanism, a Robot or a Model"
             raise InputError(Problem("Tree", message))
         self._parts: Parts = parts
-        self._steps, self._at, names = grown(parts)
+        self._steps, self._at, names = build_steps(parts)
         self.gravity = read_only(parts.gravity if g is None else g)
-        kept, self._G, self._c = independent(parts, names)
+        kept, self._G, self._c = free_coordinates(parts, names)
         self._scalar = names.scalar
         self._all = (len(names.positions), len(names.velocities))
         self._arrange(names.positions, names.velocities, kept)

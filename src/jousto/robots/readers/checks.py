@@ -10,7 +10,7 @@ import numpy as np
 
 from jousto.base.errors import suggest
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
-from jousto.robots.readers.masses import check_mass, note_sizes, weighed
+from jousto.robots.readers.masses import check_mass, merge_and_check, note_sizes
 from jousto.robots.readers.xml import Adder, Reading
 
 
@@ -33,8 +33,8 @@ def robot(
         With all errors.
     """
     add = Adder(reading)
-    links, joints = renamed(add, links, joints)
-    joints = [unfollowed(add, joint) for joint in joints]
+    links, joints = with_valid_names(add, links, joints)
+    joints = [without_mimic(add, joint) for joint in joints]
     check_names(add, links, joints)
     root = check_tree(add, links, joints)
     check_joints(add, joints)
@@ -45,9 +45,9 @@ def robot(
                 check_mass(add, link)
         reading.finish()
     assert root is not None
-    ordered_links, ordered_joints = ordered(root, links, joints)
+    ordered_links, ordered_joints = tree_order(root, links, joints)
     made = Robot(name, ordered_links, ordered_joints, fixed_base, source=reading.path)
-    made = weighed(add, made, merge=merge, repair=repair)
+    made = merge_and_check(add, made, merge=merge, repair=repair)
     if not reading.problems:
         note_sizes(add, made)
         made = complete(made)
@@ -101,7 +101,7 @@ def with_loops(made: Robot, loops: Sequence[RobotJoint]) -> Robot:
     return replace(made, loops=(*made.loops, *found))
 
 
-def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:
+def without_mimic(add: Adder, joint: RobotJoint) -> RobotJoint:
     """Return a joint, without its mimic relation if the joint is fixed."""
     if joint.kind != "fixed" or joint.mimic is None:
         return joint
@@ -109,7 +109,7 @@ def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:
     return replace(joint, mimic=None)
 
 
-def clean(name: str, forbidden: str) -> str:
+def clean_name(name: str, forbidden: str) -> str:
     """Return a name with forbidden characters replaced."""
     new = "".join("_" if x in forbidden else x for x in name).strip()
     return f"{new}_" if new == "ground" or new in (".", "..") else new
@@ -117,15 +117,15 @@ def clean(name: str, forbidden: str) -> str:
 
 def link_name(name: str) -> str:
     """Return the name of a link without the characters forbidden for bodies of a mechanism."""
-    return clean(name, "./")
+    return clean_name(name, "./")
 
 
 def joint_name(name: str) -> str:
     """Return the name of a joint without the characters forbidden for joints of a mechanism."""
-    return clean(name, "/")
+    return clean_name(name, "/")
 
 
-def renamed(
+def with_valid_names(
     add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[list[Link], list[RobotJoint]]:
     """Return links and joints with names that are valid in a mechanism."""
@@ -203,7 +203,7 @@ def check_tree(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) 
         more = ", ..." if len(roots) > 6 else ""
         add(None, f"{len(roots)} links have no parent: {names}{more}; a robot has one root")
     if not add.reading.problems:
-        reached = {link.name for link in ordered(roots[0].name, links, joints)[0]}
+        reached = {link.name for link in tree_order(roots[0].name, links, joints)[0]}
         lost = [link.name for link in links if link.name not in reached]
         if lost:
             names = ", ".join(repr(name) for name in lost[:6])
@@ -247,7 +247,7 @@ def check_mimic(add: Adder, joint: RobotJoint, known: dict[str, RobotJoint]) -> 
             add(joint, f"mimic: joint {other.name!r} is {other.kind}, must have one coordinate")
 
 
-def ordered(
+def tree_order(
     root: str, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[tuple[Link, ...], tuple[RobotJoint, ...]]:
     """Return links and joints, each after its parent; branches in the order of the file."""

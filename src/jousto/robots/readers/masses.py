@@ -21,14 +21,14 @@ TURNS, DEGREES = 8.0 * math.pi, 720.0  # range of limits, rad, that are probably
 THIN = 1e-3  # smallest radius of gyration of a repaired inertia over the size of the robot
 
 
-def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
+def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
     """Return the robot with fixed links merged; add problems for impossible mass and inertia.
 
     A link on a fixed joint may have any inertia if the merged link has a possible one.
     """
-    made = idle(add, made)
+    made = fix_massless_joints(add, made)
     wrong = {link.name: said for link in made.links if (said := wrong_mass(link))}
-    whole, homes = merged(made)
+    whole, homes = merge_links(made)
     if not merge:
         whole, homes = made, {link.name: link.name for link in made.links}
     # links fixed to a link with mass add their inertia, with or without own mass
@@ -39,7 +39,7 @@ def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
         said = wrong_mass(link)
         if said and repair and link.mass > 0.0 and link.name not in held:
             add.note(link, f"{said}; repaired")
-            link = replace(link, inertia=nearest(link, size))
+            link = replace(link, inertia=nearest_inertia(link, size))
         elif said and link.name not in held:
             names = [name for name in wrong if homes[name] == link.name] or [link.name]
             known = {one.name: one for one in made.links}
@@ -78,7 +78,7 @@ def without_idle_inertia(
     )
 
 
-def idle(add: Adder, made: Robot) -> Robot:
+def fix_massless_joints(add: Adder, made: Robot) -> Robot:
     """Return the robot with joints fixed that move no mass; add problems for moving links.
 
     A problem is a moving link without mass whose joint cannot be fixed.
@@ -129,7 +129,7 @@ def check_mass(add: Adder, link: Link) -> None:
         add(link, said)
 
 
-def nearest(link: Link, size: float) -> Array:
+def nearest_inertia(link: Link, size: float) -> Array:
     """Return the nearest possible inertia of a link: second moments of mass become positive.
 
     The second moments of a body are ``S = int x x^T dm = tr(J) / 2 - J``.
@@ -176,7 +176,7 @@ def extent(made: Robot) -> float:
     )
 
 
-def merged(made: Robot) -> tuple[Robot, dict[str, str]]:
+def merge_links(made: Robot) -> tuple[Robot, dict[str, str]]:
     """Return the robot with links on fixed joints merged, and the merged link of each link."""
     place = {made.links[0].name: (made.links[0].name, Frame())}
     links = {made.links[0].name: made.links[0]}

@@ -15,7 +15,7 @@ from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_bodies import Bodies
 from jousto.robots.readers.mjcf_collected import Collected
-from jousto.robots.readers.mjcf_ties import Motor, closed, read_actuators, read_ties
+from jousto.robots.readers.mjcf_ties import Motor, read_actuators, read_ties, with_loop_joints
 from jousto.robots.readers.mjcf_words import CONTACT
 from jousto.robots.readers.xml import Reading, parse_file
 
@@ -81,8 +81,10 @@ def read_mjcf(
     name = root.given.get("model", path.stem)
 
     def complete(made: Robot) -> Robot:
-        made = replace(sprung(made, found), gravity=bodies.settings.weight)
-        return replace(closed(bodies, made, ties), actuators=tuned(made, motors))
+        made = replace(with_springdampers(made, found), gravity=bodies.settings.weight)
+        return replace(
+            with_loop_joints(bodies, made, ties), actuators=with_damping_ratios(made, motors)
+        )
 
     return checks.robot(
         reading,
@@ -152,7 +154,7 @@ def inertias(robot: Robot) -> dict[str, float]:
     return {name: len(x) / max(sum(x), 1e-15) for name, x in shares.items()}
 
 
-def sprung(robot: Robot, found: Collected) -> Robot:
+def with_springdampers(robot: Robot, found: Collected) -> Robot:
     """Return a robot whose joints have the springs and dampers of ``springdamper``.
 
     ``k = m / (T z)^2`` and ``c = 2 m / T`` with the time constant T, the damping ratio z and the
@@ -172,7 +174,7 @@ def sprung(robot: Robot, found: Collected) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def tuned(robot: Robot, motors: list[Motor]) -> tuple[Actuator, ...]:
+def with_damping_ratios(robot: Robot, motors: list[Motor]) -> tuple[Actuator, ...]:
     """Return the actuators, with ``b2 = -2 z sqrt(kp m / g^2)`` of those with a damping ratio z."""
     joints = {joint.name: joint for joint in robot.joints if joint.kind in SINGLE}
     inertia = inertias(robot) if any(motor.ratio for motor in motors) else {}

@@ -19,8 +19,8 @@ from jousto.robots.readers.mjcf_expand import (
     everything,
     find_named,
     include_files,
-    renamed,
     replicate,
+    with_affixes,
 )
 from jousto.robots.readers.mjcf_geoms import Geom, Geoms
 from jousto.robots.readers.mjcf_settings import Places
@@ -368,7 +368,7 @@ class Bodies:
             why = "does not exist" if found is None else "contains this <attach> itself"
             self.reading.add(element, f"{tag} {wanted!r} {why}")
             return
-        copy = renamed(found[0], before=prefix)
+        copy = with_affixes(found[0], before=prefix)
         self.inside(copy, link, at, found[1])
 
     def fill(self, element: Element, link: Link, at: Frame, tag: str, wanted: str | None) -> None:

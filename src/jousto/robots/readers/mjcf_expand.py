@@ -127,7 +127,7 @@ class _Replicas:
             given = {"pos": numbers(r), "quat": numbers(euler_parameters(A))}
             if "childclass" in element.given:
                 given["childclass"] = element.given["childclass"]
-            children = [renamed(x, after=suffix) for x in inner.children]
+            children = [with_affixes(x, after=suffix) for x in inner.children]
             made.append(replace(element, tag="frame", given=given, children=children))
             for name in own:
                 now.setdefault(first.get(name, name), []).append(f"{name}{suffix}")
@@ -150,13 +150,15 @@ def everything(element: Element) -> Iterator[Element]:
         waiting += reversed(element.children)
 
 
-def renamed(element: Element, before: str = "", after: str = "") -> Element:
+def with_affixes(element: Element, before: str = "", after: str = "") -> Element:
     """Return a copy of an element with a prefix and a suffix on all names."""
     given = dict(element.given)
     if "name" in given:
         given["name"] = f"{before}{given['name']}{after}"
     return replace(
-        element, given=given, children=[renamed(child, before, after) for child in element.children]
+        element,
+        given=given,
+        children=[with_affixes(child, before, after) for child in element.children],
     )
 
 

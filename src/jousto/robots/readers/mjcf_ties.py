@@ -133,7 +133,7 @@ def _tied(bodies: Bodies, element: Element) -> Tied:
     return Tied(name, kind, one, other, sites, anchor, pose, reading.where(element))
 
 
-def closed(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
+def with_loop_joints(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
     """Return a robot with the loop joints of ``connect`` and ``weld`` at its initial pose."""
     if not ties:
         return robot

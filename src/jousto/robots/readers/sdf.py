@@ -16,7 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders, solid_of
-from jousto.robots.readers.sdf_nested import flattened
+from jousto.robots.readers.sdf_nested import flatten_model
 from jousto.robots.readers.sdf_words import CONTACT, SDF
 from jousto.robots.readers.urdf import roll_pitch_yaw
 from jousto.robots.readers.words import check_words
@@ -128,7 +128,7 @@ class _Reader:
         self, reading: Reading, model: Element, version: str, folders: Folders, *, draw: bool
     ) -> None:
         self.old = version in ("1.0", "1.2", "1.3", "1.4")  # axes are in the frame of the model
-        model = flattened(model, self.old)
+        model = flatten_model(model, self.old)
         self.reading, self.model, self.folders, self.draw = reading, model, folders, draw
         self.loops: list[RobotJoint] = []
         self.named: dict[str, Element] = {}

@@ -10,7 +10,7 @@ from jousto.robots.readers.xml import Element
 NAMED = ("link", "joint", "frame")
 
 
-def flattened(model: Element, old: bool) -> Element:
+def flatten_model(model: Element, old: bool) -> Element:
     """Return a model with the elements of its nested models, named ``model::link``.
 
     A nested model becomes a frame of its name, and poses of its elements become relative to this
@@ -21,7 +21,7 @@ def flattened(model: Element, old: bool) -> Element:
         if child.tag != "model":
             children.append(child)
             continue
-        name, inner = child.given.get("name", ""), flattened(child, old)
+        name, inner = child.given.get("name", ""), flatten_model(child, old)
         pose = [x for x in inner.children if x.tag == "pose"]
         children.append(replace(child, tag="frame", given={"name": name}, children=pose))
         for element in inner.children:

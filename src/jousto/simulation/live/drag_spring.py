@@ -149,7 +149,7 @@ def _moved(sensor: SensorModel, first: int) -> SensorModel:
     return replace(sensor, frame=place(sensor.frame))
 
 
-def gripped(model: Model, grip: Grip | None) -> Model:
+def with_grip(model: Model, grip: Grip | None) -> Model:
     """Return a model `with_hand` with the drag spring attached to a grip, or detached for None."""
     here = model.active - 1
     if grip is None:
@@ -207,7 +207,7 @@ def _shares(corners: Array, point: Array) -> Array:
     return found
 
 
-def placed(model: Model, q: Array, body: int, point: Array) -> Array:
+def point_position(model: Model, q: Array, body: int, point: Array) -> Array:
     """Return the position of a point of a body, ``R + A (u0 + Phi p)``, m, world frame."""
     b = model.bodies[body]
     u = point + shapes_at(model.shapes[body], point) @ q[b.iq + 7 : b.iq + 7 + b.n]
@@ -221,9 +221,9 @@ def mobility(model: Model, state: State, body: int, point: Array) -> Array:
     modes of the machine in its current state.
     """
     grip = Grip(body, (float(point[0]), float(point[1]), float(point[2])), 1.0, 0.0)
-    engine = Engine(gripped(model, grip))
+    engine = Engine(with_grip(model, grip))
     put(engine, state, "hand")
-    b, r = model.bodies[body], placed(model, state.q, body, point)
+    b, r = model.bodies[body], point_position(model, state.q, body, point)
     A = rotation_matrix(state.q[b.iq + 3 : b.iq + 7])
     Phi, u = shapes_at(model.shapes[body], point), A.T @ (r - state.q[b.iq : b.iq + 3])
     places = [model.inputs.index(name) for name in TARGET]

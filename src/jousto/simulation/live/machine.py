@@ -26,14 +26,14 @@ from jousto.simulation.live.drag_spring import (
     TARGET,
     Grip,
     grip_at,
-    gripped,
-    placed,
+    point_position,
+    with_grip,
     with_hand,
 )
 from jousto.simulation.live.real_time_clock import Pace
 from jousto.simulation.results.events import Chronicle
-from jousto.simulation.running.simulate import cause
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.simulate import failure_ending
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule
@@ -96,7 +96,7 @@ class LiveMachine:
         self.every = max(1, round((interval or INTERVAL) / self.step_size))
         self.model = with_hand(model)
         self.stopped = ""
-        self._start = beginning(model, state)
+        self._start = initial_state(model, state)
         self.reset()
 
     # -- state ---------------------------------------------------------------------------------
@@ -154,7 +154,11 @@ class LiveMachine:
         state = self.state()
         grip = grip_at(self.model, state, body, np.asarray(point), step=self.step_size, speed=speed)
         self._wanted.update(grip.inputs)
-        self.aim(placed(self.model, state.q, body, np.asarray(point)) if target is None else target)
+        self.aim(
+            point_position(self.model, state.q, body, np.asarray(point))
+            if target is None
+            else target
+        )
         return grip
 
     def aim(self, target: ArrayLike) -> None:
@@ -221,7 +225,7 @@ class LiveMachine:
                 break
             if status != "ok":
                 plan = Schedule(self.step_size, 1, self.every)
-                ending = cause(self.model, self.solver, plan, engine, status)
+                ending = failure_ending(self.model, self.solver, plan, engine, status)
                 raise SimulationError(
                     f"the machine stopped at {self.time:.6g} s: {ending.sentence}",
                     time=self.time,
@@ -243,7 +247,7 @@ class LiveMachine:
     ) -> None:
         """Set a new engine to a state with given inputs, as `simulate` starts a run."""
         grip = Grip.of(inputs) if BODY in inputs else None
-        engine = Engine(gripped(self.model, grip))
+        engine = Engine(with_grip(self.model, grip))
         if state is not None:
             put(engine, state, "live")
             engine.steps_done = self._before(state.time)
@@ -272,7 +276,7 @@ class LiveMachine:
         """Set the requested inputs in the engine; a new grip needs a new model and engine."""
         if Grip.of(self._wanted) != Grip.of(self._held):
             old = self.engine
-            engine = Engine(gripped(self.model, Grip.of(self._wanted)))
+            engine = Engine(with_grip(self.model, Grip.of(self._wanted)))
             put(engine, take(old), "live")
             engine.steps_done = old.steps_done
             engine.counts[0] = old.counts[0]

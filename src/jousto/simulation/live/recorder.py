@@ -88,7 +88,7 @@ class Recorder:
             self._queue.put((rows, happened))
 
     def close(self, ended: str = "completed", complete: bool = True) -> Solution:
-        """Close the file and return its results, with the reason `ended` and the flag `complete`."""
+        """Close the file and return its results, with attributes `ended` and `complete`."""
         self._queue.put(None)
         self._thread.join()
         wall = time.perf_counter() - self._started

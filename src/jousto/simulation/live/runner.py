@@ -301,7 +301,9 @@ class Runner:
         except Exception as error:  # after any error the thread continues, for `reset`
             if not isinstance(error, JoustoError):
                 log.exception("a live machine failed")
-            self._stop(f"{error}; reset returns to the initial state", f"failed: {error}", complete=False)
+            self._stop(
+                f"{error}; reset returns to the initial state", f"failed: {error}", complete=False
+            )
             return False
         if self._recorder is not None:
             self._recorder.add(rows, machine.events())

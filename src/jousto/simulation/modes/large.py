@@ -13,7 +13,7 @@ from jousto.base.arrays import Array, skew
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
-from jousto.simulation.modes.spectrum import nearest, newton_sparse, saddle
+from jousto.simulation.modes.spectrum import lowest_modes, newton_sparse, saddle
 from jousto.simulation.state import State, put
 
 MANY = 600  # number of velocities and rows above which matrices are sparse
@@ -53,7 +53,7 @@ def large_modes(
     M = T.T @ M @ T
     C = A[:nv, nv:].T @ T
     if not damped:
-        found = nearest(K.tocsc(), M.tocsc(), C.tocsc(), count)
+        found = lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), count)
         roots = np.sqrt(-found.squares.astype(np.complex128))
         return np.where(roots.imag < 0.0, -roots, roots), found.shapes
     return _quadratic(K, G, M, C, count)
@@ -83,7 +83,7 @@ def _quadratic(
     """
     n = K.shape[0]
     ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
-    still = np.sort(np.abs(nearest(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
+    still = np.sort(np.abs(lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
     firm = still[still > NOISE * ratio]
     # a free rigid motion has the eigenvalue 0: shift away from it
     free_one = len(firm) < len(still)

@@ -135,7 +135,7 @@ def rotations(model: Model, q: Array) -> Array:
     return np.array([rotation_matrix(x / np.linalg.norm(x)) for x in e]).reshape(-1, 3, 3)
 
 
-def turning(model: Model, q: Array) -> Array:
+def body_frame_increments(model: Model, q: Array) -> Array:
     """Return T (nv, nv) from increments with body-frame translations to those of the engine."""
     T = np.eye(model.nv)
     for body, A in zip(model.bodies, rotations(model, q), strict=True):
@@ -157,7 +157,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     """
     without_fmus(model, "linearise", "has no derivatives here")
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
-    nv, T = model.nv, turning(model, q)
+    nv, T = model.nv, body_frame_increments(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
     for twin in (engine, steps):
         put(twin, State(q, v, np.zeros(model.nrow), time) if state is None else state, "linearise")
@@ -268,7 +268,7 @@ def at_rest(model: Model, state: State) -> Rest:
         If a body or joint is singular at the state.
     """
     without_fmus(model, "modes", "has no derivatives here")
-    still, T = replace(state, v=np.zeros(model.nv)), turning(model, state.q)
+    still, T = replace(state, v=np.zeros(model.nv)), body_frame_increments(model, state.q)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)
     for one in (engine, twin):
         put(one, still, "modes")
@@ -480,7 +480,7 @@ def _modes(
         damping,
         eigenvalues,
         increments,
-        pictures(model, state.q, increments),
+        normalised_shapes(model, state.q, increments),
         model,
         state,
     )
@@ -503,9 +503,9 @@ def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
     return small_modes(rest.K, np.eye(len(rest.K)))
 
 
-def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+def normalised_shapes(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
     """Return nodal displacements (k, nodes, 3) of each body, world frame, maximum of a mode 1."""
-    out = nodal(model, q, increments)
+    out = nodal_displacements(model, q, increments)
     largest = np.zeros(increments.shape[1])
     for moved in out.values():
         if moved.size:
@@ -514,7 +514,9 @@ def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDAr
     return {name: moved / scale[:, None, None] for name, moved in out.items()}
 
 
-def nodal(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+def nodal_displacements(
+    model: Model, q: Array, increments: NDArray[Any]
+) -> dict[str, NDArray[Any]]:
     """Return nodal displacements (k, nodes, 3) of each body, world frame, of increments (nv, k)."""
     out: dict[str, NDArray[Any]] = {}
     for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):

@@ -78,7 +78,7 @@ def small_modes(K: Array, M: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     return values, X @ vectors
 
 
-def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
+def lowest_modes(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
     """Return the `count` modes of smallest ``|omega^2|`` of ``K x = omega^2 M x``, ``C x = 0``.
 
     Small systems are solved by dense matrices in the free motions, large ones by shift-invert

@@ -163,7 +163,7 @@ def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[in
     raise UnknownNameError(Problem(run.where, said))
 
 
-def named(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
+def selected_names(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
     """Return the named sensors and components; all sensors if no name is given.
 
     Raises

@@ -212,7 +212,7 @@ class MemoryRecords:
         writer.close(bool(self.facts["complete"]), self.facts)
 
 
-def moved(run: Solution, along: float) -> Solution:
+def displaced_results(run: Solution, along: float) -> Solution:
     """Return real results ``x + s x'`` of a run with derivatives x', for a real number s."""
     records: Any = run._records
     model, rows = plain_model(records.model, along), real_parts(records.rows, along)

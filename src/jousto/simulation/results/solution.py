@@ -21,7 +21,7 @@ from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import dataframes
-from jousto.simulation.results.dataframes import Names, named, pick
+from jousto.simulation.results.dataframes import Names, pick, selected_names
 from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
 from jousto.simulation.results.records import BodyShape, Records
@@ -316,7 +316,9 @@ class Solution(Mapping[str, Array]):
         return np.array([scales.floor(unit) for unit in units])
 
     def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[dataframes.Column]:
-        return [(name, self.about(name), self[name]) for name in named(self, names, sensors)]
+        return [
+            (name, self.about(name), self[name]) for name in selected_names(self, names, sensors)
+        ]
 
     @explained
     def to_csv(self, path: str | Path, *names: Names, sensors: Names = ()) -> Path:

@@ -28,7 +28,7 @@ from jousto.simulation.results.stress import (
     read_frame,
     read_stress,
 )
-from jousto.simulation.results.symbols import GROUP as SYMBOLS, checked, read_symbols
+from jousto.simulation.results.symbols import GROUP as SYMBOLS, check_symbols, read_symbols
 from jousto.simulation.results.validate import examine, open_results
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.state import MEMORY
@@ -166,9 +166,9 @@ class FileRecords:
         """Symbols of joints, forces, sensors and named points, for pictures."""
         with self._open() as file:
             if SYMBOLS in file:
-                return checked(read_symbols(file[SYMBOLS]), file["bodies"])
+                return check_symbols(read_symbols(file[SYMBOLS]), file["bodies"])
             if CONNECTIONS in file:
-                return checked(read_connections(file[CONNECTIONS]), file["bodies"])
+                return check_symbols(read_connections(file[CONNECTIONS]), file["bodies"])
             return ()
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:

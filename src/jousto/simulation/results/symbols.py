@@ -37,7 +37,7 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
     }
 
 
-def checked(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
+def check_symbols(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
     """Return the symbols unchanged if all their points refer to existing bodies and nodes.
 
     Raises

@@ -16,7 +16,7 @@ from jousto.simulation.running.repeated_runs import Repeated
 Run = tuple[Repeated, dict[str, float]]
 
 
-def together(runs: Sequence[Run]) -> list[Solution | None]:
+def run_in_lanes(runs: Sequence[Run]) -> list[Solution | None]:
     """Return the results of runs computed in vector lanes; None for each run left to the caller.
 
     Machines of equal structure with the same method, step and end share the lanes of a vector.

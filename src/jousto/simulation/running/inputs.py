@@ -22,7 +22,7 @@ class InputFailed(SimulationError):
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldInput:
     """External input with a piecewise constant value.
 
     Attributes
@@ -46,7 +46,7 @@ class Held:
 class Feed:
     """Piecewise constant inputs of a run, set before every call of the engine."""
 
-    def __init__(self, held: tuple[Held, ...]) -> None:
+    def __init__(self, held: tuple[HeldInput, ...]) -> None:
         self._held = held
 
     def ahead(self, done: int) -> int:
@@ -67,7 +67,7 @@ class Feed:
                 engine.input[h.place] = _ask(h, done // h.every, time)
 
 
-def _ask(held: Held, interval: int, time: float) -> float:
+def _ask(held: HeldInput, interval: int, time: float) -> float:
     try:
         answer: Any = held.value(interval, time)
     except Exception as error:
@@ -140,7 +140,7 @@ def connect(
                 waiting.append((name, every, _samples(samples)))
     problems.raise_if_any()
     fed = substitute(model, signals)
-    held = (Held(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
+    held = (HeldInput(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
     return fed, Feed(tuple(held))
 
 

@@ -23,7 +23,7 @@ from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.simulate import simulate
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import prepared
 from jousto.simulation.solvers.schedule import schedule
@@ -55,7 +55,7 @@ class Repeated:
     def __init__(self, model: Model, t_end: float, **how: Any) -> None:
         without_fmus(model, "study", "cannot be repeated with other values")
         # initial state, computed once for all runs, with the derivatives of the model
-        how = how | {"state": beginning(model, how.get("state"))}
+        how = how | {"state": initial_state(model, how.get("state"))}
         self.model = model
         self._stepped = has_steps(model)
         with plainly():

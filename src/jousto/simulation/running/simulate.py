@@ -32,7 +32,7 @@ from jousto.simulation.results.writer import EVENTS
 from jousto.simulation.running.cosimulation_loop import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.solvers.beam_checks import warn_bent
 from jousto.simulation.solvers.default_solver import choose
@@ -154,7 +154,7 @@ def simulate(
         violate the joints or drives, or the modes of a body represent a load badly; after the run
         if the error of the energy balance exceeds 5 %.
     """
-    state = beginning(model, state)
+    state = initial_state(model, state)
     start, reason = 0.0 if state is None else state.time, ""
     if solver is None:
         solver, reason = choose(model, t_end, output_step, start)
@@ -378,9 +378,9 @@ def _loop(
         now = clock.perf_counter()
         record(rows[:written])
         if status == "event":
-            return stopped(engine)
+            return event_ending(engine)
         if status != "ok":
-            return cause(model, solver, plan, engine, status)
+            return failure_ending(model, solver, plan, engine, status)
         count = engine.steps_done - first  # fewer than asked for if the event log was full
         done += count
         report(float(engine.time[0].real), now - started)
@@ -408,9 +408,9 @@ def _coupled(
     finally:
         coupling.close()
     if status == "event":
-        return stopped(engine)
+        return event_ending(engine)
     if status != "ok":
-        ending = cause(engine.model, solver, plan, engine, status)
+        ending = failure_ending(engine.model, solver, plan, engine, status)
         return replace(ending, sentence=f"{ending.sentence}; {suspects}") if suspects else ending
     coupling.judge()
     return None
@@ -438,11 +438,11 @@ def _adaptive(
         seen: Record = record if done == 0 else _without_first(record)
         status = follow(engine, native, count, rows, seen, report)
         if status == "event":
-            return stopped(engine)
+            return event_ending(engine)
         if status == "step too small":
             return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
         if status != "ok":
-            return cause(engine.model, solver, plan, engine, status)
+            return failure_ending(engine.model, solver, plan, engine, status)
         done += count
     return None
 
@@ -458,13 +458,15 @@ def _without_first(record: Record) -> Record:
     return rest
 
 
-def stopped(engine: Engine) -> Ending:
+def event_ending(engine: Engine) -> Ending:
     """Return the ending of a run that an event with ``stop=True`` stopped."""
     name = engine.model.events[engine.error_index].name
     return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
 
 
-def cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str) -> Ending:
+def failure_ending(
+    model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str
+) -> Ending:
     """Return the cause of a failed run, as a sentence, and the body that moves most."""
     if status == "no convergence":
         body = model.bodies[engine.error_index].name

@@ -21,7 +21,7 @@ from jousto.simulation.results.events import Chronicle, Happening, happenings, j
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 from jousto.simulation.state import State, put, take
 
@@ -110,7 +110,7 @@ class Simulator:
         self.events: tuple[Happening, ...] = ()
         self.stopped = ""
         self._engine = Engine(model)
-        if (begun := beginning(model, state)) is not None:
+        if (begun := initial_state(model, state)) is not None:
             put(self._engine, begun, "Simulator")
         self._native = prepared(self._engine, chosen, chosen.step)
         self._record = None if path is None else _Record(Path(path), self._engine, chosen, every)

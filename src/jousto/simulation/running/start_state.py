@@ -8,7 +8,9 @@ from jousto.model.start_complex_step import has_steps
 from jousto.simulation.state import State
 
 
-def beginning(model: Model, state: State | None = None, start: str | None = None) -> State | None:
+def initial_state(
+    model: Model, state: State | None = None, start: str | None = None
+) -> State | None:
     """Return the initial state of a run; None for the initial state of the model.
 
     Parameters

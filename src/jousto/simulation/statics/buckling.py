@@ -19,7 +19,7 @@ from jousto.base.errors import Problems, warn
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, displaced
-from jousto.simulation.modes.linear import local, pictures
+from jousto.simulation.modes.linear import local, normalised_shapes
 from jousto.simulation.modes.spectrum import DENSE
 from jousto.simulation.second_order import with_second_order
 from jousto.simulation.state import State
@@ -181,7 +181,7 @@ def buckling(
 def _linear(balance: Balance, start: float, count: int) -> Buckling:
     at = Walk(balance, start, start + 1.0).begin()
     step = -factor(balance, at).solve(balance.push(at.q, at.lam, at.value))
-    pencil = _Pencil(_held(balance, at), _rate(balance, at, step))
+    pencil = _Pencil(_regularised(balance, at), _rate(balance, at, step))
     nv = balance.model.nv
     found, vectors = pencil.near(0.0, count)
     gap = _gap(found)
@@ -191,7 +191,7 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
         found = np.concatenate([found[soft], further[firm]])
         vectors = np.hstack([vectors[:, soft], beyond[:, firm]])
     loads, shapes, left_out = _sorted(found, vectors[:nv], count, pencil.knows)
-    drawn = pictures(balance.model, at.q, local(balance.model, at.q, shapes))
+    drawn = normalised_shapes(balance.model, at.q, local(balance.model, at.q, shapes))
     if len(left_out):
         pairs = ", ".join(f"{start + x.real:.4g} +- {x.imag:.3g}i" for x in left_out[:3])
         warn(
@@ -211,7 +211,7 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
     )
 
 
-def _held(balance: Balance, at: Point) -> Any:
+def _regularised(balance: Balance, at: Point) -> Any:
     """Return the tangent matrix with an added stiffness of the size of its round-off.
 
     The stiffness of rigid motions is the sum of the rows of K over all nodes, with the round-off

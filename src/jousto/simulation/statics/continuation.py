@@ -15,7 +15,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.simulation.modes.linear import rotations
-from jousto.simulation.modes.spectrum import Spectrum, nearest
+from jousto.simulation.modes.spectrum import Spectrum, lowest_modes
 from jousto.simulation.statics.residual import Balance
 
 SMALL = 1e-10  # increment at which Newton's iteration has converged, sizes of the mechanism or rad
@@ -61,7 +61,7 @@ class Rates:
 T = TypeVar("T")
 
 
-def _steady(solve: Callable[..., T]) -> Callable[..., T]:
+def _raise_no_convergence(solve: Callable[..., T]) -> Callable[..., T]:
     """Decorate `solve` so that errors of the engine at a trial position are NoConvergenceError."""
 
     @wraps(solve)
@@ -145,23 +145,23 @@ def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) 
         raise
 
 
-@_steady
+@_raise_no_convergence
 def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> Point:
     q, lam = point.q, point.lam
     before = np.inf
     for k in range(iterations):
         r = balance.residual(q, lam, value)
         step = -factor(balance, Point(q, lam, value)).solve(r)
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
         length = balance.length(step)
-        if finished(length, before, cut):
+        if has_converged(length, before, cut):
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
+@_raise_no_convergence
 def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
     """Return the equilibrium nearby, by Newton's steps without their neutral part.
 
@@ -174,21 +174,21 @@ def at_least(balance: Balance, point: Point, value: float, iterations: int = 15)
     before = np.inf
     for k in range(iterations):
         step, free = least_step(balance, Point(q, lam, value))
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
         length = balance.length(step)
-        if finished(length, before, cut):
+        if has_converged(length, before, cut):
             if balance.length(free) > PUSHED:
                 raise NoConvergenceError(
-                    "a force acts in a direction without stiffness", mover(balance, free)
+                    "a force acts in a direction without stiffness", most_moved_body(balance, free)
                 )
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
-def along(
+@_raise_no_convergence
+def at_arc_length(
     balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
 ) -> Point:
     """Return the equilibrium at an arc length, ``x^T W x + (weight s)^2 = length^2``.
@@ -219,17 +219,17 @@ def along(
             raise NoConvergenceError("the path turns back on itself")
         change = -(gap + float(normal @ free[:nv])) / below
         step = free + change * pushed
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[nv:]
         value += cut * change
         moved = balance.length(step) + abs(weight * change)
-        if finished(moved, before, cut):
+        if has_converged(moved, before, cut):
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, moved, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
+@_raise_no_convergence
 def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
     """Return the unit tangent of the path, in the sense of the last one.
 
@@ -261,7 +261,7 @@ def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) 
     if held:
         metric = balance.metric(point.q, point.lam, point.value)
         K = K + sp.diags(least_stiffness(A, metric) * metric)
-    return nearest(K, M, C, count)
+    return lowest_modes(K, M, C, count)
 
 
 def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
@@ -275,12 +275,12 @@ def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
 
 def free_motion(balance: Balance, point: Point) -> str:
     """Return a sentence with the body that moves freely, and its motion, at a singular tangent."""
-    from jousto.simulation.modes.spectrum import nearest
+    from jousto.simulation.modes.spectrum import lowest_modes
 
     nv, nrow = balance.model.nv, balance.model.nrow
     A = balance.matrix(point.q, point.lam, point.value)
     M = balance.mass(point.q, point.lam, point.value)
-    found = nearest(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
+    found = lowest_modes(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
     if not found.shapes.shape[1]:
         return "its joints contradict one another"
     x = np.real(found.shapes[:, 0])
@@ -297,7 +297,7 @@ def free_motion(balance: Balance, point: Point) -> str:
     return f"body '{b.name}' {'turns freely about' if turning else 'moves freely along'} ({text})"
 
 
-def bounded(balance: Balance, step: Array) -> float:
+def step_factor(balance: Balance, step: Array) -> float:
     """Return the factor on a step that limits rotations and translations of bodies to TURN."""
     size = balance.model.size
     most = max(
@@ -310,7 +310,7 @@ def bounded(balance: Balance, step: Array) -> float:
     return float(min(1.0, TURN / max(most, 1e-300)))
 
 
-def finished(length: float, before: float, cut: float) -> bool:
+def has_converged(length: float, before: float, cut: float) -> bool:
     """Return whether Newton's iteration has converged or stalled at round-off."""
     if cut < 1.0:
         return False
@@ -323,7 +323,7 @@ def _checked(balance: Balance, step: Array, length: float, before: float, k: int
     return length
 
 
-def mover(balance: Balance, step: Array) -> str:
+def most_moved_body(balance: Balance, step: Array) -> str:
     """Return the name of the body with the largest increment."""
     bodies = balance.model.bodies
     moves = step[: balance.model.nv] * velocity_metres(balance.model)
@@ -332,7 +332,7 @@ def mover(balance: Balance, step: Array) -> str:
 
 
 def _failed(balance: Balance, step: Array, iterations: int) -> NoConvergenceError:
-    body = mover(balance, step)
+    body = most_moved_body(balance, step)
     return NoConvergenceError(
         f"Newton's iteration did not converge in {iterations} iterations, body '{body}' moves most",
         body,

@@ -16,7 +16,7 @@ from jousto.model.scales import largest_speed
 from jousto.simulation.check_bending import warn_far
 from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
-from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
+from jousto.simulation.modes.linear import at_rest, body_frame_increments, stiffness_modes
 from jousto.simulation.state import State, put
 from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
@@ -130,14 +130,14 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time
-        engine.q[:] = displaced(model, q, turning(model, q) @ (factor * step))
+        engine.q[:] = displaced(model, q, body_frame_increments(model, q) @ (factor * step))
         engine.v[:] = 0.0
         engine.assemble()
         q = np.array(engine.q)
         engine.v[:] = 0.0
         a, _ = engine.accelerations()
         # the potential energy rose behind the minimum: shorten the steps
-        after = t.N.T @ t.M @ (turning(model, q).T @ a)
+        after = t.N.T @ t.M @ (body_frame_increments(model, q).T @ a)
         if float(after @ force) < 0.0 and float(after @ after) > before:
             bound *= 0.5
     raise SimulationError(

@@ -17,10 +17,10 @@ from jousto.simulation.statics.continuation import (
     NoConvergenceError,
     Point,
     at_least,
-    bounded,
     least_step,
     least_stiffness,
-    mover,
+    most_moved_body,
+    step_factor,
 )
 from jousto.simulation.statics.free_bodies import UNHELD
 from jousto.simulation.statics.residual import TIME, Balance
@@ -101,23 +101,25 @@ class _Flow:
             r[:nv] += held[:nv] * x
             A = balance.matrix(q, lam, self.time) + sp.diags(held)
             change = -spl.splu(A.tocsc()).solve(r)
-            if not bounded(balance, change) >= 1.0:
-                raise NoConvergenceError("an iteration went too far", mover(balance, change))
+            if not step_factor(balance, change) >= 1.0:
+                raise NoConvergenceError(
+                    "an iteration went too far", most_moved_body(balance, change)
+                )
             q, lam = balance.moved(q, change), lam + change[nv:]
             x = balance.between(start.q, q)
             length = balance.length(x)
             if balance.length(change) <= max(CLOSE * length, SMALL):
                 self._check(start, lam, x, alone=count == 1)
                 return Point(q, lam, self.time, count), length
-        raise NoConvergenceError("an iteration did not converge", mover(balance, change))
+        raise NoConvergenceError("an iteration did not converge", most_moved_body(balance, change))
 
     def _check(self, start: Point, lam: Array, x: Array, *, alone: bool) -> None:
         """Raise NoConvergenceError for steps that are too long or raise the energy."""
-        if not bounded(self.balance, x / STRIDE) >= 1.0:
-            raise NoConvergenceError("a step was too long", mover(self.balance, x))
+        if not step_factor(self.balance, x / STRIDE) >= 1.0:
+            raise NoConvergenceError("a step was too long", most_moved_body(self.balance, x))
         r = self._residual(start.q, lam)[: len(x)]
         if not alone and float(r @ x) > SMALL * float(np.abs(r) @ np.abs(x)):
-            raise NoConvergenceError("a step raised the energy", mover(self.balance, x))
+            raise NoConvergenceError("a step raised the energy", most_moved_body(self.balance, x))
 
     def failed(self, at: Point, why: NoConvergenceError | None) -> SimulationError:
         """Return the error of a search that found no equilibrium."""
@@ -127,10 +129,10 @@ class _Flow:
         except NoConvergenceError:
             step = free = np.zeros(balance.size)
         if balance.length(free) > max(PUSHED, balance.length(step)):
-            body = mover(balance, free)
+            body = most_moved_body(balance, free)
             text = UNHELD.format(body)
         else:
-            body = why.body if why and why.body else mover(balance, step)
+            body = why.body if why and why.body else most_moved_body(balance, step)
             text = (
                 f"{why or 'it still moves'}, body '{body}' moves most; start nearer to the "
                 "equilibrium (state=...), or raise the loads in steps with load_path"

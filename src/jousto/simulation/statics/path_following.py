@@ -11,7 +11,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from jousto.base.arrays import Array
-from jousto.simulation.modes.linear import local, pictures
+from jousto.simulation.modes.linear import local, normalised_shapes
 from jousto.simulation.modes.spectrum import Spectrum, blocks
 from jousto.simulation.state import State
 from jousto.simulation.statics.continuation import (
@@ -19,7 +19,7 @@ from jousto.simulation.statics.continuation import (
     Point,
     Rates,
     SingularTangentError,
-    along,
+    at_arc_length,
     at_load,
     free_motion,
     neutral_modes,
@@ -157,7 +157,7 @@ class Walk:
         return at_load(self.balance, last, last.value + share * (value - last.value))
 
     def _along_share(self, last: Point, ahead: Rates, length: float, share: float) -> Point:
-        return along(self.balance, last, ahead, share * length, self.weight)
+        return at_arc_length(self.balance, last, ahead, share * length, self.weight)
 
     # -- steps of the arc
 
@@ -171,7 +171,7 @@ class Walk:
         for _ in range(self.arc.limit):
             last = self.points[-1]
             try:
-                point = along(balance, last, ahead, length, self.weight)
+                point = at_arc_length(balance, last, ahead, length, self.weight)
                 if self._strays(last, point, ahead):
                     raise NoConvergenceError("the iteration left the path")
                 fraction = partial(self._along_share, last, ahead, length)
@@ -244,7 +244,7 @@ class Walk:
         size = 0.5 * length
         while True:
             try:
-                point = along(balance, at, ahead, size, self.weight)
+                point = at_arc_length(balance, at, ahead, size, self.weight)
                 if not self._strays(at, point, ahead):
                     break
             except NoConvergenceError:
@@ -308,7 +308,7 @@ class Walk:
         point, shape = best
         model = self.balance.model
         state, _ = self.balance.accept(point.q, point.lam, point.value)
-        drawn = pictures(model, state.q, local(model, state.q, shape[:, None]))
+        drawn = normalised_shapes(model, state.q, local(model, state.q, shape[:, None]))
         return CriticalPoint(
             load=point.value,
             kind=self._kind(point, shape),
