@@ -295,7 +295,7 @@ def test_refuses_clearly() -> None:
         hot_spots([field, field])
     with pytest.raises(InputError, match="extreme is 'most'"):
         hot_spots(field, extreme="most")
-    with pytest.raises(InputError, match="of no use"):
+    with pytest.raises(InputError, match="omit extreme"):
         hot_spots(field, extreme="smallest")
     with pytest.raises(InputError, match="must be a run or fields"):
         hot_spots(7)  # type: ignore[arg-type]

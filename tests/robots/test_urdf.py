@@ -168,13 +168,13 @@ def test_what_is_odd_is_told(write: Write, tmp_path: Path) -> None:
     said = "\n".join(str(one.message) for one in found)
     for part in (
         "the mesh 'gone.stl' is not there; the shape is ignored",
-        "is in package 'other'; say where, packages={'other': folder}",
-        "is at http://, only files are read",
+        "is in package 'other'; give its folder, packages={'other': folder}",
+        "is at http://, must be a file",
         "link 'b': mass is 2e+06 kg; was it given in g?",
         "its radius of gyration is 122 m, the robot itself 1 m long",
-        "'c.d' is called 'c_d' here",
+        "'c.d' is renamed to 'c_d'",
         "limits are -114 and 90 rad, 18 turns; were they given in degrees?",
-        "a revolute joint has no <limit>; it moves without end",
+        "a revolute joint has no <limit>; its motion is not limited",
         "<spaceship> is ignored",
     ):
         assert part in said

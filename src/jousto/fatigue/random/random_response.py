@@ -105,8 +105,8 @@ class RandomResponse:
                 raise InputError(
                     Problem(
                         "random response",
-                        f"criterion is {criterion!r}{suggest(criterion, known)}, or the normal "
-                        "of a plane",
+                        f"criterion is {criterion!r}, must be {', '.join(known)} or a normal (3,)"
+                        f"{suggest(criterion, known)}",
                     )
                 )
             rows = S[:, COMPONENTS.index(criterion)]

@@ -79,7 +79,7 @@ def without_idle_inertia(
 
 
 def fix_massless_joints(add: Adder, made: Robot) -> Robot:
-    """Return the robot with joints fixed that move no mass; add problems for moving links.
+    """Return the robot with its massless joints fixed; add problems for massless moving links.
 
     A problem is a moving link without mass whose joint cannot be fixed.
     """

@@ -114,7 +114,7 @@ def _compiler(reading: Reading, element: Element, found: Settings) -> None:
     found.groups = reading.numbers(element, text, "inertiagrouprange", 2, found.groups)
     sequence = given.get("eulerseq", found.sequence)
     if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-        reading.add(element, f"eulerseq is {sequence!r}, must be such as xyz")
+        reading.add(element, f"eulerseq is {sequence!r}, must be three axes such as xyz")
     else:
         found.sequence = sequence
     found.meshes = given.get("meshdir", given.get("assetdir", found.meshes))

@@ -145,7 +145,7 @@ class Solution(Mapping[str, Array]):
         return iter(self.sensors)
 
     def __bool__(self) -> bool:
-        return True  # also without sensors
+        return True  # a mapping without sensors is true too
 
     def __eq__(self, other: object) -> bool:
         return self is other  # two runs are compared array by array
@@ -414,7 +414,7 @@ class Solution(Mapping[str, Array]):
 
     @property
     def beams(self) -> tuple[BeamShape, ...]:
-        """Beams: their nodes are bodies, numbered as in `bodies`."""
+        """Beams of the mechanism, with the index of each node in `bodies`."""
         return self._records.beams()
 
     @explained

@@ -311,7 +311,7 @@ def _run(
     if keeper.happened == EVENTS:
         warn(
             f"simulate {engine.model.name!r}",
-            f"only the first {EVENTS} events are in the results; watch for fewer crossings",
+            f"only the first {EVENTS} events are in the results; declare fewer events",
         )
     watch.judge()
     warn_bent(engine)

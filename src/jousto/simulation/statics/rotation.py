@@ -19,7 +19,7 @@ from jousto.simulation.statics.residual import SPEED, Balance
 
 TORQUE = 1e-9  # torque over the moments of inertia forces and weight, below which it is round-off
 NOISE = 64 * float(np.finfo(float).eps)  # round-off of a force over the largest stiffness
-SAME = 1e-9  # change of a force with the azimuth over the inertia forces, below which it is none
+SAME = 1e-9  # variation of a force over a revolution / inertia forces, below which it is constant
 FITS = 1e-6  # velocity residual over speed times size, below which joints and drives allow it
 
 
