@@ -22,8 +22,8 @@ import jousto as jo
 import machines
 from cases import Case, beam, mechanism
 from jousto.export.program import program
-from jousto.export.project import flat
-from jousto.export.realtime import NO_ALLOCATION, timed
+from jousto.export.project import flat_files
+from jousto.export.realtime import NO_ALLOCATION, time_steps
 from jousto.export.toolchain import build, platforms
 from jousto.model.native.native import Engine
 from jousto.simulation.solvers.explicit import prepared
@@ -101,9 +101,9 @@ def main(steps: int) -> None:
         made = program(model, solver, state=state, name="machine")
         with tempfile.TemporaryDirectory() as folder:
             binary = Path(folder) / "timing"
-            build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=NO_ALLOCATION)
-            plain = timed(made, binary, steps, urgent=False)
-            fifo = timed(made, binary, steps, urgent=True)
+            build(flat_files(made, "timing.c"), platforms(["here"])[0], binary, flags=NO_ALLOCATION)
+            plain = time_steps(made, binary, steps, urgent=False)
+            fifo = time_steps(made, binary, steps, urgent=True)
         beside = in_python(model, solver, state), exudyn(name, solver.step)
         granted = "all" if all(x for _, x in fifo.granted) else "not all"
         print(

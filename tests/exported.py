@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import jousto as jo
-from jousto.export.toolchain import included
+from jousto.export.toolchain import with_includes
 
 CC = shutil.which("cc")
 WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror")
@@ -109,7 +109,7 @@ def compiled(folder: Path, *sources: str, flags: tuple[str, ...] = FLAGS) -> Pat
     texts = {path.name: path.read_text(encoding="utf-8") for path in folder.glob("*.[ch]")}
     parts = [f"{name}.o" for name in sources]
     for name, part in zip(sources, parts, strict=True):
-        key = (*flags, name, *included(texts, name))
+        key = (*flags, name, *with_includes(texts, name))
         if key not in OBJECTS:
             run(folder, *WARNINGS, *flags, "-I.", "-c", name, "-o", part)
             OBJECTS[key] = (folder / part).read_bytes()

@@ -120,7 +120,7 @@ def test_strict_ends_with_code_1(result):
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (("--sn", "fat71"), "residue is missing: say what counts"),
+        (("--sn", "fat71"), "residue is missing: give the rule"),
         (("--sn", "fat7x", "--residue", "half"), "no S-N curve 'fat7x'; did you mean 'fat71'?"),
         (
             ("--sn", "bar", "--residue", "half", "--mean", "goodmann 5 MPa"),
@@ -142,5 +142,5 @@ def test_mistakes(result, options, sentence):
 def test_several_results_need_transitions(result):
     found = invoke("fatigue", result, result, "--sn", "bar", "--residue", "half")
     assert found.exit_code == 2
-    assert "transitions is missing: say what happens between the events" in found.stderr
+    assert 'transitions is missing: give "separate"' in found.stderr
     assert invoke("fatigue").exit_code == 2

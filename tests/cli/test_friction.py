@@ -92,4 +92,4 @@ def test_mistakes(model, tmp_path):
     model.write_text(MODEL.replace("frictions:", "events: []\n#").replace("  - {name: rub", "#"))
     text = "\n".join(line for line in model.read_text().splitlines() if "torque" not in line)
     model.write_text(text.replace("sensors:", ""))
-    assert "has no friction to leave out" in jousto("friction", model, code=2)
+    assert "has no friction to remove" in jousto("friction", model, code=2)

@@ -30,8 +30,8 @@ def test_ranks_the_places_of_a_run(tmp_path: Path) -> None:
     assert values.max() / 1e6 <= float(row[4]) * (1 + 1e-3) < 1.1 * values.max() / 1e6
     assert float(row[5]) == pytest.approx(run.time[at], rel=1e-5)
     assert float(row[6]) == pytest.approx(1e3 * jo.stress_field(run, "arm").positions[place, 0])
-    assert "certified: no other place exceeds" in text
-    assert "between the stored instants no place exceeds" in text
+    assert "certified: no other site exceeds" in text
+    assert "between the stored instants no site exceeds" in text
     assert "error budget of 'arm'" in text and "not known: modes, step, mesh" in text
     # the same run again is no finer: nothing changes
     code, text = call("hotspots", run.path, "-n", "1", "--finer-step", run.path)

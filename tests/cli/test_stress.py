@@ -118,7 +118,7 @@ def test_everything_in_a_file(result: Path, tmp_path: Path) -> None:
     ("words", "message"),
     [
         (["arn"], "did you mean 'arm'"),
-        (["--criterion", "mises"], "'mises' is no criterion of stress"),
+        (["--criterion", "mises"], "'mises' is not a criterion of stress"),
         (["--site", "e1.a.tob"], "did you mean 'e1.a.top'"),
         (["--frame", "globe"], "frame is 'globe', must be 'site', 'body' or 'world'"),
         (["--at", "9"], "outside the run"),

@@ -20,7 +20,7 @@ from jousto.simulation.cosimulation.fmu_process import FmuProcess
 
 fmpy = pytest.importorskip("fmpy")
 pytestmark = [
-    pytest.mark.filterwarnings("ignore:fmu .* the exchange misses"),
+    pytest.mark.filterwarnings("ignore:fmu .* the exchange has an energy error"),
     pytest.mark.skipif(CC is None or sys.platform == "win32", reason="no C compiler"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
 ]
@@ -116,7 +116,7 @@ def orders(values: list[float]) -> np.ndarray:
     return np.log2(np.array(values[:-1]) / np.array(values[1:]))
 
 
-@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange misses")
+@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange has an energy error")
 def test_a_mass_on_oil_swings_with_its_frequency_of_order_one_and_two(oil: Path) -> None:
     """sqrt(k/m) with k = B A^2/V; held values are of order 1, straight lines of order 2."""
     steps = (2e-3, 1e-3, 5e-4)
@@ -127,7 +127,7 @@ def test_a_mass_on_oil_swings_with_its_frequency_of_order_one_and_two(oil: Path)
     assert lines[-1] < 2e-2 * held[0]
 
 
-@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange misses")
+@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange has an energy error")
 def test_the_energy_of_the_exchange_explains_what_the_swing_gains(oil: Path) -> None:
     """What the oil stores is p^2 V / 2 B exactly: energy in the system is off by energy_error."""
     for between in ("hold", "linear"):
@@ -144,13 +144,15 @@ def test_the_energy_of_the_exchange_explains_what_the_swing_gains(oil: Path) -> 
 
 
 def test_the_energy_error_has_the_order_of_the_exchange(oil: Path) -> None:
-    with pytest.warns(jo.JoustoWarning, match="the exchange misses up to .* a smaller step"):
+    with pytest.warns(
+        jo.JoustoWarning, match="the exchange has an energy error of up to .* a smaller step"
+    ):
         found = [run(oil, step=s, own=1.25e-4) for s in (2e-3, 1e-3, 5e-4)]
     held = [float(np.abs(x["oil.energy_error"]).max()) for x in found]
     assert np.abs(orders(held)[-1] - 1.0) < 0.25, held
 
 
-@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange misses")
+@pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange has an energy error")
 @pytest.mark.parametrize("between,order", [("hold", 1), ("linear", 2)])
 def test_halved_steps_estimate_the_error_of_a_step(oil: Path, between: str, order: int) -> None:
     """The estimate is of order p + 1, and that of a step from known values is near its error."""
@@ -244,7 +246,7 @@ def test_a_unit_whose_process_is_gone_is_one_sentence(
 
 def test_a_unit_that_hangs_is_one_sentence(tmp_path: Path) -> None:
     bad = pack(tmp_path, "bad", "-DHANG")
-    said = r"fmu 'bad' at 0\.005 s: it gave no answer \(step\) within its patience of 1\.5 s"
+    said = r"fmu 'bad' at 0\.005 s: it did not answer \(step\) within its patience of 1\.5 s"
     model = jo.compile(cart(bad, patience=1.5))
     with pytest.raises(jo.simulation.RunFailed, match=said):
         jo.simulate(model, 0.2, solver=jo.RK4(step=2.5e-4))
@@ -558,7 +560,7 @@ def test_runs_that_cannot_be_are_refused_by_name(oil: Path) -> None:
     begun = jo.simulate(model, 0.01, solver=jo.RK4(step=1e-3))
     with pytest.raises(jo.InputError, match="fmu 'oil'.* a run with it cannot be continued"):
         jo.simulate(model, 0.02, solver=jo.RK4(step=1e-3), state=begun.state())
-    with pytest.raises(jo.InputError, match="'push' is set by fmu 'oil', leave it out"):
+    with pytest.raises(jo.InputError, match="'push' is set by fmu 'oil'; remove it"):
         jo.simulate(model, 0.02, solver=jo.RK4(step=1e-3), inputs={"push": 1.0})
     for call in (
         lambda: jo.verify(cart(oil), 0.01),

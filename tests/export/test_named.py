@@ -12,7 +12,7 @@ import jousto as jo
 from exported import CC, PLAIN, compiled
 from jousto.export import tunable_constants
 from jousto.export.program import program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.tunable_constants import named_constants
 
 FILE = """
@@ -126,7 +126,7 @@ def test_a_program_with_other_values_is_that_of_the_other_file(cart: Path, tmp_p
     model = jo.compile(file.mechanism)
     solver = jo.RK4(step=1e-3)
     made = program(model, solver, name="cart_model", named=named_constants(file, model))
-    for name, text in (flat(made) | {"use.c": MAIN}).items():
+    for name, text in (flat_files(made) | {"use.c": MAIN}).items():
         (tmp_path / name).write_text(text)
     sources = [path.name for path in tmp_path.glob("*.c")]
     run = compiled(tmp_path, *sources, flags=("-DJO_NO_ALLOCATION", *PLAIN))

@@ -227,7 +227,7 @@ def test_mistakes() -> None:
     with pytest.raises(jo.InputError) as told:
         jo.fatigue.hertz_line(-1.0, length=0.03, radius=0.0, material=STEEL)
     assert len(told.value.problems) == 2
-    with pytest.raises(jo.InputError, match="touch along no line"):
+    with pytest.raises(jo.InputError, match="have no line contact"):
         jo.fatigue.hertz_line(1.0, length=0.03, radius=0.1, other=-0.09, material=STEEL)
     with pytest.raises(jo.InputError, match="hertz_line"):
         jo.fatigue.hertz_point(1.0, radii=(0.1, math.inf), material=STEEL)

@@ -313,7 +313,7 @@ def test_units_are_told_in_both_directions():
 
 
 def test_mistakes():
-    with pytest.raises(InputError, match="counted first"):
+    with pytest.raises(InputError, match="must be Cycles"):
         damage([1e6, 2e6], CURVE)
     with pytest.raises(InputError, match="residue is missing"):
         assess([0, 1e6, 0], CURVE)

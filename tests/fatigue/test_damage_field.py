@@ -196,7 +196,7 @@ def test_history_without_change_lives_for_ever():
 
 def test_mistakes():
     field = random_field()
-    with pytest.raises(InputError, match="residue is missing: say what counts"):
+    with pytest.raises(InputError, match="residue is missing: give the rule"):
         damage_field(field, CURVE)
     with pytest.raises(InputError, match="'von-mises' has no sign"):
         damage_field(field, CURVE, residue="half", criterion="von-mises")
@@ -228,7 +228,7 @@ def test_a_peak_has_its_sign_and_the_safety_says_what_of():
     cells = {row[0]: row[2] for row in found.table()[1:]}
     assert cells["a"] == "150" and cells["b"] == "-135" and cells["c"].startswith("< 15")
     assert found.table()[0][-1] == "safety of one pass"
-    assert "once, which the safety is for; give the life required" in str(found)
+    assert "once; the safety is that of one repetition" in str(found)
     years = damage_field(field, limit, criterion="s11", residue="half", required=3.2e7)
     assert years.table()[0][-1] == "safety for the life required"
     assert "one pass" not in str(years) and ", required 3.2e+07 s (1.01 years)," in str(years)

@@ -79,9 +79,9 @@ def test_duration():
 
 
 def test_mistakes():
-    with pytest.raises(InputError, match="transitions is missing: say what happens between"):
+    with pytest.raises(InputError, match='transitions is missing: give "separate"'):
         DutyCycle([([0, 1, 0], 1), ([0, 2, 0], 1)])
-    with pytest.raises(InputError, match="there are no events"):
+    with pytest.raises(InputError, match="has no events"):
         DutyCycle([])
     with pytest.raises(InputError, match="repeats is -3"):
         DutyCycle([([0, 1, 0], -3)])
@@ -90,7 +90,7 @@ def test_mistakes():
     with pytest.raises(InputError, match="did you mean 'worst'"):
         DutyCycle([([0, 1, 0], 2), ([0, 2, 0], 1)], transitions="worse")
     worst = DutyCycle([([0, 1, 0], 2), ([0, 2, 0], 1)], transitions="worst")
-    with pytest.raises(InputError, match='goes with residue="repeat"'):
+    with pytest.raises(InputError, match='needs residue="repeat"'):
         worst.cycles(residue="half")
     with pytest.raises(InputError, match="residue is missing"):
         worst.cycles()

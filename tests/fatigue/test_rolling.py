@@ -92,7 +92,7 @@ def test_the_surface_of_a_line_counts(friction: float) -> None:
 
 def test_a_shallowest_depth_that_is_the_worst_is_told() -> None:
     point = jo.fatigue.hertz_point(10e3, radii=(0.1, 0.1), material=STEEL)
-    with pytest.warns(jo.JoustoWarning, match="shallowest"):
+    with pytest.warns(jo.JoustoWarning, match="smallest depth"):
         told = jo.fatigue.rolling_life(point, [10e3], jo.fatigue.DangVan(0.3, 150e6), friction=0.4)
     assert told.worst == pytest.approx(0.04 * min(point.a, point.b))
     with pytest.warns(jo.JoustoWarning, match="nearer"):

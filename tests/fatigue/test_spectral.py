@@ -347,7 +347,7 @@ def test_mistakes() -> None:
         jo.fatigue.random_response(
             reduced, [1.0, 2.0], [1.0, 1.0], base="start", direction=(0, 1, 0), damping=0.0
         )
-    with pytest.warns(jo.JoustoWarning, match="keep more"):
+    with pytest.warns(jo.JoustoWarning, match="with more modes"):
         jo.fatigue.random_response(
             reduced, [1.0, 1e6], [1.0, 1.0], base="start", direction=(0, 1, 0)
         )

@@ -15,7 +15,7 @@ from jousto.model.model import ForceModel, SignalModel
 from jousto.model.native import ensemble, library
 from jousto.model.native.ensemble import Ensemble, structure
 from jousto.model.native.native import Engine
-from jousto.simulation.running.batched_runs import together as side_by_side
+from jousto.simulation.running.batched_runs import run_in_lanes as side_by_side
 from jousto.simulation.running.repeated_runs import Repeated
 from model import test_forces, test_joints, test_sensors
 

@@ -10,7 +10,7 @@ import pytest
 
 import jousto as jo
 from jousto.model.native.ensemble import structure
-from jousto.simulation.live.drag_spring import Grip, gripped, with_hand
+from jousto.simulation.live.drag_spring import Grip, with_grip, with_hand
 from jousto.simulation.live.machine import LiveMachine
 
 CORES = ("joint", "maximal")
@@ -112,7 +112,7 @@ def test_a_hand_keeps_the_tree_and_pulls_as_in_positions() -> None:
     held = with_hand(model)
     assert held.links == model.links
     grip = Grip(1, (0.4, 0.0, 0.0), 50.0, 2.0)
-    assert gripped(held, grip).links == model.links
+    assert with_grip(held, grip).links == model.links
     ends = []
     for core in CORES:
         machine = LiveMachine(jo.compile(swing(), core=core), jo.RK4(1e-3))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.natural.added_sensors import largest_of, measured, typical_sizes
+from jousto.natural.added_sensors import largest_of, typical_sizes, with_added_sensors
 from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verify import by_engine
 from natural.machines import differences, everything, read, rod, rssr
@@ -166,7 +166,7 @@ def test_modes_in_the_frame_of_a_node(basis: str) -> None:
 
     1e-7: the rounding of C'' times the penalty is in reactions, 1e-8 of the largest.
     """
-    mechanism = measured(rssr(BASES[basis]))
+    mechanism = with_added_sensors(rssr(BASES[basis]))
     model = jo.compile(mechanism)
     run = jo.simulate(model, 1e-3, solver=jo.RK4(2e-6), output_step=2.5e-4)
     sizes = typical_sizes(mechanism, 1e-3, largest_of(run))

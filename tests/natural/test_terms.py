@@ -103,7 +103,7 @@ def no_moment(patch: Patch) -> None:
 
 def pushing(patch: Patch) -> None:
     """Friction pushes instead of holding."""
-    whole = friction.rubbing
+    whole = friction.friction_law
 
     def rubbing(given: Any, *rest: Any) -> Any:
         law = whole(given, *rest)
@@ -115,7 +115,7 @@ def pushing(patch: Patch) -> None:
 
         return apply
 
-    patch.setattr("jousto.natural.equations.system.rubbing", rubbing)
+    patch.setattr("jousto.natural.equations.system.friction_law", rubbing)
 
 
 @dataclass(frozen=True)

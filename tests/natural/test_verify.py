@@ -179,7 +179,7 @@ def test_friction_of_reactions_that_are_not_unique_is_not_compared() -> None:
     open_ended = {row.name for row in result.rows if not row.unique}
     assert {"force of rub", "reaction of low", "acceleration of door.center"} <= open_ended
     assert "place" not in open_ended
-    assert "the friction 'rub' follows from reactions that are not unique" in result.verdict
+    assert "the friction 'rub' depends on reactions that are not unique" in result.verdict
     assert "DISAGREE" not in result.verdict
 
 
@@ -210,10 +210,10 @@ def test_a_state_of_another_model_is_refused() -> None:
     bare = jo.Mechanism(body, hinge, jo.Gravity((0, -9.81, 0)))
     spring = jo.Spring("spring", hinge.angle, stiffness=1.0)
     other = jo.simulate(jo.compile(jo.Mechanism(*bare.items, spring)), 0.01).state(0.0)
-    with pytest.raises(jo.InputError, match="begin returned a state of another model; make it"):
+    with pytest.raises(jo.InputError, match="begin returned a state of another model; compute it"):
         verify(bare, 0.02, begin=lambda model: other)
     late = jo.simulate(jo.compile(bare), 0.01)
-    with pytest.raises(jo.InputError, match=r"a state at 0\.01 s, and runs start at 0"):
+    with pytest.raises(jo.InputError, match=r"a state at 0\.01 s, must be at 0"):
         verify(bare, 0.02, begin=lambda model: late.state())
 
 
@@ -233,7 +233,7 @@ def test_an_engine_that_stops_decides_nothing() -> None:
     assert not result.agrees
     assert not result.ended
     assert "nothing is decided: the engine with a step of 0.002 s stopped at" in result.verdict
-    assert "are the same to" in result.verdict
+    assert "are equal to" in result.verdict
     assert len([what for name, what in result.facts if name == "stopped"]) == 2
 
 

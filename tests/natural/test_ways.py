@@ -13,7 +13,7 @@ import jousto as jo
 from jousto.base.rotations import rotation_matrix
 from jousto.natural import engine_variants
 from jousto.natural.comparison import Way
-from jousto.natural.rebuilt_mechanism import exchanged, held
+from jousto.natural.rebuilt_mechanism import with_constant_inputs, with_parts
 from jousto.natural.verification import Verification
 from jousto.natural.verify import verify
 from jousto.reduction import NodeFrame, in_frame
@@ -77,7 +77,7 @@ def off(found: Verification, way: str, reading: str) -> float:
 def test_a_method_with_a_fault_shows(monkeypatch: Patch) -> None:
     """A Newmark method with too much weight on the new velocity is of order 1."""
     bad = jo.simulation.Newmark(beta=0.6, gamma=1.0)
-    monkeypatch.setattr(engine_variants, "another", lambda solver, model: bad)
+    monkeypatch.setattr(engine_variants, "contrasting_method", lambda solver, model: bad)
     way = ways_of(compare(pushed()))["Newmark"]
     assert way.apart
     assert way.worst is not None
@@ -129,12 +129,12 @@ def test_exchanged_mechanisms_move_alike() -> None:
     machine = pushed()
     body = machine.bodies[0]
     assert isinstance(body, jo.FlexibleBody)
-    other = exchanged(machine, {body: in_frame(bar(), NodeFrame("start"))})
+    other = with_parts(machine, {body: in_frame(bar(), NodeFrame("start"))})
     assert other.bodies[0] is not body
     assert other.joints[0].b.body is other.bodies[0]
     assert other.sensors[1].reading.of is other.joints[0]
-    assert exchanged(machine, {}) is machine
-    assert held(machine) is machine
+    assert with_parts(machine, {}) is machine
+    assert with_constant_inputs(machine) is machine
 
 
 def stop() -> jo.Mechanism:
@@ -147,11 +147,11 @@ def stop() -> jo.Mechanism:
 def test_two_methods_judge_what_the_moving_frame_does_not_know(monkeypatch: Patch) -> None:
     found = compare(stop())
     assert found.agrees, found
-    assert found.unknown == ("event 'low': the moving frame does not stop at events; leave it out",)
+    assert found.unknown == ("event 'low': the moving frame does not stop at events; remove it",)
     assert "does not know 1 thing of the machine; two methods of the engine agree" in found.verdict
     assert "not known" in str(found)
     monkeypatch.setattr(
-        engine_variants, "another", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
+        engine_variants, "contrasting_method", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
     )
     broken = compare(stop())
     assert not broken.agrees

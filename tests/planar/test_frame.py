@@ -92,7 +92,7 @@ def test_links_are_checked() -> None:
     assert "links[1]: master 2 is itself a slave of links[2]" in text
     assert "T has shape (3, 2), must be (3, 3)" in text
     assert "links[3]: its function returns shape (2,), must be (3,)" in text
-    assert "supports[0]: node 2 is a slave of links[2]; hold its master instead" in text
+    assert "supports[0]: node 2 is a slave of links[2]; support its master instead" in text
 
 
 def test_section_of_a_beam() -> None:

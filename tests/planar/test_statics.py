@@ -180,7 +180,7 @@ def test_frequencies_of_a_cantilever() -> None:
 
 def test_what_moves_freely_is_named() -> None:
     frame = chain(3, supports=[PlanarSupport(0)])
-    with pytest.raises(jo.InputError, match="1 ways; r of node . moves most: add PlanarSupport"):
+    with pytest.raises(jo.InputError, match="1 ways; r of node . moves most; add PlanarSupport"):
         load_steps(frame, [1.0])
 
 

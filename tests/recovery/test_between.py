@@ -50,7 +50,7 @@ def test_a_peak_between_the_instants_is_bounded(criterion: str, step: float) -> 
         same = next(other for other in true if other.site == spot.site)
         assert criterion != "principal-3" or spot.between < 0.0
         assert abs(spot.between) >= abs(same.value)
-    assert "between the stored instants no place exceeds" in str(found)
+    assert "between the stored instants no site exceeds" in str(found)
 
 
 def test_a_cubic_is_what_it_is() -> None:
@@ -80,7 +80,7 @@ def test_what_is_not_known_is_said() -> None:
     time = np.arange(0.0, 1.0, 1 / 40)
     found = jo.hot_spots(field_from(two_places(), waves(time), time), count=1)
     assert np.isnan(found.bound_between) and np.isnan(found[0].between)
-    assert "nothing is known of it (no velocities)" in str(found)
+    assert "it is not known (no velocities are stored)" in str(found)
     time = np.arange(0.0, 3.0, 1 / 8)
     stored = field_from(two_places(), waves(time), time, v=waves(time, rate=True))
     assert "store more (output_step)" in str(jo.hot_spots(stored, count=1))

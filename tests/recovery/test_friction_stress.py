@@ -196,7 +196,7 @@ def test_tables_and_csv(runs, tmp_path):
 
 def test_mistakes(runs, tmp_path):
     mechanism = belt()
-    with pytest.raises(jo.InputError, match="has no friction to leave out"):
+    with pytest.raises(jo.InputError, match="has no friction to remove"):
         jo.recovery.without_friction(jo.recovery.without_friction(mechanism))
     with pytest.raises(jo.InputError, match="no instants in common"):
         jo.recovery.friction_stress(*runs, "rod", start=3.0)
@@ -204,7 +204,7 @@ def test_mistakes(runs, tmp_path):
         jo.recovery.friction_stress(*runs, "rod", window=0.0)
     with pytest.raises(jo.InputError, match="rigid body"):
         jo.recovery.friction_stress(*runs, "block")
-    with pytest.warns(jo.JoustoWarning, match="is its order right"):
+    with pytest.warns(jo.JoustoWarning, match="check the order of the runs"):
         jo.recovery.friction_stress(runs[1], runs[0], "rod")
     with pytest.warns(jo.JoustoWarning, match="lost no energy to friction"):
         jo.recovery.friction_stress(runs[1], runs[1], "rod")

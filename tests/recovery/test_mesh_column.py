@@ -97,7 +97,7 @@ def test_a_hot_spot_has_the_error_of_its_mesh(tmp_path: Path) -> None:
     head, first = found.table()[:2]
     column = head.index("mesh")
     assert float(first[column].removeprefix("+-")) == pytest.approx(1e-6 * found[0].mesh, rel=0.1)
-    assert "error of the mesh (+-): by how much the elements around" in str(found)
+    assert "error of the mesh (+-): difference between the elements around" in str(found)
     rows = (found.to_csv(tmp_path / "spots.csv")).read_text("utf-8").splitlines()
     assert rows[0].split(",")[-1] == "mesh error (Pa)"
     assert float(rows[1].split(",")[-1]) == pytest.approx(found[0].mesh)
@@ -114,11 +114,11 @@ def test_where_it_is_not_known_it_says_so() -> None:
     """Beams have no mesh of solids; strain has another unit."""
     found = jo.hot_spots(swing(), count=2)
     assert np.isnan(found[0].mesh) and found.table()[1][found.table()[0].index("mesh")] == "-"
-    assert "error of the mesh: not known of 'arm': the part has no mesh" in str(found)
+    assert "error of the mesh: not known for 'arm': the part has no mesh" in str(found)
     assert "mesh" in jo.recovery.error_budget(found).unknown
     code, text = call("stress", swing().path)
     assert (
         code == 0 and "not known: modes, step, mesh" in text and "the part has no mesh of" in text
     )
     strain = jo.hot_spots(jo.stress_field(swing(), "arm", strain=True), count=1)
-    assert np.isnan(strain[0].mesh) and "not known of strain" in str(strain)
+    assert np.isnan(strain[0].mesh) and "not known for strain" in str(strain)

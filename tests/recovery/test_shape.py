@@ -63,7 +63,7 @@ def test_scale_moves_along_the_deformation(run: jo.Solution) -> None:
 
 @pytest.mark.parametrize("times", [[0.31], [-0.01], [np.nan]])
 def test_times_outside_the_run(run: jo.Solution, times: list[float]) -> None:
-    with pytest.raises(jo.InputError, match="outside the run, 0 to 0.3 s"):
+    with pytest.raises(jo.InputError, match="outside the run of 0 to 0.3 s"):
         positions(run, "arm", times)
 
 

@@ -138,7 +138,7 @@ FOLLOWER = """<robot name="r"><link name="base"/>
 def test_a_start_keeps_the_limits_of_the_joints_that_follow(tmp_path: Path) -> None:
     robot = read(FOLLOWER, tmp_path)
     jo.robots.RobotInMechanism("r", robot, at={"lead": 0.2})
-    with pytest.raises(jo.InputError, match="0.3 rad lies outside the limits -0.25 and 0.25"):
+    with pytest.raises(jo.InputError, match="0.3 rad is outside the limits -0.25 and 0.25"):
         jo.robots.RobotInMechanism("r", robot, at={"lead": 0.3})
     with pytest.raises(jo.InputError, match="outside the limits"):
         mechanism(robot, at={"lead": 0.3})

@@ -83,8 +83,8 @@ def test_wrong_tables_are_told() -> None:
         "rows[0]: (a, alpha, d, theta) has shape (3,), must be (4)",
         "rows[1]: alpha is nan rad",
         "rows[2]: kind is 'ball'",
-        "rows[2]: lower limit 1 lies above the upper one, 0",
+        "rows[2]: lower limit 1 is above the upper limit 0",
     ):
         assert part in str(error.value)
-    with pytest.raises(jo.InputError, match="has a mass, which a mechanism needs"):
+    with pytest.raises(jo.InputError, match="have a mass, which a mechanism needs"):
         mechanism(from_dh(TABLE, convention="standard"))

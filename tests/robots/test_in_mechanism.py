@@ -201,8 +201,8 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
         )
     assert str(error.value).splitlines() == [
         "robot 'arm': base is 'cart', must be a rigid body, a marker or None for the ground",
-        "robot 'arm': at['lift']: 0.3 m lies outside the limits 0 and 0.2; start between them, or "
-        "leave out the stops",
+        "robot 'arm': at['lift']: 0.3 m is outside the limits 0 and 0.2; start between them, or "
+        "give stops=False",
         "robot 'arm': at['spinn']: no such joint; did you mean 'spin'?",
         "robot 'arm': at['elbow']: is 'x', must be a number",
     ]
@@ -214,8 +214,8 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
         )
     assert str(error.value).splitlines() == [
         "robot 'arm': prefix is 'a.', must contain no '.' and no '/'",
-        "robot 'arm': at['lift']: 0.3 m lies outside the limits 0 and 0.2; start between them, or "
-        "leave out the stops",
+        "robot 'arm': at['lift']: 0.3 m is outside the limits 0 and 0.2; start between them, or "
+        "give stops=False",
         "robot 'arm': at['spinn']: no such joint; did you mean 'spin'?",
         "robot 'arm': at['elbow']: is 'x', must be a number",
         "robot 'arm': at['spin']: is 4 rad, must be within half a turn",

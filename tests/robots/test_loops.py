@@ -310,7 +310,7 @@ def test_what_cannot_be_is_said() -> None:
     whole = quietly(*machine.items, drive)
     found = inverse_kinematics(Tree(whole), "crank", axes=about_z(1.4))
     assert found.reached
-    with pytest.raises(jo.InputError, match="drive 'motor': begins 0.5 .* let its signal begin"):
+    with pytest.raises(jo.InputError, match="drive 'motor': begins 0.5 .* change its signal"):
         state_at(Tree(whole), compiled(whole), found.q)
     with pytest.raises(jo.InputError, match="no such coordinate; did you mean 'link.angle'"):
         Tree(machine, limits={"lnk.angle": (0, 1)})

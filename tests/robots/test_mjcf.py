@@ -197,9 +197,7 @@ def test_attached_models_keep_their_own_settings(tmp_path: Path) -> None:
     wrong = text.replace('name="one"', 'name="two"')
     assert "no model 'one' among the assets" in peers.refusal(peers.write(tmp_path, wrong))
     wrong = text.replace('body="base"', 'body="bse"')
-    assert "no body 'bse' in the model that is attached" in peers.refusal(
-        peers.write(tmp_path, wrong)
-    )
+    assert "no body 'bse' in the attached model" in peers.refusal(peers.write(tmp_path, wrong))
     peers.write(tmp_path, text.replace("arms/arm.xml", "model.xml"), "model.xml")
     assert "attaches itself in a circle" in peers.refusal(tmp_path / "model.xml")
 

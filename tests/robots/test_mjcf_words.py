@@ -74,7 +74,7 @@ def test_a_word_that_nobody_knows_is_told(tmp_path: Path) -> None:
     text = arm('dampping="1"').replace("</worldbody>", "<spaceship/></worldbody>")
     said = told(write(tmp_path, text))
     assert "model.xml:1: joint 'a': 'dampping' is not read; did you mean 'damping'?" in said
-    assert "<spaceship> is not read, left out" in said
+    assert "<spaceship> is ignored" in said
 
 
 # -- what is warned of and refused ------------------------------------------------------------
@@ -343,7 +343,7 @@ def test_faces_turned_differently_are_told_and_exact_refuses_them(tmp_path: Path
     body = '<body name="b"><freejoint/><geom type="mesh" mesh="m"/></body>'
     path = write(tmp_path, model(body, f"<asset>{CUP.format('')}</asset>"))
     # the pyramids over all faces of both, none negative, from one apex
-    assert "the mesh 'm' counts" in told(path) and "inside out" in told(path)
+    assert "the mesh 'm' has" in told(path) and "inside out" in told(path)
     path = write(
         tmp_path,
         model(body, f"<asset>{CUP.format('inertia=' + chr(34) + 'exact' + chr(34))}</asset>"),
@@ -360,7 +360,7 @@ def test_dents_count_as_mujoco_counts_them_with_a_word(tmp_path: Path) -> None:
     path = write(tmp_path, model(body, head))
     same_tree(path, share=1e-6)
     # base area 4, heights 1 and 0.8
-    assert "encloses 0.2667 m3; inertia='exact' counts what it encloses" in told(path)
+    assert "encloses 0.2667 m3; inertia='exact' takes the enclosed volume" in told(path)
     path = write(tmp_path, model(body, head.replace("name", 'inertia="exact" name')))
     assert read(path).mass == pytest.approx(1000 * 4 / 3 * 0.2, rel=1e-12)
 

@@ -266,7 +266,7 @@ def test_every_word_of_a_format_is_done_or_reported(words: Format) -> None:
         ),
         ("<kinematic>true</kinematic>", "<kinematic>: it moves by its forces here"),
         ("<enable_wind>true</enable_wind>", "wind and the forces of fluids are left out"),
-        ("<spaceship/>", "<spaceship> is not read, left out"),
+        ("<spaceship/>", "<spaceship> is ignored"),
         (
             "<collision/></link><link name='b'><collision/>",
             "<collision>: contact is not modelled: links that touch pass through each other",

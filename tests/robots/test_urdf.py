@@ -98,13 +98,13 @@ def test_everything_wrong_is_said_at_once(write: Write) -> None:
 """
     said = sentences(write(bad))
     for part in (
-        "joint '1': lower limit 2 lies above the upper one, 1",
+        "joint '1': lower limit 2 is above the upper limit 1",
         "type is 'revolut', must be one of revolute, continuous",
         "child: no link 'emty'; did you mean 'empty'?",
         "mass: value is 'nan', must be finite",
         "axis is (0, 0, 0), must have a direction",
-        "2 joints are called '4'; rename them",
-        "link 'flat' is the child of joint '1' already",
+        "2 joints have the name '4'; rename them",
+        "link 'flat' is also the child of joint '1'",
     ):
         assert part in said
     assert "no parent" not in said  # 'empty' is what 'emty' means
@@ -124,7 +124,7 @@ def test_masses_that_no_body_has(write: Write) -> None:
     for part in (
         "link 'flat': inertia violates the triangle inequality: principal moments 1, 1, 3",
         "link 'minus': inertia is not positive",
-        "link 'empty': moves with joint '2', but neither it nor what it carries has a mass",
+        "link 'empty': moves with joint '2', but neither it nor its children have a mass",
     ):
         assert part in said
 
@@ -132,11 +132,11 @@ def test_masses_that_no_body_has(write: Write) -> None:
 @pytest.mark.parametrize(
     ("joints", "said"),
     [
-        (HINGE.format("") + HINGE.format("").replace('"h"', '"i"'), "a loop cannot be a tree"),
+        (HINGE.format("") + HINGE.format("").replace('"h"', '"i"'), "which closes a loop"),
         (
             HINGE.format("")
             + '<joint name="i" type="fixed"><parent link="b"/><child link="a"/></joint>',
-            "go round in a circle: no link is without a parent",
+            "all links have a parent: the joints form a circle",
         ),
         ('<joint name="i" type="fixed"><parent link="b"/><child link="b"/></joint>', "with itself"),
         (HINGE.format('<mimic joint="h"/>'), "'h' follows 'h', itself"),
@@ -167,15 +167,15 @@ def test_what_is_odd_is_told(write: Write, tmp_path: Path) -> None:
         robot = read_urdf(write(text))
     said = "\n".join(str(one.message) for one in found)
     for part in (
-        "the mesh 'gone.stl' is not there; the shape is left out",
-        "is in package 'other'; say where, packages={'other': folder}",
-        "is at http://, only files are read",
+        "the mesh 'gone.stl' is not there; the shape is ignored",
+        "is in package 'other'; give its folder, packages={'other': folder}",
+        "is at http://, must be a file",
         "link 'b': mass is 2e+06 kg; was it given in g?",
         "its radius of gyration is 122 m, the robot itself 1 m long",
-        "'c.d' is called 'c_d' here",
+        "'c.d' is renamed to 'c_d'",
         "limits are -114 and 90 rad, 18 turns; were they given in degrees?",
-        "a revolute joint has no <limit>; it moves without end",
-        "<spaceship> is not read, left out",
+        "a revolute joint has no <limit>; its motion is not limited",
+        "<spaceship> is ignored",
     ):
         assert part in said
     assert len(robot.odd) == len(found)
@@ -205,12 +205,12 @@ def test_shapes_are_drawn_and_stand_in_the_link(write: Write, tmp_path: Path) ->
 
 def test_no_entities_and_no_files_from_elsewhere(write: Write, tmp_path: Path) -> None:
     bomb = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><robot name="&b;"/>'
-    assert "has a DOCTYPE, through which a file could reach" in sentences(write(bomb, whole=True))
+    assert "has a DOCTYPE, which could include other files" in sentences(write(bomb, whole=True))
     outside = '<!DOCTYPE r SYSTEM "file:///etc/hostname"><robot name="r"/>'
     assert "has a DOCTYPE" in sentences(write(outside, whole=True))
     deep = "<a>" * 3000
     assert "within each other" in sentences(write(deep, whole=True))
-    assert "is no XML that can be read" in sentences(write("<robot", whole=True))
+    assert "is not valid XML" in sentences(write("<robot", whole=True))
     assert "no such file" in sentences(tmp_path / "none.urdf")
     assert "is a folder" in sentences(tmp_path)
     home = tmp_path / "home"
@@ -238,7 +238,7 @@ def test_inertia_that_counts_is_the_one_that_moves(write: Write) -> None:
     weld = '<joint name="w" type="fixed"><parent link="b"/><child link="c"/></joint>'
     path = write(f'{LINKS}<link name="c">{flat}</link>{HINGE.format("")}{weld}')
     # 1 + 1, 1 + 1 and 1 + 2.5 belong to a body, although 1, 1 and 2.5 do not
-    with pytest.warns(jo.JoustoWarning, match="it does not matter, since it is fixed to others"):
+    with pytest.warns(jo.JoustoWarning, match="without effect, since it is fixed to other links"):
         robot = read_urdf(path)
     np.testing.assert_allclose(np.diag(robot.links[1].inertia), [2.0, 2.0, 3.5])
     assert "link 'c': inertia violates the triangle inequality" in sentences(path, merge=False)
@@ -256,7 +256,7 @@ def test_inertia_is_repaired_where_that_is_asked_for(write: Write) -> None:
 
 def test_what_moves_nothing_is_held(write: Write) -> None:
     more = '<joint name="i" type="continuous"><parent link="b"/><child link="c"/></joint>'
-    with pytest.warns(jo.JoustoWarning, match="joint 'i': moves nothing that has a mass"):
+    with pytest.warns(jo.JoustoWarning, match="joint 'i': moves no link with a mass"):
         robot = read_urdf(write(f'{LINKS}<link name="c"/>{HINGE.format("")}{more}'))
     assert Tree(robot).velocities == ("h.angle",) and "c" in Tree(robot).frames
 
@@ -267,7 +267,7 @@ def test_joints_start_within_their_limits(write: Write) -> None:
     run = jo.simulate(jo.compile(mechanism(robot)), 0.01)
     assert run["h"][0, 0] == pytest.approx(0.4, abs=1e-12)
     with pytest.raises(
-        jo.InputError, match=r"at\['h'\]: 0.1 rad lies outside the limits 0.4 and 1.2"
+        jo.InputError, match=r"at\['h'\]: 0.1 rad is outside the limits 0.4 and 1.2"
     ):
         mechanism(robot, at={"h": 0.1})
     free = mechanism(robot, at={"h": 0.1}, stops=False)
@@ -297,7 +297,7 @@ def test_misspelt_attributes_and_degrees_are_told(write: Write) -> None:
     told = "\n".join(str(one.message) for one in said)
     assert "dynamics: 'dampening' is not read; did you mean 'damping'?" in told
     assert "limit: 'min' is not read" in told and "limit: 'max' is not read" in told
-    assert "rpy is '0 90 0'; are these degrees?" in told
+    assert "rpy is '0 90 0', read as rad" in told
     assert "heat" not in told and len(said) == 4
 
 

@@ -139,7 +139,7 @@ fatigue:
     for words in (
         "model:18: fatigue.curves.a.k: ",
         "model:19: fatigue.curves.b.fat: ",
-        "model:22: fatigue.checks.0: residue is missing: say what counts",
+        "model:22: fatigue.checks.0: residue is missing: give the rule",
         "model:23: fatigue.checks.1.body: no flexible body 'stone'",
         "model:24: fatigue.checks.2.criterion: no criterion 's1'",
         "model:25: fatigue.checks.3.sn: no S-N curve 'fat7q'; did you mean 'fat71'?",

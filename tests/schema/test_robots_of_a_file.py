@@ -132,8 +132,8 @@ sensors:
         "4: robots.0.at.jj: no such joint; known: j1, j2, j3, j4, j5, j6",
         "5: robots.1.file: arm2.urdf: no such file 'arm2.urdf'",
         "6: robots.2.base: no body 'carte'; did you mean 'cart'?",
-        "7: robots.3.at.j1: 3 rad lies outside the limits -2.9 and 2.9; start between them, or "
-        "leave out the stops",
+        "7: robots.3.at.j1: 3 rad is outside the limits -2.9 and 2.9; start between them, or "
+        "give stops=False",
         "7: robots.3.at.j4: is 4 rad, must be within half a turn",
         "9: robots.5: the names of its bodies and joints begin with 'x', as those of robot 'h4'; "
         "give it another prefix",

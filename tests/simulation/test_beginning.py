@@ -74,6 +74,6 @@ def test_beside_a_unit_of_another_program_rest_is_not_known(tmp_path: Path) -> N
     unit = jo.write(jo.compile(mechanism(tmp_path, "initial")), tmp_path / "unit.fmu")
     items = mechanism(tmp_path, "rest").items
     beside = jo.Mechanism(*items, jo.Fmu(unit, name="unit"), start="rest")
-    with pytest.raises(jo.InputError, match="fmu 'unit' gives there is not known; take start"):
+    with pytest.raises(jo.InputError, match="fmu 'unit' in that state are not known; take start"):
         jo.simulate(jo.compile(beside), 0.1)
     assert jo.simulate(jo.compile(beside), 0.1, state=jo.equilibrium(model)).complete

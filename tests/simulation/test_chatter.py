@@ -31,7 +31,7 @@ def brake() -> jo.Model:
     )
 
 
-@pytest.mark.filterwarnings("ignore:.*energy balance misses")
+@pytest.mark.filterwarnings("ignore:.*error of the energy balance")
 @pytest.mark.parametrize("solver", [jo.RK4(step=1e-3), jo.ROS2(step=1e-3)], ids=["RK4", "ROS2"])
 def test_a_step_that_cannot_follow_the_table_is_told(solver: jo.RK4 | jo.ROS2) -> None:
     # explicit methods of order 2 and 4 bear z = rate * step up to 2 and 2.7853 (Hairer and Wanner,

@@ -58,7 +58,7 @@ def test_the_reason_names_what_is_there(values: dict[str, float], words: str) ->
     assert fast(jo.compile(jo.Mechanism(block, slide, push))) == words
 
 
-@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
+@pytest.mark.filterwarnings("ignore:.*the error of the energy balance")
 @pytest.mark.parametrize("stiffness", [1e4, 2e7, 1e9])
 def test_springs_count_in_the_choice(stiffness: float):
     """x = -m g / c (1 - cos w t), whose mean is the static displacement."""
@@ -68,7 +68,7 @@ def test_springs_count_in_the_choice(stiffness: float):
     assert np.abs(y).max() < 2.1 * abs(static)
 
 
-@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
+@pytest.mark.filterwarnings("ignore:.*the error of the energy balance")
 @pytest.mark.parametrize("stiffness", [2e7, 1e9])
 def test_a_force_in_python_hides_no_bushing(stiffness: float):
     """Half of the weight is pushed up: the bar hangs half as deep, and does not fly away."""
@@ -89,7 +89,7 @@ def test_a_machine_that_falls_over_needs_no_other_method():
     assert excess(model, jo.ROS2(), 1e-3) < 1e-3
 
 
-@pytest.mark.filterwarnings("ignore:.*the energy balance misses")
+@pytest.mark.filterwarnings("ignore:.*the error of the energy balance")
 @pytest.mark.parametrize(
     "make,method,why",
     [

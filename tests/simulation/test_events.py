@@ -208,7 +208,7 @@ def test_functions_and_samples_are_held():
         ({"u": "1"}, "is '1', must be a Signal, a number, a function of time or an array"),
         ({"u": np.nan}, "value is nan, must be finite"),
         ({"u": np.zeros(7)}, "has 7 samples, the run has 10 intervals between outputs"),
-        ({"u": jo.Input("other")}, "its signal itself needs an input or an event"),
+        ({"u": jo.Input("other")}, "its signal depends on an input or an event"),
     ],
 )
 def test_impossible_inputs(value, sentence):

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 import jousto as jo
 from jousto.cli.group import app
 from jousto.model.native.native import Engine
-from jousto.natural.rebuilt_mechanism import moved
+from jousto.natural.rebuilt_mechanism import transfer_state
 from jousto.simulation import DormandPrince, Newmark
 from jousto.simulation.controllers import tracking_warning
 
@@ -294,7 +294,7 @@ def test_a_run_goes_on_where_it_stopped(core: str, method: Any, tmp_path: Path) 
 def test_a_state_for_other_parts_keeps_the_integral() -> None:
     machine = arm()
     rest = jo.equilibrium(jo.compile(machine))
-    np.testing.assert_array_equal(moved(rest, machine, arm()).states, rest.states)
+    np.testing.assert_array_equal(transfer_state(rest, machine, arm()).states, rest.states)
 
 
 def test_derivatives_of_a_run_are_exact() -> None:

@@ -213,7 +213,7 @@ def test_ros2_runs_where_rk4_cannot(pendulum, highest_frequency):
 
 def test_an_inaccurate_run_is_pointed_out(pendulum):
     with (
-        pytest.warns(jo.JoustoWarning, match="energy balance misses"),
+        pytest.warns(jo.JoustoWarning, match="error of the energy balance"),
         pytest.warns(jo.JoustoWarning, match="joints opened by up to"),
     ):
         jo.simulate(pendulum, 9.0, solver=jo.ROS2(step=0.3))
@@ -458,7 +458,7 @@ def test_loads_faster_than_the_step_are_pointed_out(rod):
         pytest.warns(jo.JoustoWarning, match="leave out 2.2 %"),
         pytest.warns(jo.JoustoWarning, match="'hum' oscillates with 1000 Hz"),
         pytest.warns(jo.JoustoWarning, match="'pulse' has table points 0.0002 s apart"),
-        pytest.warns(jo.JoustoWarning, match="energy balance misses"),
+        pytest.warns(jo.JoustoWarning, match="error of the energy balance"),
     ):
         jo.simulate(model, 0.002)
 

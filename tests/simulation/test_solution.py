@@ -283,7 +283,7 @@ def test_a_table_names_the_unit_of_each_component(tmp_path):
     ]
     assert few[0] == few[1] == few[2]
     assert few[0].startswith("time (s),angle (rad),hinge.Fx (N)\n")
-    with pytest.raises(jo.InputError, match="sensors is 3, must be names of sensors"):
+    with pytest.raises(jo.InputError, match="sensors is 3, must be a name or a list of names"):
         run.to_csv(tmp_path / "x.csv", sensors=3)
     with pytest.raises(jo.InputError, match="does not exist; create it first"):
         run.to_csv(tmp_path / "none" / "x.csv")

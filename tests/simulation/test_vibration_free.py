@@ -130,7 +130,7 @@ def test_exact_beams_are_refused() -> None:
     beam = jo.BeamBody("cable", [(0, 0, 0), (1, 0, 0)], section, elements=2)
     hook = jo.Spherical("hook", jo.ground["origin"], beam["start"])
     model = jo.compile(jo.Mechanism(beam, hook, jo.Gravity((0, 0, -9.81))))
-    with pytest.raises(jo.InputError, match="exact beams are not settled"):
+    with pytest.raises(jo.InputError, match="exact beams are not supported"):
         jo.simulation.vibration_free_state(model)
 
 

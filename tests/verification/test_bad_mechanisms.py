@@ -132,8 +132,8 @@ def test_drives_that_conflict_later_stop_the_run(solver):
     model = jo.compile(geared(curve, curve))
     with pytest.raises(
         jo.SimulationError,
-        match="cannot follow .* 'gear', 'motor a', 'motor b' disagree from there on; "
-        "drive each motion once",
+        match="cannot follow .* 'gear', 'motor a', 'motor b' contradict one another from there on; "
+        "give each motion one drive only",
     ):
         jo.simulation.kinematics(model, [0.0, 0.5, 1.0])
     with pytest.raises(jo.simulation.RunFailed) as problem:
@@ -158,11 +158,11 @@ def test_a_drive_beyond_what_the_lengths_allow():
     model = jo.compile(hinged(lift(jo.Ramp(0.0, 1.0, 0.0, 1.5))))
     with pytest.raises(
         jo.SimulationError,
-        match="cannot follow its drives past .* keep the drives within what the lengths allow",
+        match="cannot follow its drives past .* keep the drives within the limits of the lengths",
     ):
         jo.simulation.kinematics(model, [0.0, 0.5, 1.0])
     with pytest.raises(
-        jo.simulation.RunFailed, match=r"lengths do not allow what the drives \('lift'\) ask"
+        jo.simulation.RunFailed, match=r"lengths do not allow the motion of the drives \('lift'\)"
     ):
         jo.simulate(model, 1.0, solver=RUN)
 

@@ -312,7 +312,7 @@ def test_gravity_across_the_axis_is_refused():
             jo.Gravity((0, -9.81, 0)),
         )
     )
-    with pytest.raises(jo.SimulationError, match="steady rotation|steady, and nothing drives"):
+    with pytest.raises(jo.SimulationError, match="steady rotation|steady, and has no drive"):
         jo.simulation.steady_rotation(model, (0, 0, 1), 5.0)
 
 
@@ -321,7 +321,7 @@ def refused_rotation(many, speed, along):
     beam = straight(many)
     axle = jo.Revolute("axle", BASE, beam["start"], axis=(0, 0, 1))
     model = jo.compile(jo.Mechanism(beam, axle, jo.Gravity(9.81 * np.array(along))))
-    with pytest.raises(jo.SimulationError, match="everything turns|nothing drives") as error:
+    with pytest.raises(jo.SimulationError, match="changes with the azimuth|has no drive") as error:
         jo.simulation.steady_rotation(model, (0, 0, 1), speed)
     return str(error.value)
 
@@ -342,7 +342,7 @@ def test_gravity_across_the_blade_is_refused_with_its_torque(many, speed):
 @pytest.mark.parametrize("speed", [5.0, 300.0, 3000.0])
 def test_gravity_along_the_blade_is_refused(many, speed):
     """It needs no torque, but is not the same after a turn."""
-    assert "changes as everything turns" in refused_rotation(many, speed, (-1, 0, 0))
+    assert "changes with the azimuth" in refused_rotation(many, speed, (-1, 0, 0))
 
 
 def test_large_mechanisms_rest_where_small_ones_do(monkeypatch):
@@ -374,5 +374,5 @@ def test_on_a_turntable_springs_split_by_the_speed(monkeypatch, many):
     monkeypatch.setattr(large, "MANY", many)
     found = 2 * np.pi * jo.modes(model, state, damped=True, count=3).frequencies
     assert np.sort(found) == pytest.approx([w0 - speed, w0 + speed, 2 * w0], rel=1e-8)
-    with pytest.raises(jo.SimulationError, match="'motor' does not move as a rotation"):
+    with pytest.raises(jo.SimulationError, match="'motor' does not allow a rotation"):
         jo.simulation.steady_rotation(model, (0, 0, 1), 2 * speed)

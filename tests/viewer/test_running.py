@@ -209,7 +209,7 @@ def test_without_the_compiler_it_is_a_sentence(
     monkeypatch.setattr(toolchain, "find_spec", lambda name: None)
     toolchain.compiler.cache_clear()
     try:
-        with pytest.raises(jo.InputError, match="ziglang, which is not installed: pip"):
+        with pytest.raises(jo.InputError, match="ziglang, which is not installed; pip"):
             jo.write(model, tmp_path / "arm.html")
     finally:
         toolchain.compiler.cache_clear()

@@ -119,7 +119,7 @@ def errors(field: StressField, criterion: Criterion, *, residual: bool = False) 
     found = hot_spots(field, count=1, criterion=criterion)
     if not found.spots:
         return [f"errors: {REMARK}"]
-    return [told(error_budget(found), residual=residual)]
+    return [budget_text(error_budget(found), residual=residual)]
 
 
 def worst_first(

@@ -1,4 +1,4 @@
-"""The constants of a model as text of C: every array and struct that a jo_model points to."""
+"""Constants of a model as C source: every array and struct that a jo_model points to."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from numpy.typing import NDArray
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
 
-A_ROW = 4  # numbers in a line
-TUNABLE = ("force", "friction", "signal")  # structs whose data a running machine may change
+A_ROW = 4  # number of values in a line
+TUNABLE = ("force", "friction", "signal")  # structs whose data can change during a run
 
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """The constants of a model in C.
+    """Constants of a model in C.
 
     Attributes
     ----------
     text : str
         Definitions, all static, the last one ``static const jo_model model``.
     tunable : (n,) array
-        Numbers that the program may change: gravity, data of forces, frictions and signals; in C
+        Values that the program can change: gravity, data of forces, frictions and signals; in C
         ``tunable``.
     places : dict
-        Where the numbers of an object begin in `tunable`, by struct and index; gravity is
+        First index of each object in `tunable`, by struct and index; gravity is
         ``("gravity", 0)``.
     fixed : str
-        What it may not change: the text without `tunable`.
+        Definitions without `tunable`.
     """
 
     text: str
@@ -42,19 +42,19 @@ class Constants:
 
     @property
     def bytes(self) -> int:
-        """Length of the text."""
+        """Length of the text, bytes."""
         return len(self.text)
 
 
 def constants(engine: Engine, more: Sequence[float] = ()) -> Constants:
-    """Return the constants of a model in C, from the structs that an engine of it has filled.
+    """Return the constants of a model in C, from the structs of an engine.
 
     Parameters
     ----------
     engine : Engine
-        Of the model.
+        Engine of the model.
     more : sequence of float
-        Tunable numbers behind those of the engine: ``("named", 0)`` and on.
+        Further tunable values after those of the engine, at ``("named", 0)``.
     """
     return _Writer(engine, list(more)).written()
 
@@ -83,7 +83,7 @@ def array(name: str, values: NDArray[np.float64], *, kind: str = "double") -> st
     width = A_ROW if kind == "double" else 16
     lines = [", ".join(flat[i : i + width]) for i in range(0, len(flat), width)]
     body = ",\n    ".join(lines)
-    kind = {"double": "jo_real"}.get(kind, kind)  # complex where derivatives are computed
+    kind = {"double": "jo_real"}.get(kind, kind)  # complex in the build for derivatives
     return f"static const {kind} {name}[{len(flat)}] = {{\n    {body}\n}};\n"
 
 
@@ -139,7 +139,7 @@ class _Writer:
         return Constants(f"{first}\n{fixed}", tunable, self.places, fixed)
 
     def _tuned(self, native: Any) -> dict[str, str]:
-        """Collect the tunable numbers, then write the structs that point to them."""
+        """Collect the tunable values, then write the structs that point to them."""
         gravity = [float(native.gravity[k]) for k in range(3)]
         self.places["gravity", 0] = 0
         self.tunable += gravity
@@ -161,7 +161,7 @@ class _Writer:
         return made
 
     def _array(self, name: str, item: Any, pointer: Any) -> str:
-        """Write an array of numbers or of structs and return its name."""
+        """Append the definition of an array of numbers or structs; return its name."""
         if pointer == self.ffi.NULL:
             return "0"
         if item.kind == "primitive":
@@ -181,7 +181,7 @@ class _Writer:
                     values.append(f".{key} = {given[key][i]}")
                     continue
                 value = getattr(struct, key)
-                if about.type.cname.startswith("int(*)"):  # functions of a user are refused
+                if about.type.cname.startswith("int(*)"):  # functions of a user, not supported
                     continue
                 if about.type.kind == "pointer":
                     if about.type.item.kind == "void" or value == self.ffi.NULL:
@@ -202,7 +202,7 @@ class _Writer:
         return name
 
     def _numbers(self, name: str, item: Any, pointer: Any) -> str:
-        """Write the numbers behind a pointer once and return the name of their array."""
+        """Append the array behind a pointer, once; return its name."""
         address = int(self.ffi.cast("uintptr_t", pointer))
         kind = "int" if item.cname == "int" else "double"
         values = self._behind(pointer, kind)
@@ -214,7 +214,7 @@ class _Writer:
         return self.known[address]
 
     def _behind(self, pointer: Any, kind: str = "double") -> NDArray[Any]:
-        """Return the numbers behind a pointer, those of a struct of numbers as well."""
+        """Return the numbers behind a pointer to numbers or to a struct of numbers."""
         count = self.engine.count(pointer)
         data = self.ffi.buffer(self.ffi.cast("char *", pointer), self.ffi.sizeof(kind) * count)
         return np.frombuffer(data, np.intc if kind == "int" else np.float64, count)

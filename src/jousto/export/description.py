@@ -1,4 +1,4 @@
-"""The descriptions of a functional mock-up unit: modelDescription.xml of FMI 2.0 and 3.0."""
+"""Description of a functional mock-up unit: modelDescription.xml of FMI 2.0 and 3.0."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.export.ports import Port, state_units
 from jousto.export.program import Program
 
 BASE = {"[mass]": "kg", "[length]": "m", "[time]": "s", "[angle]": "rad", "[temperature]": "K"}
-SHOWN = {  # display units by SI unit: their name and how many of them one SI unit is
+SHOWN = {  # display unit and its factor by SI unit
     "Pa": ("MPa", 1e-6),
     "m": ("mm", 1e3),
     "rad": ("deg", 57.29577951308232),
@@ -28,20 +28,20 @@ RATE_LETTERS = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the description.
+    """Variable of the description.
 
     Attributes
     ----------
     name, about, unit : str
-        As users see it.
+        Name, description and unit.
     ref : int
         Value reference, see fmu.h.
     causality, variability, initial : str
-        Words of the standard; an empty `initial` is left out.
+        Attributes of the standard; an empty `initial` is omitted.
     start : float or None
-        Value at the beginning, of what can be set.
+        Initial value of a variable that can be set.
     derivative : int
-        Reference of the state that it is the derivative of, -1 if of none.
+        Reference of the state whose derivative this variable is; -1 for none.
     """
 
     name: str
@@ -124,7 +124,7 @@ def _states(made: Program, ref: int) -> Iterator[Variable]:
 
 
 def token(made: Program, code: str) -> str:
-    """Return the token that binary and description share: a hash of the code."""
+    """Return the token of binary and description: a hash of the code."""
     digest = hashlib.sha256(code.encode()).hexdigest()
     return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
 
@@ -152,7 +152,7 @@ def description(
     stop: float,
     derivatives: bool = False,
 ) -> str:
-    """Return modelDescription.xml.
+    """Return the text of modelDescription.xml.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def description(
     identity : str
         From `token`.
     exchange : bool
-        Whether model exchange is offered besides co-simulation.
+        Whether model exchange is provided in addition to co-simulation.
     stop : float
-        End of the experiment that is proposed, s.
+        Stop time of the default experiment, s.
     derivatives : bool
         Whether directional derivatives are provided.
     """

@@ -1,4 +1,4 @@
-"""Functional mock-up units: a machine as co-simulation and model exchange for other programs."""
+"""Functional mock-up units of a machine, for co-simulation and model exchange."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.export.constants import number, text
 from jousto.export.description import description, token, variables
 from jousto.export.ports import Named
 from jousto.export.program import Program, program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.toolchain import build, platforms
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
@@ -25,8 +25,8 @@ from jousto.simulation.state import State
 
 SHOWN = "documentation/model.png"
 PICTURES = {2: ("model.png", SHOWN), 3: ("terminalsAndIcons/icon.png", SHOWN)}
-"""Where a picture of the machine belongs in units of both versions, and its page looks for it."""
-BAUMGARTE = 20.0  # 1/s, draws joints together where somebody else integrates
+"""Paths of a picture of the machine in units of both versions, and in their page."""
+BAUMGARTE = 20.0  # rate of Baumgarte's stabilisation of joints in model exchange, 1/s
 
 
 def write_fmu(
@@ -43,39 +43,38 @@ def write_fmu(
     derivatives: bool = False,
     named: Sequence[Named] = (),
 ) -> Path:
-    """Write a functional mock-up unit (FMI 2.0 or 3.0) of a model.
+    """Write a functional mock-up unit (FMI 2.0 or 3.0) of a model; return its path.
 
-    Co-simulation divides the importer's steps into those of the method; model exchange, for
-    machines without events, stick-slip friction and damage sensors, gives states and derivatives
-    to the importer's method, joints being drawn together by Baumgarte's terms. The sources are
-    part of the unit, so that it can be built elsewhere.
+    Co-simulation divides the steps of the importer into steps of the method. Model exchange, for
+    machines without events, stick-slip friction and damage sensors, provides states and
+    derivatives to the method of the importer, with Baumgarte's stabilisation of joints. The unit
+    contains the sources, so that it can be built for other platforms.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     path : path
-        File ``.fmu``.
+        File that ends with ``.fmu``.
     solver : Solver, optional
-        Method of fixed step; None is that which `simulate` chooses for 10 s.
+        Method of fixed step; None is the choice of `simulate` for 10 s.
     state : State, optional
-        Where it starts; None is the initial state of the model.
+        Initial state; None is that of the model.
     name : str
         Identifier of the model; empty is the name of the file.
     version : int
         2 or 3.
     on : iterable of str
         Platforms of the binaries: "here", "x86_64-linux", "aarch64-linux", "x86_64-windows",
-        "x86_64-darwin", "aarch64-darwin"; others than this computer's need the package ziglang.
-        None at all makes a unit of sources only.
+        "x86_64-darwin", "aarch64-darwin"; other platforms than "here" need the package ziglang.
+        Empty for a unit with sources only.
     stop : float
-        End of the experiment that it proposes, s.
+        Stop time of the default experiment, s.
     documents : dict, optional
-        Further files by their place in the unit: ``model.png``, ``resources/model.yaml``.
-
+        Further files by their path in the unit: ``model.png``, ``resources/model.yaml``.
     derivatives : bool
-        Whether it provides directional derivatives of outputs and rates, by complex steps; its
-        binaries are then larger.
+        Whether to provide directional derivatives of outputs and rates by complex steps, which
+        makes the binaries larger.
     named : sequence of Named
         Named constants that become parameters, from `named_constants`.
 
@@ -87,7 +86,7 @@ def write_fmu(
     Raises
     ------
     InputError
-        For what cannot be exported, unknown platforms, a missing compiler or an unwritable path.
+        For unsupported items, unknown platforms, a missing compiler or an unwritable path.
     """
     problems = Problems()
     if version not in (2, 3):
@@ -99,7 +98,7 @@ def write_fmu(
     made = program(model, solver, state=state, name=name or out.stem, named=named)
     why = why_not_exchanged(model)
     exchange = not why
-    code = flat(made, "fmu.c", "fmu.h", f"fmi{version}.c")
+    code = flat_files(made, "fmu.c", "fmu.h", f"fmi{version}.c")
     if derivatives:
         code |= slopes(code, made)
     identity = token(made, "".join(code.values()) + repr(sorted(made.fields.items())))
@@ -140,7 +139,7 @@ def write_fmu(
 
 
 def slopes(code: dict[str, str], made: Program) -> dict[str, str]:
-    """Return the further files of a unit with directional derivatives."""
+    """Return the additional files of a unit with directional derivatives."""
     around = {f"{key}.{end}" for key in ("fmu", "fmi2", "fmi3") for end in "ch"}
     twice = {name: text for name, text in code.items() if name not in around}
     more = {name: sources.host(name) for name in ("slope.c", "slope.h")}
@@ -148,7 +147,7 @@ def slopes(code: dict[str, str], made: Program) -> dict[str, str]:
 
 
 def why_not_exchanged(model: Model) -> str:
-    """Return why a model is offered for co-simulation only; empty if for model exchange as well."""
+    """Return why a model has no model exchange; empty if it has."""
     if model.events:
         return "events of the machine are found in its own steps"
     if any(friction.sticks for friction in model.frictions):
@@ -186,15 +185,15 @@ def _page(made: Program, *, exchange: bool, picture: bool) -> str:
 </head><body><h1>{escape(made.model.name)}</h1>
 <p>A flexible multibody machine, written by jousto {__version__}. {escape(offered)}</p>
 <p>Its own step is {made.solver.step:g} s ({escape(type(made.solver).__name__)}); the importer's
-steps must be multiples of it. Numbers are in SI units. In model exchange joints are drawn together
-by Baumgarte's terms of {BAUMGARTE:g} 1/s.</p>
+steps must be multiples of it. Values are in SI units. In model exchange joints are stabilised by
+Baumgarte's terms of {BAUMGARTE:g} 1/s.</p>
 {image if picture else ""}<table>
-<tr><th>variable</th><th>unit</th><th>causality</th><th>what it is</th></tr>
+<tr><th>variable</th><th>unit</th><th>causality</th><th>description</th></tr>
 {rows}</table></body></html>
 """
 
 
 LICENCE = """\
 The engine in this unit is part of jousto, under the BSD-3-Clause licence (SPDX: BSD-3-Clause).
-The constants belong to whoever made the model.
+The constants belong to the author of the model.
 """

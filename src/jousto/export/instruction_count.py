@@ -1,4 +1,4 @@
-"""Work: the instructions of a step by what they are for, counted by Callgrind."""
+"""Instruction count of a step by kinds of work, with Callgrind."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pathlib import Path
 from jousto.base.object_repr import described
 from jousto.model.model import Model
 
-SECONDS = 120.0  # that a count may take
-FEW, MORE = 10, 110  # steps that are timed; a tenth more come before
+SECONDS = 120.0  # timeout of a count, s
+FEW, MORE = 10, 110  # numbers of timed steps; a tenth more precede them
 STEPS = (MORE - FEW) * 11 // 10
 
 KINDS = {
@@ -26,25 +26,25 @@ KINDS = {
     "equations of motion": "blocks schur dynamics element planes tangent place",
     "method": "step implicit newton run state data push adaptive dopri machine",
 }
-"""Kinds of work by the names that files of the engine begin with."""
+"""Kinds of work, with the first words of the names of their engine files."""
 
 
 @described
 @dataclass(frozen=True)
 class Work:
-    """Instructions of one step.
+    """Instruction count of one step.
 
     Attributes
     ----------
     kinds : tuple of (str, int, float)
-        Kind of work, number of its objects in the model (0: none of its own), and instructions.
+        Kind of work, number of its objects in the model (0 for no objects), and instructions.
     """
 
     kinds: tuple[tuple[str, int, float], ...]
 
     @property
     def total(self) -> float:
-        """Instructions of a step."""
+        """Total number of instructions of a step."""
         return sum(count for _, _, count in self.kinds)
 
     def __str__(self) -> str:
@@ -56,18 +56,18 @@ class Work:
 
 
 def work_of(model: Model, program: Path, folder: Path) -> Work | None:
-    """Return the instructions of a step of a program made of timing.c; None without Valgrind.
+    """Return the instruction count of a step of a program with timing.c; None without Valgrind.
 
-    Two runs of different length are counted: their difference is that of the steps alone.
+    It is the difference of two runs of different length.
 
     Parameters
     ----------
     model : Model
-        What the program steps.
+        Model of the program.
     program : Path
-        With the names of its files (-g).
+        Executable with debug information (-g).
     folder : Path
-        For the counts.
+        Folder for the output of Callgrind.
     """
     valgrind = shutil.which("valgrind")
     if valgrind is None:
@@ -104,7 +104,7 @@ def work_of(model: Model, program: Path, folder: Path) -> Work | None:
 
 
 def kind_of(name: str) -> str:
-    """Return the kind of work that a file of the engine does.
+    """Return the kind of work of an engine file.
 
     Examples
     --------
@@ -121,7 +121,7 @@ FILE = re.compile(r"fl=\((\d+)\)(?: (.*))?")
 
 
 def by_file(text: str) -> dict[str, int]:
-    r"""Return the instructions of each file in what Callgrind wrote, without those of calls.
+    r"""Return the instruction count of each file from the output of Callgrind, without calls.
 
     Examples
     --------
@@ -145,7 +145,7 @@ def by_file(text: str) -> dict[str, int]:
         elif line.startswith("calls="):
             called = True
         elif line[:1] in "+-*" or line[:1].isdigit():
-            cost = line.split()[1:]  # none is none
+            cost = line.split()[1:]  # empty if the line has no cost
             if not called and current and cost:
                 found[current] = found.get(current, 0) + int(cost[0])
             called = False

@@ -1,8 +1,8 @@
-"""Compiled objects kept in the user's cache folder, for exports of other processes.
+"""Cache of compiled objects in the user's cache folder, for exports of other processes.
 
-A machine has the engine in common with all others, which takes most of the time of a compiler. The
-key is a hash of the texts, the compiler and its options, so that nothing stale is ever found. Every
-file appears complete or not at all, and begins with the hash of what follows.
+The engine, which takes most of the compile time, is equal in all machines. The key is a hash of the
+sources, the compiler and its options, so that no outdated object is found. Files are written
+atomically, and begin with the hash of their content.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from pathlib import Path
 from jousto.base.errors import InputError
 from jousto.base.files import written
 
-LIMIT = 200e6  # bytes in all; objects used longest ago go first
+LIMIT = 200e6  # maximum size of the cache, bytes; the least recently used objects are removed
 OBJECT = re.compile(r"[0-9a-f]{64}\.o")
-"""Names of files that are ours."""
+"""Pattern of the file names of cached objects."""
 SURROUNDINGS = ("CPATH", "C_INCLUDE_PATH", "SDKROOT", "MACOSX_DEPLOYMENT_TARGET")
-"""Variables that change what a compiler makes of the same text."""
+"""Environment variables that change the output of a compiler."""
 DIGEST = hashlib.sha256().digest_size
 
 
 def folder() -> Path:
-    """Return where objects are kept: in the folder of `JOUSTO_CACHE`, or the user's of caches."""
+    """Return the folder of the cache, in `JOUSTO_CACHE` or the user's cache folder."""
     if os.environ.get("JOUSTO_CACHE"):
         return Path(os.environ["JOUSTO_CACHE"]) / "objects"
     import platformdirs
@@ -38,7 +38,7 @@ def folder() -> Path:
 
 
 def key(line: Sequence[str], texts: Sequence[str], command: tuple[str, ...]) -> str:
-    """Return the key of an object: of the options, the texts, and the compiler with its version."""
+    """Return the key of an object: a hash of options, sources, compiler and its version."""
     around = [f"{name}={os.environ.get(name, '')}" for name in SURROUNDINGS]
     digest = hashlib.sha256()
     for word in (*line, *texts, identity(command), *around):
@@ -48,7 +48,7 @@ def key(line: Sequence[str], texts: Sequence[str], command: tuple[str, ...]) -> 
 
 @cache
 def identity(command: tuple[str, ...]) -> str:
-    """Return what a compiler says of itself, and its file's size and time."""
+    """Return the version text of a compiler, with the size and time of its file."""
     if command[1:3] == ("-m", "ziglang"):
         with contextlib.suppress(PackageNotFoundError):
             return f"ziglang {version('ziglang')}"
@@ -63,12 +63,12 @@ def identity(command: tuple[str, ...]) -> str:
 
 
 def find(name: str) -> bytes | None:
-    """Return an object that was kept; None if there is none, or it is damaged."""
+    """Return a cached object; None if there is none, or it is damaged."""
     path = folder() / f"{name}.o"
     try:
         with path.open("rb") as file:
             if hasattr(os, "getuid") and os.fstat(file.fileno()).st_uid != os.getuid():
-                return None  # code of somebody else
+                return None  # file of another user
             digest, found = file.read(DIGEST), file.read()
     except OSError:
         return None
@@ -81,7 +81,7 @@ def find(name: str) -> bytes | None:
 
 
 def keep(name: str, content: bytes) -> None:
-    """Keep an object; where the folder cannot be written, nothing is kept."""
+    """Write an object into the cache, if the folder is writable."""
     place = folder()
     with contextlib.suppress(OSError, InputError):
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -90,7 +90,7 @@ def keep(name: str, content: bytes) -> None:
 
 
 def prune() -> None:
-    """Remove the objects used longest ago until the rest fits the limit."""
+    """Remove the least recently used objects until the cache is below its limit."""
     known = []
     with contextlib.suppress(OSError):
         for entry in os.scandir(folder()):

@@ -1,4 +1,4 @@
-"""A model as a program of C: its constants, names and a main function that runs it."""
+"""Program: a model in C, with its constants and the names of its variables."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jousto.export.ports import Named, Port, Ports, identifier, ports, refuse
 from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose_fixed
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.state import State, put
@@ -32,19 +32,19 @@ FIELDS = (
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A model in C, apart from the engine's sources.
+    """Model in C, without the sources of the engine.
 
     Attributes
     ----------
     name : str
-        Identifier of C that its names begin with.
+        C identifier, prefix of its names.
     model : Model
     solver : Solver
         Method of fixed step.
     constants : Constants
     ports : Ports
     bytes : int
-        Memory of one machine on a computer with 64 bits.
+        Memory of one machine on a 64-bit computer, bytes.
     """
 
     name: str
@@ -59,7 +59,7 @@ class Program:
 
     @property
     def source(self) -> str:
-        """The file of data: all constants and one ``const jo_plant NAME_plant``."""
+        """Text of the C file with all constants and one ``const jo_plant NAME_plant``."""
         p, m = self.ports, self.model
         solver = ", ".join(f".{key} = {_value(x)}" for key, x in self.fields.items())
         pieces = [
@@ -107,7 +107,7 @@ class Program:
 
     @property
     def header(self) -> str:
-        """The header: names of inputs, outputs and parameters with their units, and the memory."""
+        """Text of the header: names of inputs, outputs and parameters, units, and memory."""
         upper = self.name.upper()
         pieces = [
             f"/* {self.name}.h - {self.model.name}: names of its inputs, outputs and parameters.",
@@ -142,26 +142,26 @@ def program(
     name: str = "",
     named: Sequence[Named] = (),
 ) -> Program:
-    """Return a model as a program of C.
+    """Return a model as a C program.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is that which `simulate` chooses for 10 s: ``ROS2``, whose
-        work in a step is bounded, with 1 ms or less, or `GeneralizedAlpha` where that is too stiff.
+        Method of fixed step; None is the choice of `simulate` for 10 s: ``ROS2``, whose work per
+        step is bounded, with 1 ms or less, or `GeneralizedAlpha` for stiffer machines.
     state : State, optional
-        Where it starts: its positions and velocities; None is the initial state of the model.
+        Initial positions and velocities; None is the initial state of the model.
     name : str
-        What the names in C begin with; empty is that of the mechanism.
+        Prefix of the names in C; empty is the name of the mechanism.
     named : sequence of Named
         Named constants that become parameters, from `named_constants`.
 
     Raises
     ------
     InputError
-        For functions of Python in the model and for methods that choose their steps.
+        For functions of Python in the model, and for adaptive methods.
     """
     chosen: Solver = choose_fixed(model) if solver is None else solver
     if chosen.adaptive:
@@ -174,9 +174,9 @@ def program(
         )
     refuse(model)
     if chosen.method == "alpha":
-        model = replace(model, tree=())  # implicit methods run in q and v
+        model = replace(model, tree=())  # implicit methods work in q and v
     engine = Engine(model)
-    if (begun := beginning(model, state)) is not None:
+    if (begun := initial_state(model, state)) is not None:
         put(engine, begun, "export")
         model = replace(model, q0=engine.q.copy(), v0=engine.v.copy())
     native = prepared(engine, chosen, chosen.step)
@@ -204,17 +204,17 @@ KEYWORDS = frozenset(
 
 
 def _own_name(name: str) -> str:
-    """Return a name that no file around a machine and no word of C has."""
+    """Return a C identifier that is no keyword and no name of a file around a machine."""
     files = {Path(key).stem for key in (*sources.headers(), *sources.engine())}
     taken = files | sources.hosted() | KEYWORDS
     return f"{name}_model" if name in taken or name.startswith("jo_") else name
 
 
 def _bytes(engine: Engine, found: Constants) -> int:
-    """Return the memory of a machine, see lay_out of machine.c, rounded up generously.
+    """Return an upper bound of the memory of a machine, bytes, see lay_out of machine.c.
 
-    Vectors of a tree take three numbers or four, as the program is compiled: a third more of what
-    they take here.
+    Vectors of a tree have three or four numbers, depending on the compiler options; the bound adds
+    a third to their size here.
     """
     size, m = ffi().sizeof, engine.model
     structs = len(m.forces) * size("jo_force") + len(m.signals) * size("jo_signal")

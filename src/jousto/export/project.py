@@ -1,4 +1,4 @@
-"""Programs as files: one file of C with its header, or a project with a recipe to build it."""
+"""Files of a program: one C file with its header, or a project with build files."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from jousto.simulation.state import State
 
 LIMIT = "#define JO_NO_ALLOCATION\n#define JO_ONE_FILE\n"
 HOSTED = ("machine.h", "machine.c", "main.c")
-HARDWARE = ("frame.h", "frame.c", "hardware.c")  # POSIX: a program beside the machine's own
+HARDWARE = ("frame.h", "frame.c", "hardware.c")  # POSIX only: a second program
 
 
 def plant_header(made: Program) -> str:
-    """Return the header by which the files around a machine know the machine they belong to."""
+    """Return the header that defines the machine for the files around it."""
     upper = made.name.upper()
     return (
         f'#include "{made.name}.h"\n#define PLANT {made.name}_plant\n'
@@ -40,7 +40,7 @@ def known_headers(made: Program) -> dict[str, str]:
 
 
 def one_file(made: Program, *hosted: str) -> str:
-    """Return engine, machine, constants and further files around them as one file of C."""
+    """Return engine, machine, constants and further files of engine/export as one C file."""
     files = {
         **sources.engine(),
         "machine.c": sources.host("machine.c"),
@@ -55,11 +55,11 @@ def one_file(made: Program, *hosted: str) -> str:
         f" * without MAIN it is a part of your program, see {made.name}.h.\n"
         " * The engine in it is under the BSD-3-Clause licence of jousto. */\n"
     )
-    return f"{about}{LIMIT}#include <math.h>\n{sources.joined(files, known_headers(made))}"
+    return f"{about}{LIMIT}#include <math.h>\n{sources.join_files(files, known_headers(made))}"
 
 
-def flat(made: Program, *hosted: str) -> dict[str, str]:
-    """Return all files in one folder, by name, with further ones around the machine."""
+def flat_files(made: Program, *hosted: str) -> dict[str, str]:
+    """Return all files by name, in one folder, with further files of engine/export."""
     code = {name: value for name, value in known_headers(made).items() if "/" not in name}
     code |= sources.engine()
     code |= {name: sources.host(name) for name in ("machine.c", *hosted)}
@@ -68,15 +68,15 @@ def flat(made: Program, *hosted: str) -> dict[str, str]:
 
 
 def public_header(made: Program) -> str:
-    """Return the header for users of `one_file`: the functions of a machine and its names."""
+    """Return the header of `one_file`: the functions of a machine, and names of its variables."""
     known = known_headers(made)
-    text = sources.joined({f"{made.name}_h": f'#include "{made.name}.h"\n'}, known)
+    text = sources.join_files({f"{made.name}_h": f'#include "{made.name}.h"\n'}, known)
     guard = f"{made.name.upper()}_MACHINE_H"
     return f"#ifndef {guard}\n#define {guard}\n{text}\n#endif\n"
 
 
 def project(made: Program) -> dict[str, str]:
-    """Return a project by the names of its files: sources, a main program, recipes to build."""
+    """Return the files of a project by name: sources, a main program, build files."""
     head = "engine/"
     files = {f"{head}{name}": text for name, text in sources.headers().items()}
     files |= {f"{head}{name}": text for name, text in sources.engine().items()}
@@ -132,7 +132,7 @@ def _readme(made: Program) -> str:
         f"{made.model.name}: a machine in C99, written by jousto {__version__}",
         "",
         f"method    {made.solver!r}",
-        f"memory    {made.bytes} bytes for one machine, given by the caller; nothing is allocated",
+        f"memory    {made.bytes} bytes for one machine, provided by the caller; no allocation",
         "build     make, or cmake -B build && cmake --build build",
         f"run       ./{made.name} [seconds [rows]] prints the outputs as a table",
         f"hardware  make {made.name}_hardware (POSIX, not Windows), then "
@@ -161,7 +161,7 @@ def write_program(
     name: str = "",
     named: Sequence[Named] = (),
 ) -> Path:
-    """Write a model as a program of C99 that needs no files, no allocation and no Python.
+    """Write a model as a C99 program without files, allocation and Python; return its path.
 
     Parameters
     ----------
@@ -171,11 +171,11 @@ def write_program(
         ``.c``: one file, and its header ``.h`` beside it; ``.zip``: a project with the sources, a
         main program, a Makefile and a CMakeLists.txt.
     solver : Solver, optional
-        Method of fixed step; None is that which `simulate` chooses for 10 s.
+        Method of fixed step; None is the choice of `simulate` for 10 s.
     state : State, optional
-        Where it starts; None is the initial state of the model.
+        Initial state; None is that of the model.
     name : str
-        What the names in C begin with; empty is the name of the file.
+        Prefix of the names in C; empty is the name of the file.
     named : sequence of Named
         Named constants that become parameters, from `named_constants`.
 
@@ -187,8 +187,7 @@ def write_program(
     Raises
     ------
     InputError
-        For functions of Python in the model, methods that choose their steps, or a path that
-        cannot be written.
+        For functions of Python in the model, adaptive methods, or an unwritable path.
     """
     out = Path(path)
     made = program(model, solver, state=state, name=name or out.stem, named=named)
@@ -210,7 +209,7 @@ def write_files(
     header: Callable[[], str],
     source: Callable[[], str],
 ) -> None:
-    """Write a project as an archive if the path ends with ``.zip``, else one file and its header.
+    """Write a project archive for a path that ends with ``.zip``, else one file and its header.
 
     Parameters
     ----------
@@ -218,9 +217,9 @@ def write_files(
     name : str
         Folder in the archive.
     project : function
-        Returns the files of the project by their names.
+        Function that returns the files of the project by name.
     header, source : function
-        Return the texts of the two files.
+        Functions that return the texts of the two files.
 
     Raises
     ------
@@ -230,7 +229,9 @@ def write_files(
     if out.suffix.lower() == ".zip":
         with written(out) as beside, zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as file:
             for key, text in sorted(project().items()):
-                entry = zipfile.ZipInfo(f"{name}/{key}")  # the same bytes each time
+                entry = zipfile.ZipInfo(
+                    f"{name}/{key}"
+                )  # fixed date, so that the bytes are reproducible
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 file.writestr(entry, text)
         return

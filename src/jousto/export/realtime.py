@@ -1,4 +1,4 @@
-"""What a machine can hold in real time: the times of single steps of its program on a computer."""
+"""realtime: times of single steps of an exported machine on this computer."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
 from jousto.export.instruction_count import Work, work_of
 from jousto.export.program import Program, program
-from jousto.export.project import flat
+from jousto.export.project import flat_files
 from jousto.export.toolchain import build, here, platforms
 from jousto.model.model import Model
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import State
 
 NO_ALLOCATION = ("-DJO_NO_ALLOCATION",)
-SECONDS = 600.0  # that the measurement may take
+SECONDS = 600.0  # timeout of the measurement, s
 ASKED = {"goes before other programs (SCHED_FIFO)": 1, "memory stays in place": 2}
 
 
@@ -36,19 +36,19 @@ class StepTimes:
     name : str
         Name of the mechanism.
     step : float
-        Its own step, s.
+        Step of the method, s.
     steps : int
-        How many were timed.
+        Number of timed steps.
     mean, worst : float
-        s; the worst holds what the operating system did meanwhile.
+        Mean and largest time of a step, s, including interruptions by the operating system.
     times, counts : arrays (k,)
-        Upper ends of classes of 5 %, s, and how many steps fell into each.
+        Upper limits of classes of 5 % width, s, and number of steps in each.
     bytes : int
-        Memory of one machine; nothing is allocated.
+        Memory of one machine, bytes; no allocation.
     granted : tuple of (str, bool)
-        What was asked of the operating system, and whether it was granted; empty if nothing was.
+        Requests to the operating system, and whether each was granted; empty without requests.
     work : Work or None
-        Instructions of a step; None without Valgrind.
+        Instruction count of a step; None without Valgrind.
     """
 
     name: str
@@ -63,20 +63,20 @@ class StepTimes:
     work: Work | None = None
 
     def share(self, part: float) -> float:
-        """Return the time that a part of the steps, such as 0.999, stayed below, s."""
+        """Return the quantile of the step times, s, for a part of the steps such as 0.999."""
         sums = np.cumsum(self.counts)
         return min(float(self.times[np.searchsorted(sums, part * sums[-1])]), self.worst)
 
     @property
     def median(self) -> float:
-        """Half of the steps took no longer, s."""
+        """Median of the step times, s."""
         return self.share(0.5)
 
     def rate(self, margin: float = 2.0) -> float:
-        """Return the largest rate in Hz at which 99.99 % of the steps keep a margin.
+        """Return the largest step rate, Hz, at which 99.99 % of the steps have a margin.
 
-        A step of ``1 / rate`` is `margin` times as long as all but one of 10,000 steps took. It is
-        the rate that this computer keeps up with, not one at which the motion is right.
+        ``1 / rate`` is `margin` times the 99.99 % quantile of the step times. The rate is that of
+        the computer; the accuracy of the motion at this step is not considered.
         """
         return 1.0 / (margin * self.share(0.9999))
 
@@ -111,26 +111,26 @@ def realtime(
     steps: int = 1_000_000,
     urgent: bool = True,
 ) -> StepTimes:
-    """Compile a machine for this computer and time its single steps.
+    """Return the times of single steps of a machine, compiled for this computer.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of fixed step; None is that which `simulate` chooses for 10 s.
+        Method of fixed step; None is the choice of `simulate` for 10 s.
     state : State, optional
-        Where it starts; None is the initial state of the model.
+        Initial state; None is that of the model.
     steps : int
-        How many steps are timed.
+        Number of timed steps.
     urgent : bool
-        Ask the operating system that the program goes before others (SCHED_FIFO) and that its
-        memory stays in place; `StepTimes.granted` is what it allowed. Linux.
+        Whether to request real-time priority (SCHED_FIFO) and locked memory from the operating
+        system (Linux); `StepTimes.granted` is the result.
 
     Raises
     ------
     InputError
-        For what cannot be exported, a missing compiler, or a machine whose motion diverges.
+        For unsupported items, a missing compiler, or a machine whose motion diverges.
     """
     problems = Problems()
     if int(steps) < 1000:
@@ -139,25 +139,25 @@ def realtime(
     made = program(model, solver, state=state, name="machine")
     with tempfile.TemporaryDirectory(prefix="jousto-realtime-") as folder:
         binary = Path(folder) / "timing"
-        flags = (*NO_ALLOCATION, "-g")  # its lines say whose the instructions are
-        build(flat(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
-        found = timed(made, binary, int(steps), urgent=urgent)
+        flags = (*NO_ALLOCATION, "-g")  # debug information, which assigns instructions to files
+        build(flat_files(made, "timing.c"), platforms(["here"])[0], binary, flags=flags)
+        found = time_steps(made, binary, int(steps), urgent=urgent)
         return replace(found, work=work_of(model, binary, Path(folder)))
 
 
-def timed(made: Program, binary: Path, steps: int, *, urgent: bool) -> StepTimes:
-    """Return the times of the steps of a program made of timing.c; its work is not counted.
+def time_steps(made: Program, binary: Path, steps: int, *, urgent: bool) -> StepTimes:
+    """Return the step times of a program with timing.c, without instruction count.
 
     Raises
     ------
     InputError
-        If it takes too long, or the motion diverges.
+        If the program takes too long, or the motion diverges.
     """
     line = [str(binary), str(steps), *(["urgent"] if urgent else [])]
     try:
         done = subprocess.run(line, capture_output=True, text=True, timeout=SECONDS)
     except subprocess.TimeoutExpired:
-        message = f"{steps} steps took more than {SECONDS:g} s; time fewer"
+        message = f"{steps} steps took more than {SECONDS:g} s; give fewer steps"
         raise InputError(Problem("realtime", message)) from None
     if done.returncode:
         raise InputError(

@@ -1,4 +1,4 @@
-"""The engine's sources, for programs that run without Python."""
+"""Sources of the engine, for programs that run without Python."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 from jousto.base.errors import InputError, Problem
 from jousto.model.native import library
 
-# evaluate results or wait for a watch; no step calls them
+# files for results and for waiting, which no step calls
 LEFT_OUT = ("channel_health.c", "real_time_pace.c", "critical_planes.c", "stress_recovery.c")
-HOST = "export"  # folder of what surrounds a machine
-NO_ROOMS = (HOST, "lanes", "test")  # folders whose sources are no part of the engine itself
+HOST = "export"  # folder of the files around a machine
+NO_ROOMS = (HOST, "lanes", "test")  # folders that are not part of the engine itself
 
 
 @cache
@@ -22,48 +22,48 @@ def folder() -> Path:
     Raises
     ------
     InputError
-        If they are not part of this installation.
+        If the installation does not contain them.
     """
     here = Path(library.__file__).parent
     for place in (here.parents[3] / "engine", here / "engine"):
         if (place / "jousto.h").exists():
             return place
     raise InputError(
-        Problem("the engine's sources", "are missing from the installation; install jousto again")
+        Problem("sources of the engine", "are missing in the installation; install jousto again")
     )
 
 
 def headers() -> dict[str, str]:
-    """Return the engine's headers by name, in one folder."""
+    """Return the headers of the engine by name, for one folder."""
     rooms = [path for path in folder().glob("*/*.h") if path.parent.name not in (HOST, "test")]
-    return {path.name: flat(path) for path in (*folder().glob("*.h"), *rooms)}
+    return {path.name: without_folders(path) for path in (*folder().glob("*.h"), *rooms)}
 
 
 def engine() -> dict[str, str]:
-    """Return the engine's files that a step needs, by name, in one folder and in order."""
+    """Return the engine files of a step by name, for one folder, in order."""
     rooms = [path for path in folder().glob("*/*.c") if path.parent.name not in NO_ROOMS]
     files = sorted((*folder().glob("*.c"), *rooms), key=lambda path: path.name)
-    return {path.name: flat(path) for path in files if path.name not in LEFT_OUT}
+    return {path.name: without_folders(path) for path in files if path.name not in LEFT_OUT}
 
 
 def find(name: str) -> str:
-    """Return a file of the engine by its name, in whichever room it is."""
+    """Return the text of an engine file by name, from any of its folders."""
     (path,) = (path for path in folder().rglob(name) if path.parent.name not in NO_ROOMS)
-    return flat(path)
+    return without_folders(path)
 
 
-def flat(path: Path) -> str:
-    """Return a file of the engine whose includes name no folders."""
+def without_folders(path: Path) -> str:
+    """Return the text of an engine file with the folders in its includes removed."""
     return FOLDER.sub('#include "', path.read_text(encoding="utf-8"))
 
 
 def host(name: str) -> str:
-    """Return a file of what surrounds a machine."""
+    """Return the text of a file around a machine."""
     return (folder() / HOST / name).read_text(encoding="utf-8")
 
 
 def hosted() -> set[str]:
-    """Return the names of the files around a machine, without their endings."""
+    """Return the names of the files around a machine, without suffix."""
     return {path.stem for path in (folder() / HOST).iterdir()} | {"plant"}
 
 
@@ -74,7 +74,7 @@ OUTSIDE = re.compile(
 
 
 def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
-    """Return files that compile files of C once more, with complex numbers and other names.
+    """Return C files that compile given files a second time, with complex numbers and new names.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
     Returns
     -------
     dict
-        ``twice.h``, which renames what files have for one another, and a file for each source,
-        which includes it.
+        ``twice.h``, which renames the external names, and for each source a file that includes
+        ``twice.h`` and the source.
     """
     names = {name for text in files.values() for name in OUTSIDE.findall(text)}
     lines = [f"#define {name} z_{name}" for name in sorted({*names, plant})]
@@ -112,15 +112,15 @@ ENUM = re.compile(r"^enum \{ ([^}]*) \};", flags=re.MULTILINE)
 DEFINE = re.compile(r"^#define (\w+)", flags=re.MULTILINE)
 
 
-def joined(files: dict[str, str], known: dict[str, str]) -> str:
-    """Return files of C as one: headers once, names of one file renamed where others have them.
+def join_files(files: dict[str, str], known: dict[str, str]) -> str:
+    """Return C files joined into one, with each header once and conflicting static names renamed.
 
     Parameters
     ----------
     files : dict
         Texts by name, in order.
     known : dict
-        Headers that they may include, by name.
+        Headers that the files may include, by name.
     """
     done: set[str] = set()
 
@@ -145,7 +145,7 @@ def joined(files: dict[str, str], known: dict[str, str]) -> str:
         heads = "".join(included(m.group(0)) + "\n" for m in INCLUDE.finditer(text))
         body = INCLUDE.sub("", text)
         for twice in sorted(x for x in own[name] if count[x] > 1):
-            # not the field of a struct of that name
+            # rename, except fields of structs of the same name
             body = re.sub(rf"(?<![\w.])(?<!->){twice}\b", f"{twice}_of_{stem}", body)
         ended = "".join(f"#undef {x}\n" for x in sorted(set(DEFINE.findall(body))))
         pieces.append(f"{heads}\n/* ---- {name} ---- */\n{body}\n{ended}")
@@ -153,7 +153,7 @@ def joined(files: dict[str, str], known: dict[str, str]) -> str:
 
 
 def _own(text: str) -> set[str]:
-    """Return the names that a file keeps to itself: static functions and data, types, numbers."""
+    """Return the internal names of a file: static functions and data, types, enums, macros."""
     found = set(STATIC.findall(text))
     found |= {a or b for a, b in TYPE.findall(text)}
     for names in ENUM.findall(text):

@@ -1,4 +1,4 @@
-"""Compilers: which one makes a binary for a platform, and with what options."""
+"""Compilers and their options for the binaries of each platform."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from jousto.export import objects
 from jousto.export.sources import INCLUDE
 
 FLAGS = ("-std=c99", "-O3", "-DNDEBUG", "-fno-math-errno", "-fno-trapping-math")
-"""Those of the engine in Python; without instructions that fuse products, numbers are the same."""
-SECONDS = 600.0  # that a compiler may take
+"""Options of the engine in Python; results are equal on processors without fused multiply-add."""
+SECONDS = 600.0  # timeout of a compiler, s
 OBJECTS: dict[str, bytes] = {}
-"""What was compiled in this process, by all it depends on: machines have the engine in common."""
-MOST = 500  # of them
+"""Objects compiled in this process by their key, since all machines contain the engine."""
+MOST = 500  # maximum number of these objects
 
 
 @dataclass(frozen=True)
 class Platform:
-    """Where a binary shall run.
+    """Platform of a binary.
 
     Attributes
     ----------
     name : str
-        As the command line knows it, ``x86_64-linux``.
+        Name on the command line, ``x86_64-linux``.
     target : str
-        Of the cross compiler.
+        Target of the cross compiler.
     suffix : str
-        Of shared libraries.
+        Suffix of shared libraries.
     fmi2, fmi3 : str
         Folder of binaries in functional mock-up units.
     """
@@ -64,11 +64,11 @@ PLATFORMS = {
 
 
 WEB = Platform("wasm32", "wasm32-wasi", ".wasm", "", "")
-"""Pages in a browser."""
+"""Platform of web pages."""
 
 
 def here() -> str:
-    """Return the name of this computer's platform."""
+    """Return the name of the platform of this computer."""
     import platform
 
     machine = platform.machine().lower()
@@ -78,7 +78,7 @@ def here() -> str:
 
 
 def platforms(names: Iterable[str]) -> tuple[Platform, ...]:
-    """Return platforms by name; "here" is this computer's.
+    """Return platforms by name; "here" is that of this computer.
 
     Raises
     ------
@@ -100,12 +100,12 @@ def platforms(names: Iterable[str]) -> tuple[Platform, ...]:
 
 @cache
 def compiler(platform: Platform) -> tuple[str, ...]:
-    """Return the command of a compiler for a platform: that of this computer, else Zig's.
+    """Return the command of a compiler for a platform: that of this computer, or Zig.
 
     Raises
     ------
     InputError
-        If there is none.
+        If there is no compiler.
     """
     if platform.name == here() and sys.platform != "win32":
         for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
@@ -116,8 +116,8 @@ def compiler(platform: Platform) -> tuple[str, ...]:
         return (sys.executable, "-m", "ziglang", "cc", "-target", platform.target)
     if platform is WEB:
         message = (
-            "a machine that runs in a page is compiled by the package ziglang, which is not "
-            "installed: pip install ziglang"
+            "a machine in a web page needs the package ziglang, which is not installed; pip "
+            "install ziglang"
         )
         raise InputError(Problem("export", message))
     raise InputError(
@@ -137,25 +137,25 @@ def build(
     flags: Sequence[str] = (),
     shared: bool = False,
 ) -> None:
-    """Compile files of C into a program or a shared library, on all cores.
+    """Compile C files into a program or a shared library, on all cores.
 
     Parameters
     ----------
     sources : mapping of str to str
         Texts by name; names may have folders.
     platform : Platform
-        Where it shall run.
+        Platform of the binary.
     out : Path
-        The binary.
+        Path of the binary.
     flags : sequence of str
-        Further options of the compiler; those with ``-Wl,`` are the linker's.
+        Further options of the compiler; those with ``-Wl,`` go to the linker.
     shared : bool
-        Make a shared library.
+        Whether to build a shared library.
 
     Raises
     ------
     InputError
-        If there is no compiler, or it fails; with what it wrote.
+        If there is no compiler, or the compiler fails; with its output.
     """
     command = compiler(platform)
     windows = platform.suffix == ".dll"
@@ -165,12 +165,12 @@ def build(
     if web or shared:
         options += ["-fvisibility=hidden"]
     if web:
-        link += ["-mexec-model=reactor"]  # a library: nothing is called before the page calls it
+        link += ["-mexec-model=reactor"]  # library without a main function
     elif shared:
         link += ["-shared"]
         options += [] if windows else ["-fPIC"]
     if command[1:3] == ("-m", "ziglang"):
-        link += ["-s"]  # no names of what is inside: a quarter of the size
+        link += ["-s"]  # no symbol table, a quarter of the size
     link += [] if windows else ["-lm"]
     with tempfile.TemporaryDirectory(prefix="jousto-build-") as folder:
         place = Path(folder)
@@ -183,7 +183,7 @@ def build(
         def compiled(name: str) -> str:
             made = f"{name}.o"
             line = [*command, *options, "-c", name, "-o", made]
-            key = objects.key(line, included(sources, name), command)
+            key = objects.key(line, with_includes(sources, name), command)
             known = OBJECTS.get(key) or objects.find(key)
             if known is None:
                 run(line, platform, place, made)
@@ -210,8 +210,8 @@ def build(
             out.chmod(0o755)
 
 
-def included(sources: Mapping[str, str], name: str) -> list[str]:
-    """Return the names and texts of a file and all that it includes of the others."""
+def with_includes(sources: Mapping[str, str], name: str) -> list[str]:
+    """Return the names and texts of a file and of all files that it includes."""
     found = {name: sources[name]}
     waiting = [name]
     while waiting:
@@ -223,7 +223,7 @@ def included(sources: Mapping[str, str], name: str) -> list[str]:
 
 
 def run(line: Sequence[str], platform: Platform, folder: Path, made: str) -> None:
-    """Run a compiler in a folder, where it has to leave a file."""
+    """Run a compiler in a folder; raise an error if the output file is missing afterwards."""
     try:
         done = subprocess.run(
             line, cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False

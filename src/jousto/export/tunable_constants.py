@@ -1,4 +1,4 @@
-"""Named constants of a model file that a running machine can change."""
+"""Named constants of a model file that can change during a run of an exported machine."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 
-SHARE = 1e-2  # of its value, by which a constant is changed to see what depends on it
-STRAIGHT = 1e-9  # relative: what lies on a straight line through two other values
+SHARE = 1e-2  # relative change of a constant in the test of its effects
+STRAIGHT = 1e-9  # relative deviation below which an effect is linear
 
 
 def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
-    """Return the parameters of a model file that move nothing but tunable numbers.
+    """Return the parameters of a model file that affect tunable constants only.
 
-    Each is changed to both sides of its value: what changes in the machine must be among gravity,
-    data of forces, frictions and signals, and be a straight line of it. A length or a mass, on
-    which positions and inertia depend, is left out, as is one that stands squared. What a part is
-    made of is not tried: parts would be reduced anew.
+    Each parameter is increased and decreased: only gravity and data of forces, frictions and
+    signals may change, and linearly. A length or a mass, on which positions and inertia depend, is
+    excluded, and so is a parameter with a quadratic effect. Parameters of parts are not tested,
+    since parts would be reduced again.
 
     Parameters
     ----------
     file : ModelFile
         From `read_model`.
     model : Model
-        Compiled from its mechanism.
+        Model compiled from its mechanism.
 
     Raises
     ------
     InputError
-        If these are not a model file and its model, or the model cannot be exported.
+        If the arguments are not a model file and its model, or the model cannot be exported.
     """
     problems, given = Problems(), dict[str, Any](model=model)
     if not hasattr(file, "variants") or not hasattr(file, "parameters"):
@@ -68,7 +68,7 @@ def named_constants(file: Any, model: Model) -> tuple[Named, ...]:
 
 
 def in_parts(data: Mapping[str, Any]) -> set[str]:
-    """Return the names in expressions of the parts of a file, and what those names are made of.
+    """Return the names in expressions of the parts of a file, and the names on which they depend.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def _names(value: Any) -> set[str]:
 def _variant(
     file: Any, values: Mapping[str, float], kept: dict[Any, Any], core: str
 ) -> tuple[Model, Constants] | None:
-    """Return the machine with other values; None where they make none."""
+    """Return the machine with other values; None for invalid values."""
     try:
         model = compile(file.variants.make(values, kept)[0], core=core)
         return model, constants(Engine(model))
@@ -103,7 +103,7 @@ def _variant(
 
 
 def _alike(other: tuple[Model, Constants], model: Model, here: Constants) -> bool:
-    """Return whether a variant differs in tunable numbers alone."""
+    """Return whether a variant differs in tunable constants only."""
     there, found = other
     return (
         found.fixed == here.fixed
@@ -116,7 +116,7 @@ def _alike(other: tuple[Model, Constants], model: Model, here: Constants) -> boo
 def _links(
     here: NDArray[np.float64], sides: list[NDArray[np.float64]], value: float, step: float
 ) -> tuple[tuple[int, float, float], ...]:
-    """Return place, factor and offset of what changes; nothing if it is no straight line."""
+    """Return index, factor and offset of each changed constant; empty if one is not linear."""
     above, below = sides
     moved = np.flatnonzero((above != here) | (below != here))
     factor = (above - below) / (2.0 * step)

@@ -1,4 +1,4 @@
-"""What verify measures of a mechanism besides its own sensors, and what is typical of it."""
+"""Sensors that verify adds to a mechanism, and typical values of each unit."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from jousto.natural.equations.supported import is_read
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 
-SOME_NODES = 4
+SOME_NODES = 4  # number of nodes per flexible body with acceleration sensors
 
 
-def measured(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
+def with_added_sensors(mechanism: Mechanism, *, every: bool = False) -> Mechanism:
     """Return the mechanism with sensors of all accelerations, reactions, forces and energies.
 
     Parameters
     ----------
     mechanism : Mechanism
     every : bool
-        Whether sensors stay that only the engine reads.
+        Whether to keep sensors that the moving frame does not support.
     """
     kept = [
         item for item in mechanism.items if every or not isinstance(item, Sensor) or is_read(item)
     ]
     taken = {sensor.name for sensor in mechanism.sensors}
-    more = [sensor for sensor in further(mechanism) if sensor.name not in taken]
+    more = [sensor for sensor in added_sensors(mechanism) if sensor.name not in taken]
     return Mechanism(*kept, *more, name=mechanism.name, core=mechanism.core)
 
 
-def further(mechanism: Mechanism) -> Iterator[Sensor]:
-    """Yield what is measured besides the sensors."""
+def added_sensors(mechanism: Mechanism) -> Iterator[Sensor]:
+    """Yield the added sensors."""
     for body in mechanism.bodies:
         if isinstance(body, BeamNode):
             continue
@@ -69,7 +69,7 @@ def further(mechanism: Mechanism) -> Iterator[Sensor]:
 
 
 def places(body: Body) -> list[Marker]:
-    """Return markers of a body whose accelerations tell those of its frame and its modes."""
+    """Return markers of a body whose accelerations determine those of its frame and modes."""
     if not isinstance(body, FlexibleBody):
         if isinstance(body, RigidBody):
             return [body["center"]]
@@ -82,7 +82,7 @@ def places(body: Body) -> list[Marker]:
 
 
 def largest_of(run: Solution, last: int | None = None) -> dict[str, float]:
-    """Return the largest value of every unit in a run, or in so many first outputs."""
+    """Return the largest value of every unit in a run, or in its first `last` outputs."""
     found: dict[str, float] = {}
     for name in run:
         top = np.abs(run[name][:last]).max(axis=0, initial=0.0)
@@ -94,9 +94,10 @@ def largest_of(run: Solution, last: int | None = None) -> dict[str, float]:
 def typical_sizes(
     mechanism: Mechanism, t_end: float, largest: dict[str, float]
 ) -> dict[str, float]:
-    """Return what is typical of units, from size, weight, duration and the largest values.
+    """Return typical values of units, from size, weight, duration and largest values.
 
-    Rounding of the largest force of a machine is in all that balances it.
+    The typical force includes the largest force of the machine, whose rounding error affects all
+    forces in equilibrium with it.
     """
     mass = sum(
         float(b.reduced.invariants.mass if isinstance(b, FlexibleBody) else b.mass)

@@ -1,4 +1,4 @@
-"""Readings of two runs, and how far they differ."""
+"""Differences of the readings of two formulations and of runs, with their criteria."""
 
 from __future__ import annotations
 
@@ -11,53 +11,52 @@ from jousto.base.object_repr import described
 from jousto.simulation.results.diagnostics import FAIR
 
 SAME = 1e-6
-"""Share of its size by which a reading may differ at one state: both find it from one position and
-velocity, the second formulation by iteration."""
+"""Largest relative difference of equal readings at the same state; the second formulation computes
+them by iteration."""
 CLOSE = 1e-3
-"""Share of its size by which the runs may differ in any case."""
+"""Relative difference of runs below which they agree in any case."""
 FALLING = 1.5
-"""Order with which differences of runs fall at the least, if they are larger."""
+"""Smallest order of convergence of larger differences of runs that agree."""
 FAR = FAIR
-"""Share of its size beyond which runs do not come together, however fast the difference falls: an
-order is one of the method only where differences are small."""
+"""Relative difference of runs above which they do not agree at any order, since the order of a
+method shows only in small differences."""
 
 FRAME = "another frame"
 STRETCHED = (
-    ": modes are linear, so the body bends too far for them or loads stiffen it, which "
-    "stiffening=True of its part takes in"
+    ": the body bends beyond the range of linear modes, or loads change its stiffness; reduce its "
+    "part with stiffening=True"
 )
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A reading of both formulations.
+    """Comparison of a reading of both formulations.
 
     Attributes
     ----------
     name : str
-        Name of the sensor, or of what was measured besides.
+        Name of the sensor or the added reading.
     size : float
-        Largest value of the engine, or what it is compared with where it is next to nothing.
+        Scale of the differences: largest value of the engine, or a typical value if it is tiny.
     unit : str
-        Its unit, or units.
+        Unit or units.
     at_instants : float
-        Largest difference at the same state, as a share of the size; nan if it has none there.
+        Largest relative difference at the same state; nan if not compared there.
     coarse, fine : float
-        Largest difference of the runs, as a share of the size, at the step and at half of it.
+        Largest relative difference of the runs, at the step and at half of it.
     unique : bool
-        Whether it is unique, as reactions of redundant joints and what follows from friction there
-        are not; others are not compared.
+        Whether the reading is unique and compared; reactions of redundant joints, and quantities
+        that depend on their friction, are not.
     worst : float
-        Time of the largest difference at the same state, s.
+        Instant of the largest difference at the same state, s.
     direct : bool
-        Whether it follows from positions and velocities at one place, as forces do. Otherwise
-        accelerations, in which every fault shows, or sums over the machine are part of it.
+        Whether the reading depends on positions and velocities at one point, as forces do, and not
+        on accelerations or on sums over the machine, in which every error shows.
     settles : bool
-        Whether runs of two methods have to come together in it.
+        Whether runs of two methods must agree in this reading.
     own : float
-        Difference of the runs of one method at both steps, as a share of the size: of the method
-        that misses itself less.
+        Relative difference of the runs of one method at both steps, the smaller of both methods.
     """
 
     name: str
@@ -74,29 +73,29 @@ class Compared:
 
     @property
     def order(self) -> float:
-        """Order with which the difference of the runs vanishes; nan where there is none."""
+        """Order of convergence of the difference of the runs; nan without a difference."""
         if self.fine <= 0.0 or self.coarse <= 0.0:
             return np.nan
         return float(np.log2(self.coarse / self.fine))
 
     @property
     def same(self) -> bool:
-        """Whether both read the same at the same states."""
+        """Whether the readings are equal at the same states."""
         return not self.unique or not self.at_instants > SAME
 
     @property
     def meets(self) -> bool:
-        """Whether the runs come together: next to each other, or near and with the order."""
+        """Whether the runs agree: a very small difference, or a small one with the order."""
         if not self.unique or not self.fine > CLOSE:
             return True
         return self.fine <= FAR and self.order >= FALLING
 
     @property
     def unresolved(self) -> bool:
-        """Whether each method misses itself by as much as the other: the step resolves too little.
+        """Whether the difference of two methods is within the error of each, with too long a step.
 
-        A run with half the step misses the truth by 1/3 of the difference of its own runs at order
-        2, by as much at order 1; so two of them are apart by at most twice that.
+        The error of a run with half the step is 1/3 of the difference of its runs at both steps for
+        order 2, and equal to this difference for order 1; two runs differ by at most twice that.
         """
         return not self.meets and self.fine <= 2.0 * self.own
 
@@ -104,16 +103,16 @@ class Compared:
 @described
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Runs of the engine by another method, in another frame, basis or mechanism.
+    """Variant of the engine's run: another method, body frame, modal basis or mechanism.
 
     Attributes
     ----------
     name : str
-        What is other.
+        Name of the variant.
     rows : tuple of Compared
-        How far the readings differ.
+        Differences of the readings.
     failed : str
-        Why there are none.
+        Reason of a failure; empty without one.
     """
 
     name: str
@@ -122,29 +121,29 @@ class Way:
 
     @property
     def worst(self) -> Compared | None:
-        """The settled reading that differs most."""
+        """Reading with the largest difference, of those that must agree; None without any."""
         found = [row for row in self.rows if row.unique and row.settles]
         return max(found, key=lambda row: row.fine, default=None)
 
     @property
     def apart(self) -> tuple[Compared, ...]:
-        """Readings that do not come together with the step, the largest difference first."""
+        """Readings whose runs do not agree, the largest difference first."""
         found = [row for row in self.rows if row.settles and not row.meets]
         return tuple(sorted(found, key=lambda row: -row.fine))
 
     @property
     def far(self) -> bool:
-        """Whether it has to be named: readings differ by per cents, or it is not compared."""
+        """Whether the verdict mentions it: differences of per cents, or no comparison."""
         return bool(self.failed) or (self.worst is not None and self.worst.fine > FAR)
 
     @property
     def hint(self) -> str:
-        """What makes frames differ, and the remedy."""
+        """Cause of differences of body frames, with the remedy."""
         return STRETCHED if self.name == FRAME and not self.failed else ""
 
     @property
     def said(self) -> str:
-        """What it found, in a few words."""
+        """Result of the comparison as a text."""
         row = self.worst
         if self.failed or row is None:
             return f"not compared: {self.failed or 'no reading in common'}"
@@ -153,9 +152,9 @@ class Way:
 
 
 def sizes(values: Array, units: list[str], typical: dict[str, float]) -> Array:
-    """Return what differences of components (k,) are compared with, from values (nt, k).
+    """Return the scales (k,) of differences of components, from values (nt, k).
 
-    The largest component of the same unit, at least a thousandth of what is typical of the unit.
+    A scale is the largest component of the same unit, at least a thousandth of a typical value.
     """
     largest = np.abs(values).max(axis=0, initial=0.0)
     out = np.zeros(len(units))

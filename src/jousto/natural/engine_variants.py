@@ -1,4 +1,4 @@
-"""Other ways by the engine: another method, reference condition, basis, or a given mechanism."""
+"""Variants of the engine's run: another method, body frame, modal basis, or a given mechanism."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.packing.sensors import NOT_UNIQUE
 from jousto.natural.comparison import FRAME, Compared, Way, sizes
-from jousto.natural.rebuilt_mechanism import exchanged, moved
+from jousto.natural.rebuilt_mechanism import transfer_state, with_parts
 from jousto.reduction.frames.clamp import by_mean_axes, in_frame
 from jousto.reduction.frames.frame import MeanFrame, NodeFrame
 from jousto.reduction.methods import FreeFree, ShapeFunctions
@@ -34,20 +34,20 @@ from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newton
 from jousto.simulation.state import State
 
 CHEAP = 3000
-"""Degrees of freedom of a part up to which a finer basis is made without being asked for."""
+"""Degrees of freedom of a part up to which a finer modal basis is computed."""
 OF_FRAMES = ("modal", "deformation momentum")
-"""Readings that belong to the modes of a body, and differ with its frame."""
+"""Readings of the modes of a body, which depend on the choice of its frame."""
 FOLLOWING = ("acceleration", "angular acceleration", "reaction", "multiplier", "energy")
 SHAKY = (
     *("acceleration", "angular acceleration", "acceleration parts"),
     *("reaction", "multiplier", "friction"),
 )
-"""Readings that ring in modes which the step does not resolve, or jump where a joint sticks."""
+"""Readings that vibrate in modes not resolved by the step, or jump when friction sticks."""
 
 
 @dataclass(frozen=True)
 class Course:
-    """A run of the engine that others are compared with, and how it was made."""
+    """Reference run of the engine with its settings."""
 
     mechanism: Mechanism
     runs: list[Solution]
@@ -58,7 +58,7 @@ class Course:
     typical: dict[str, float]
 
     def again(self, model: Model, solver: Any, state: State | None, k: int = 2) -> Solution:
-        """Return a run of another model or by another method, k = 2 with half the step."""
+        """Return a run of another model or method with the step over k."""
         step = self.solver.step / k
         return simulate(
             model,
@@ -72,7 +72,7 @@ class Course:
 def differences(
     course: Course, a: list[Solution], b: list[Solution], skipped: tuple[str, ...] = ()
 ) -> tuple[Compared, ...]:
-    """Return how the readings of runs differ that have the same sensors, coarse ones first."""
+    """Return the differences of two pairs of runs (coarse, fine) with the same sensors."""
     kinds = {sensor.name: sensor for sensor in course.mechanism.sensors}
     return tuple(
         _difference(course, kinds[name], a, b)
@@ -87,13 +87,15 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
     values = a[-1][name]
     size = sizes(values, list(component_units(about)), course.typical)
     kept = slice(None)
-    if sensor.meters:  # damage grows by jumps, whose times differ by steps: what counts is the end
+    if (
+        sensor.meters
+    ):  # damage grows in jumps, whose instants differ by steps: compare the last value
         size = np.maximum(np.abs(values).max(axis=0, initial=0.0), 1e-300)
         size[[name.endswith("cycles") for name in about["components"]]] = np.inf
         kept = slice(-1, None)
 
     def off(x: Solution, y: Solution) -> float:
-        n = min(len(x.time), len(y.time))  # events may end one of them an output earlier
+        n = min(len(x.time), len(y.time))  # an event may end one of them an output earlier
         apart: Array = np.abs(x[name][:n] - y[name][:n])[kept] / size
         return float(apart.max(initial=0.0, where=np.isfinite(apart)))
 
@@ -111,8 +113,8 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
     )
 
 
-def tried(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
-    """Return what a way finds, or why it does not come to its end; the runs before it warned."""
+def run_variant(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
+    """Return the differences of a variant, or the reason of its failure; without warnings."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", JoustoWarning)
@@ -122,29 +124,29 @@ def tried(name: str, make: Callable[[], tuple[Compared, ...]]) -> Way:
 
 
 def by_other_method(course: Course, model: Model) -> Way:
-    """Compare with another method of the engine, at both steps."""
-    other = another(course.solver, model)
+    """Return the differences from another method of the engine, at both steps."""
+    other = contrasting_method(course.solver, model)
     start = course.runs[0].state(0.0)
 
     def make() -> tuple[Compared, ...]:
         runs = [course.again(model, other, start, k) for k in (1, 2)]
         return differences(course, course.runs, runs)
 
-    return tried(named(other), make)
+    return run_variant(method_name(other), make)
 
 
-def another(solver: Solver, model: Model) -> Any:
-    """Return a method that shares as little as possible with this one."""
+def contrasting_method(solver: Solver, model: Model) -> Any:
+    """Return a method that differs from this one as much as possible."""
     if not isinstance(solver, Newton):
         return GeneralizedAlpha()
-    if model.beams:  # multipliers that hold positions, and more of the fast vibrations damped
+    if model.beams:  # index 3 or projection, the opposite, with more numerical damping
         index = not solver.projection
         return GeneralizedAlpha(rho=0.6, projection=index)
     return ROS2()
 
 
-def named(solver: Any) -> str:
-    """Return what a method is called in the report."""
+def method_name(solver: Any) -> str:
+    """Return the name of a method in the report."""
     name = type(solver).__name__
     if not isinstance(solver, Newton):
         return name
@@ -152,21 +154,21 @@ def named(solver: Any) -> str:
 
 
 def others(course: Course, beside: Mapping[str, Mechanism]) -> Iterator[Way]:
-    """Yield other reference conditions and a finer basis, and the given mechanisms."""
+    """Yield the variants: other body frames, a finer modal basis, and given mechanisms."""
     flexible = [b for b in course.mechanism.bodies if isinstance(b, FlexibleBody)]
     bodies = [body for body in flexible if not _framed(course.mechanism, body)]
     frames = {body: part for body in bodies if (part := in_another_frame(body)) is not None}
     if frames:
-        yield tried(FRAME, lambda: _with(course, frames, undamped=True))
+        yield run_variant(FRAME, lambda: _with(course, frames, undamped=True))
     finer = {body: part for body in bodies if (part := in_finer_basis(body)) is not None}
     if finer:
-        yield tried("finer basis", lambda: _with(course, finer))
+        yield run_variant("finer basis", lambda: _with(course, finer))
     for name, mechanism in beside.items():
-        yield tried(name, lambda mechanism=mechanism: _given(course, mechanism))  # type: ignore[misc]
+        yield run_variant(name, lambda mechanism=mechanism: _given(course, mechanism))  # type: ignore[misc]
 
 
 def _framed(mechanism: Mechanism, body: FlexibleBody) -> bool:
-    """Return whether the frame of a body is used itself: another frame is elsewhere."""
+    """Return whether markers, joints or forces use the frame of a body itself."""
     found = [False]
 
     def seen(value: Any) -> bool:
@@ -182,7 +184,7 @@ def _framed(mechanism: Mechanism, body: FlexibleBody) -> bool:
 
 
 def in_another_frame(body: FlexibleBody) -> ReducedPart | None:
-    """Return the part in mean axes, or held at a node if it has these; None if it cannot be."""
+    """Return the part in mean axes, or in a node frame if in mean axes; None if impossible."""
     reduced = body.reduced
     if "frame" in reduced.provenance:
         return in_frame(reduced, MeanFrame())
@@ -198,9 +200,9 @@ def in_another_frame(body: FlexibleBody) -> ReducedPart | None:
 
 
 def in_finer_basis(body: FlexibleBody) -> ReducedPart | None:
-    """Return the part with free vibrations added to its modes, as many as it has.
+    """Return the part with free vibration modes added, as many as it has modes.
 
-    None without its mesh or a cheap one, or where damping is given for each mode.
+    None if its mesh is missing or too large, or if damping is given for each mode.
     """
     reduced = by_mean_axes(body.reduced) if body.reduced.source is not None else body.reduced
     part = reduced.source
@@ -230,22 +232,22 @@ def _columns(reduced: ReducedPart, each: int) -> Array:
 def _with(
     course: Course, parts: Mapping[FlexibleBody, ReducedPart], undamped: bool = False
 ) -> tuple[Compared, ...]:
-    """Compare with a run in which bodies have other parts, without damping of modes if asked."""
+    """Return the differences from a run with other parts in bodies, optionally undamped."""
     own, run = course.mechanism, course.runs[-1]
     items = [item for item in own.items if not getattr(item, "meters", ())]
     if len(items) < len(own.items):
         own = Mechanism(*items, name=own.name, core=own.core)
     start = course.runs[0].state(0.0)
     if undamped and any(body.modal_damping.any() for body in parts):
-        own = exchanged(own, {body: body.reduced for body in parts}, damping=0.0)
+        own = with_parts(own, {body: body.reduced for body in parts}, damping=0.0)
         run = course.again(compile(own), course.solver, replace(start, work=None))
         names = {body.name: part for body, part in parts.items()}
         parts = {b: names[b.name] for b in own.bodies if b.name in names}  # type: ignore[misc]
-    other = exchanged(own, parts)
-    model, state = compile(other), moved(start, own, other)
+    other = with_parts(own, parts)
+    model, state = compile(other), transfer_state(start, own, other)
     try:
         found = course.again(model, course.solver, state)
-    except RunFailed:  # faster modes may need another method, as a run of their own would take
+    except RunFailed:  # faster modes may need another method, the choice of `simulate`
         chosen = choose(model, course.t_end, course.output)[0]
         if type(chosen) is type(course.solver):
             raise
@@ -254,7 +256,7 @@ def _with(
 
 
 def _given(course: Course, mechanism: Mechanism) -> tuple[Compared, ...]:
-    """Compare with a mechanism of the user's that has some of the same sensors."""
+    """Return the differences from a mechanism of the user with some equal sensors."""
     model = compile(mechanism)
     state = None if course.begin is None else course.begin(model)
     return differences(course, course.runs[-1:], [course.again(model, course.solver, state)])

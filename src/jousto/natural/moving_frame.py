@@ -1,4 +1,4 @@
-"""moving_frame: run a mechanism in natural coordinates, without the engine."""
+"""moving_frame: run of a mechanism in natural coordinates, without the engine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.numbers import number
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.initial_state import angles, declared, given
+from jousto.natural.equations.initial_state import angles, declared_state, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
 from jousto.natural.equations.trapezoidal_step import PENALTY, TOLERANCE, Motion, Stepper
@@ -33,33 +33,35 @@ def moving_frame(
     tolerance: float = TOLERANCE,
     iterations: int = 20,
 ) -> NaturalRun:
-    """Run a mechanism from 0 to `t_end` by the moving frame method.
+    """Return the results of a run of a mechanism from 0 to `t_end` by the moving frame method.
 
-    The unknowns of a body are ``[R, a, b, c, xi]``: the origin and the axes of its frame in the
-    world, and its modes. Constraints are kept by an augmented Lagrangian, time goes on by the
-    trapezoidal rule, and velocities and accelerations are projected after every step (Altarriba
-    2010, section 2.5, eq. S43-S73, after Cuadrado, Gutierrez, Naya and Gonzalez 2004). Nothing of
-    the engine is used, so that equal results of both confirm each other.
+    The unknowns of a body are ``[R, a, b, c, xi]``: origin and axes of its frame in the world, and
+    modal coordinates. The constraints are enforced by an augmented Lagrangian, the integration is
+    the trapezoidal rule, and velocities and accelerations are projected after every step (Altarriba
+    2010, section 2.5, eq. S43-S73, after Cuadrado, Gutierrez, Naya and Gonzalez 2004). The method
+    does not use the engine, so that it is an independent check.
 
     Parameters
     ----------
     mechanism : Mechanism
-        What is simulated.
+        Mechanism to simulate.
     t_end : float
         End of the run, s.
     step : float
-        Step, s; shortened so that outputs and the end fall on steps. Errors fall with its square.
+        Step, s; shortened so that outputs and the end are at steps. Errors are of second order.
     output_step : float, optional
         Time between stored instants, s; None stores every step.
     state : State, optional
-        Start at time 0, such as ``run.state(0.0)`` of a run by the engine; None starts as the
-        bodies declare, moved so that joints and drives fit.
+        Initial state at time 0, such as ``run.state(0.0)`` of a run of the engine; None is the
+        declared state of the bodies, moved to satisfy joints and drives.
     penalty : float
-        alpha h^2/4 over the mass that a constraint meets: how much of a gap an iteration leaves.
+        Penalty factor: alpha h^2/4 over the effective mass of a constraint. A larger one reduces
+        the gap faster.
     tolerance : float
-        Of the iteration: the last change of a position over the size of the mechanism, of an axis.
+        Last increment of an axis, or of a position over the size of the mechanism, at which the
+        iteration of a step has converged.
     iterations : int
-        Most iterations of a step.
+        Maximum number of iterations of a step.
 
     Returns
     -------
@@ -69,8 +71,7 @@ def moving_frame(
     Raises
     ------
     InputError
-        With everything in the mechanism that this formulation does not know, or numbers that make
-        no sense.
+        With all items of the mechanism that this formulation does not support, or invalid values.
     SimulationError
         If a step does not converge.
 
@@ -94,7 +95,7 @@ def moving_frame(
     reader = Reader(machine, mechanism.sensors)
     machine.close()
     near = angles(machine)
-    q, v = declared(machine) if state is None else given(machine, state)
+    q, v = declared_state(machine) if state is None else state_of_engine(machine, state)
     start = machine.place(q, 0.0, near)
     stepper = Stepper(
         machine,
@@ -120,7 +121,7 @@ def moving_frame(
 def _check(
     mechanism: Mechanism, times: dict[str, float], options: dict[str, float], state: State | None
 ) -> None:
-    """Raise InputError with everything that makes no sense."""
+    """Raise InputError with all invalid arguments."""
     where = f"moving frame of {mechanism.name!r}"
     problems = Problems()
     for name, value in (times | options).items():
@@ -129,19 +130,19 @@ def _check(
             unit = " s" if name in times else ""
             problems.add(where, f"{name} is {found:g}{unit}, must be positive")
     if state is not None and state.time != 0.0:
-        problems.add(where, "the state must be one at time 0, such as run.state(0.0)")
+        problems.add(where, "state must be at time 0, such as run.state(0.0)")
     if mechanism.initials and state is None:
         names = ", ".join(f"{initial.name!r}" for initial in mechanism.initials)
         problems.add(
             where,
-            f"starts as bodies declare, without Initial of {names}; give the start that compile "
-            "finds: state=run.state(0.0) of a run by jo.simulate",
+            f"does not support Initial of {names} in its start; give the start of the engine, "
+            "state=run.state(0.0) of a run by jo.simulate",
         )
     problems.raise_if_any()
 
 
 def _schedule(t_end: float, step: float, output_step: float | None) -> tuple[int, int]:
-    """Return the number of steps, and of those between outputs."""
+    """Return the number of steps of a run, and the number between outputs."""
     outputs = 1 if output_step is None else max(1, round(t_end / output_step))
     if output_step is not None and abs(outputs * output_step - t_end) > 1e-9 * t_end:
         raise InputError(
@@ -152,7 +153,7 @@ def _schedule(t_end: float, step: float, output_step: float | None) -> tuple[int
 
 
 class Record:
-    """Collects what a run leaves."""
+    """Collector of the results of a run."""
 
     def __init__(self, machine: Machine, reader: Reader, count: int) -> None:
         self.machine, self.reader = machine, reader
@@ -180,7 +181,7 @@ class Record:
         }
 
     def keep(self, motion: Motion) -> None:
-        """Keep an instant."""
+        """Append the results of an instant."""
         if not self.rows:
             self.powers = self._powers(motion)
         machine = self.machine

@@ -1,4 +1,4 @@
-"""The same mechanism with other parts in it: declared objects made anew with what they refer to."""
+"""Copies of a mechanism with other parts: declared objects with replaced references."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from jousto.simulation.state import State
 
 
 class Exchange:
-    """Makes objects anew that refer to others for which there are new ones.
+    """Copier of declared objects that replaces given objects, in all references.
 
     Parameters
     ----------
     new : mapping of int to object
-        What stands for an object, by the id of the old one.
+        Replacement of an object, by the id of the old one.
     hold : bool
         Whether external inputs become constants of their initial values.
     """
 
     def __init__(self, new: Mapping[int, Any], *, hold: bool = False) -> None:
         self.new, self.hold = dict(new), hold
-        self._kept: list[Any] = []  # what an id stands for must live
+        self._kept: list[Any] = []  # references to old objects, so that their ids stay valid
 
     def __call__(self, old: Any) -> Any:
-        """Return the object that stands for one; the same where nothing of it is new."""
+        """Return the copy of an object; the object itself if it refers to no replaced one."""
         if id(old) not in self.new:
             self._kept.append(old)
             self.new[id(old)] = self._made(old)
@@ -62,27 +62,27 @@ class Exchange:
 
 
 def _refers(old: Any) -> bool:
-    """Return whether an object is one of those that a mechanism is made of."""
+    """Return whether an object is an item of a mechanism or a container of items."""
     return type(old).__module__.startswith("jousto.mechanism.")
 
 
-def held(mechanism: Mechanism) -> Mechanism:
-    """Return the mechanism with constants for its external inputs, their initial values."""
+def with_constant_inputs(mechanism: Mechanism) -> Mechanism:
+    """Return the mechanism with its external inputs replaced by their initial values."""
     return _exchanged(mechanism, Exchange({}, hold=True))
 
 
-def exchanged(
+def with_parts(
     mechanism: Mechanism, parts: Mapping[FlexibleBody, ReducedPart], **more: Any
 ) -> Mechanism:
-    """Return the mechanism with other reduced parts in some of its bodies, which move alike.
+    """Return the mechanism with other reduced parts in some bodies, with the same initial motion.
 
     Parameters
     ----------
     mechanism : Mechanism
     parts : mapping of FlexibleBody to ReducedPart
-        The same part by other modes that can make the motion of the old ones.
+        Reductions of the same part by modes that include the motion of the old ones.
     **more
-        What else is other of these bodies.
+        Further changed fields of these bodies.
     """
     new = {}
     for body, part in parts.items():
@@ -114,11 +114,10 @@ def _exchanged(mechanism: Mechanism, change: Exchange) -> Mechanism:
     return Mechanism(*items, name=mechanism.name, core=mechanism.core)
 
 
-def moved(state: State, old: Mechanism, new: Mechanism) -> State:
-    """Return a state of a mechanism as one of the mechanism with other parts.
+def transfer_state(state: State, old: Mechanism, new: Mechanism) -> State:
+    """Return the state of a mechanism with other parts that equals a state of the old one.
 
-    It remembers nothing of the way: friction decides anew, angles count from within half a
-    turn; what controllers have integrated stays.
+    The states of controllers are copied; stick-slip states and revolution counters are not.
     """
     qs, vs = [], []
     iq = iv = 0

@@ -1,4 +1,4 @@
-"""What a run of the moving frame leaves: sensors, energies and how well it went."""
+"""NaturalRun: results of a run of the moving frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.simulation.results.diagnostics import Energy
 @described
 @dataclass(frozen=True, eq=False)
 class NaturalRun(Mapping[str, Array]):
-    """Results of a run of the moving frame, a mapping from the names of sensors to their values.
+    """Results of a run of the moving frame: a mapping from the names of sensors to their values.
 
     Attributes
     ----------
@@ -32,12 +32,12 @@ class NaturalRun(Mapping[str, Array]):
     energy : Energy
         Energy balance.
     position_residual, velocity_residual : arrays (nt,)
-        Largest position and velocity constraint that is missed, m or 1, and m/s or 1/s.
+        Largest position residual, m or 1, and velocity residual, m/s or 1/s.
     iterations : array (nt,)
-        Newton iterations of the step that led to each instant.
+        Number of Newton iterations of the last step before each instant.
     q, v : arrays (nt, N)
-        Coordinates ``[R, a, b, c, xi]`` and velocities of every body; bodies with fewer modes
-        than others have zeros.
+        Coordinates ``[R, a, b, c, xi]`` and velocities of every body, padded by zeros to the
+        largest number of modes.
     """
 
     name: str
@@ -57,7 +57,7 @@ class NaturalRun(Mapping[str, Array]):
         Raises
         ------
         InputError
-            For an unknown name; close ones are suggested.
+            For an unknown name; the message contains the nearest name.
         """
         if name not in self.readings:
             where = f"moving frame of {self.name!r}"

@@ -1,4 +1,4 @@
-"""Single instants: what sensors read at a state by the equations in natural coordinates."""
+"""Sensor values at given states, by the equations in natural coordinates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.mechanism.mechanism import Mechanism
 from jousto.mechanism.sensors.base import Sensor
-from jousto.natural.equations.initial_state import angles, given
+from jousto.natural.equations.initial_state import angles, state_of_engine
 from jousto.natural.equations.sensors import Reader
 from jousto.natural.equations.system import Machine
 from jousto.natural.equations.trapezoidal_step import PENALTY, Stepper
@@ -19,17 +19,16 @@ from jousto.simulation.state import State
 
 @dataclass(frozen=True, eq=False)
 class Instants:
-    """What a machine does at given states.
+    """Sensor values and constraint residuals of a machine at given states.
 
     Attributes
     ----------
     readings : dict of str to array (nt, k)
         Values of every sensor.
     names : tuple of str
-        What each constraint belongs to.
+        Name of the joint or drive of each constraint.
     gaps, rates : arrays (m,)
-        Largest value of each constraint in any state, as a share of what it is measured with,
-        and of its rate.
+        Largest residual of each constraint over its scale in all states, and of its rate.
     """
 
     readings: dict[str, Array]
@@ -38,7 +37,7 @@ class Instants:
     rates: Array
 
     def open_joints(self, most: float) -> tuple[str, ...]:
-        """Return the names of joints and drives that states leave open by more than a share."""
+        """Return the names of joints and drives with relative residuals above `most`."""
         found = (name for name, gap in zip(self.names, self.gaps, strict=True) if gap > most)
         return tuple(dict.fromkeys(found))
 
@@ -46,11 +45,11 @@ class Instants:
 def at_states(
     mechanism: Mechanism, states: Iterable[State], sensors: tuple[Sensor, ...], every: int = 1
 ) -> Instants:
-    """Return what sensors read at every `every`-th of consecutive states.
+    """Return sensor values at every `every`-th of consecutive states.
 
     Accelerations and multipliers follow from ``M q'' + Cq^T lam = Q`` and ``C'' = 0`` in natural
-    coordinates: without a step of time, so that a second formulation with the same equations
-    gives the same numbers but for rounding. Work done since the start is not known: zero.
+    coordinates, without time integration, so that another formulation of the same equations gives
+    the same values to round-off. Work since the start is not known and set to zero.
     """
     machine = Machine(mechanism)
     reader = Reader(machine, sensors)
@@ -61,10 +60,12 @@ def at_states(
     found: list[list[Array]] = []
     gaps = rates = np.zeros(len(machine.rows.offset))
     for k, state in enumerate(states):
-        q, v = given(machine, state)
+        q, v = state_of_engine(machine, state)
         place = machine.place(q, state.time, near)
         before, rate = rate, place.slopes.times(v)
-        if before is not None:  # angles may grow by turns from one state to the next
+        if (
+            before is not None
+        ):  # predict angles, which may change by revolutions from one state to the next
             near = near + 0.5 * (state.time - last) * (before + rate)
             place = machine.place(q, state.time, near)
         near, last = place.s, state.time

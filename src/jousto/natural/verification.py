@@ -1,4 +1,4 @@
-"""Verification: what two formulations of a mechanism say of each other."""
+"""Verification: result of the comparison of two formulations of a mechanism."""
 
 from __future__ import annotations
 
@@ -18,43 +18,43 @@ IDLE = "give it loads, drives or velocities, or what they do is not compared"
 @described
 @dataclass(frozen=True, eq=False)
 class Verification:
-    """What two formulations say of each other, or two methods where one formulation is not known.
+    """Comparison of two formulations, or of two methods of the engine if only one is available.
 
     Attributes
     ----------
     name : str
         Name of the mechanism.
     rows : tuple of Compared
-        Every sensor, and what was measured besides.
+        Compared readings: all sensors, and the added ones.
     instants : int
-        Number of states at which both were compared.
+        Number of states compared.
     step : float
-        The longer step of the runs, s.
+        Longer step of the runs, s.
     open_joints : tuple of str
-        Joints that the states of the engine leave open by the equations of the other formulation.
+        Joints that are open in the states of the engine by the equations of the moving frame.
     energy : tuple of float
         Relative errors of the energy balance: of the engine at the step and at half of it, and of
         the moving frame.
     residual : float
-        Largest position constraint that the moving frame misses, m or 1.
+        Largest position residual of the moving frame, m or 1.
     iterations : float
-        Iterations of a step of the moving frame.
+        Mean number of iterations of a step of the moving frame.
     left_out : tuple of str
-        Sensors that only the engine reads.
+        Sensors that the moving frame does not support.
     ways : tuple of Way
-        Other runs of the engine: by another method first.
+        Variants of the engine's run, another method first.
     unknown : tuple of str
-        What the moving frame does not know of the mechanism. If there is anything, `rows` are the
-        differences of two methods of the engine.
+        Items of the mechanism that the moving frame does not support. If there are any, `rows` are
+        the differences of two methods of the engine.
     still : bool
-        Whether nothing moved in the run, so that terms of the motion are not compared.
+        Whether nothing moved in the run, so that terms of the motion are not verified.
     shared : tuple of str
-        Friction that follows from reactions which are not unique, and the motion with it: then
-        positions, velocities and what depends on them alone are compared, at the same states.
+        Frictions whose normal force is not unique. If there are any, only positions, velocities and
+        quantities that depend on them alone are compared, at the same states.
     stopped : tuple of str
-        Runs that did not reach their end, and why: then no runs are compared.
+        Runs that did not reach their end, with the reason; runs are then not compared.
     ended : bool
-        Whether the run of the engine whose states are compared reached its end.
+        Whether the run of the engine with the compared states reached its end.
     """
 
     name: str
@@ -75,22 +75,22 @@ class Verification:
 
     @property
     def different(self) -> tuple[Compared, ...]:
-        """What both read differently at the same state, direct readings and large ones first."""
+        """Readings that differ at the same state, direct readings and large differences first."""
         found = [row for row in self.rows if not row.same]
         return tuple(sorted(found, key=lambda row: (not row.direct, -row.at_instants)))
 
     @property
     def apart(self) -> tuple[Compared, ...]:
-        """What the runs do not agree in at these steps, the largest difference first."""
+        """Readings whose runs do not converge to each other, the largest difference first."""
         found = [row for row in self.rows if not row.meets]
         return tuple(sorted(found, key=lambda row: -row.fine))
 
     @property
     def agrees(self) -> bool:
-        """Whether both have the same equations of motion, constraints and readings.
+        """Whether equations of motion, constraints and readings of both are equal.
 
-        Where the moving frame does not know the mechanism: whether the runs of two methods come
-        together and the energy balance closes.
+        If the moving frame does not support the mechanism: whether the runs of two methods converge
+        to each other and the energy balance closes.
         """
         if self.unknown:
             return self.settled
@@ -98,7 +98,7 @@ class Verification:
 
     @property
     def settled(self) -> bool:
-        """Whether two methods of the engine come together and keep the balance of energy."""
+        """Whether two methods of the engine agree and the energy balance closes."""
         if not self.ways:
             return False
         first = self.ways[0]
@@ -106,10 +106,10 @@ class Verification:
 
     @property
     def undecided(self) -> bool:
-        """Whether what was compared says neither yes nor no.
+        """Whether the comparison is inconclusive.
 
-        The engine stopped before anything differed, or the runs of two methods, which alone can
-        judge, resolve too little or did not reach their end.
+        That is so if the engine stopped before a difference occurred, or if the runs of two
+        methods, the only criterion, do not resolve the vibration or did not reach their end.
         """
         if not self.unknown:
             return not (self.ended or self.different or self.open_joints)
@@ -125,14 +125,14 @@ class Verification:
 
     @property
     def verdict(self) -> str:
-        """The result in one sentence, which other ways differ, and whether anything moved."""
+        """Result in one sentence, with differing variants and a note if nothing moved."""
         others = "".join(f"; {way.name} {way.said}{way.hint}" for way in self._elsewhere)
         idle = "; but nothing moved in the run: " + IDLE if self.still else ""
         return f"{self._result}{others}{idle}"
 
     @property
     def _elsewhere(self) -> tuple[Way, ...]:
-        """Other ways that are far off or do not reach their end, but for those that judge."""
+        """Variants with large differences or an early end, without those of the result."""
         ways = self.ways[1:] if self.unknown else self.ways
         return tuple(way for way in ways if way.far)
 
@@ -157,7 +157,7 @@ class Verification:
         checked = [row for row in self.rows if row.unique and np.isfinite(row.at_instants)]
         largest = max((row.at_instants for row in checked), default=0.0)
         equal = (
-            f"{count(len(checked), 'reading')} at {count(self.instants, 'state')} are the same to "
+            f"{count(len(checked), 'reading')} at {count(self.instants, 'state')} are equal to "
             f"{largest:.0e} of their size"
         )
         if not self.ended and not self.rows:
@@ -172,31 +172,31 @@ class Verification:
         if apart := self.apart:
             names = some([f"'{row.name}'" for row in apart], 4)
             return (
-                f"{equal}; the runs do not come together in {names} with a step of "
-                f"{self.step / 2:g} s: take a shorter one, which resolves the vibration"
+                f"{equal}; the runs do not converge to each other in {names} with a step of "
+                f"{self.step / 2:g} s; take a shorter one, which resolves the vibration"
             )
         far = max((row.fine for row in self.rows if row.unique), default=0.0)
         return f"{equal}, and runs with a step of {self.step / 2:g} s differ by {far:.0e} at most"
 
     @property
     def _share(self) -> str:
-        """What is not compared where friction is not unique, and the remedy."""
+        """Text on readings that are not compared because friction is not unique, with remedy."""
         names = some([f"'{name}'" for name in self.shared], 4)
         return (
-            f"but the friction {names} follows from reactions that are not unique, so "
-            "accelerations, reactions and runs are not compared: free a motion of the loop or let "
-            "a body be flexible"
+            f"but the friction {names} depends on reactions that are not unique, so "
+            "accelerations, reactions and runs are not compared; release a motion of the loop or "
+            "make a body flexible"
         )
 
     def _of_methods(self) -> str:
-        """The result where the moving frame does not know the mechanism."""
+        """Result for a mechanism that the moving frame does not support."""
         alone = f"the moving frame does not know {count(len(self.unknown), 'thing')} of the machine"
         if not self.ways:
             return f"{alone}, and nothing is decided: {self.stopped[-1]}"
         first = self.ways[0]
         if first.failed:
             return (
-                f"{alone}, and nothing is decided: the other method does not come to its end: "
+                f"{alone}, and nothing is decided: the other method does not reach its end: "
                 f"{first.failed}"
             )
         if self.shared:
@@ -204,17 +204,17 @@ class Verification:
         names = some([f"'{row.name}'" for row in first.apart], 4)
         if self.undecided:
             return (
-                f"{alone}, and nothing is decided: each method misses itself as much as the other "
-                f"in {names}, whose vibration a step of {self.step / 2:g} s does not resolve; take "
-                "a shorter one"
+                f"{alone}, and nothing is decided: the methods differ no more than each does with "
+                f"half the step, in {names}, whose vibration a step of {self.step / 2:g} s does "
+                "not resolve; take a shorter one"
             )
         if first.apart:
             return (
                 f"{alone}, and two methods of the engine DISAGREE with a step of "
-                f"{self.step / 2:g} s in {names}: take a shorter one"
+                f"{self.step / 2:g} s in {names}; take a shorter one"
             )
         if self.energy[1] > FAIR:
-            return f"{alone}, and the energy balance of the engine misses {self.energy[1]:.1e}"
+            return f"{alone}, and the energy error of the engine is {self.energy[1]:.1e}"
         worst = first.worst
         far = 0.0 if worst is None else worst.fine
         return (
@@ -229,7 +229,7 @@ class Verification:
 
     @property
     def table(self) -> tuple[tuple[str, ...], ...]:
-        """A row of text for every reading: name, size, differences, order."""
+        """Table of texts with a row for every reading: name, size, differences, order."""
         return tuple(
             (
                 row.name,
@@ -244,19 +244,19 @@ class Verification:
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
-        """What else was found, as names and sentences."""
+        """Further results as pairs of name and sentence."""
         engine, half, frame, fine = self.energy
         found: list[tuple[str, str]] = []
         if np.isfinite(engine):
-            found += [("energy, engine", f"misses {engine:.1e}, at half the step {half:.1e}")]
+            found += [("energy, engine", f"error {engine:.1e}, at half the step {half:.1e}")]
         found += [(way.name, way.said) for way in self.ways]
         found += [("stopped", why) for why in self.stopped]
         if self.unknown:
             return (*found, *(("not known", what) for what in self.unknown))
         if not self.stopped:
             found += [
-                ("energy, moving frame", f"misses {frame:.1e}, at half the step {fine:.1e}"),
-                ("constraints", f"missed by {self.residual:.1e} at most"),
+                ("energy, moving frame", f"error {frame:.1e}, at half the step {fine:.1e}"),
+                ("constraints", f"largest residual {self.residual:.1e}"),
                 ("iterations", f"{self.iterations:.1f} a step"),
             ]
         if self.left_out:
@@ -283,5 +283,5 @@ COLUMNS = ("reading", "size", "same state", "run", "half step", "order")
 
 
 def share(value: float) -> str:
-    """Return a share of a size as text."""
+    """Return a relative difference as a text."""
     return "" if np.isnan(value) else f"{value:.1e}"

@@ -1,4 +1,4 @@
-"""verify: run a mechanism by the engine and by the moving frame, and compare all that they read."""
+"""verify: comparison of the engine with a second formulation, the moving frame."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.packing.foreign import without_fmus
 from jousto.model.packing.sensors import NOT_UNIQUE
-from jousto.natural.added_sensors import largest_of, measured, typical_sizes
+from jousto.natural.added_sensors import largest_of, typical_sizes, with_added_sensors
 from jousto.natural.comparison import Compared, Way, sizes
 from jousto.natural.engine_variants import FOLLOWING, SHAKY, Course, by_other_method, others
 from jousto.natural.equations.supported import check_known, is_read
 from jousto.natural.moving_frame import moving_frame
-from jousto.natural.rebuilt_mechanism import held
+from jousto.natural.rebuilt_mechanism import with_constant_inputs
 from jousto.natural.result import NaturalRun
 from jousto.natural.sensors_at_state import at_states
 from jousto.natural.verification import Verification
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import RunFailed, simulate
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import MEMORY, State, put
 
 OUTPUTS, EVERY = 200, 10
-OPEN = 1e-8  # of the size of the mechanism, or in rad: joints that are not closed
-STILL = 1e-12  # of the largest position: a change that is round-off
+OPEN = 1e-8  # gap over the size of the mechanism, or rad, above which a joint is open
+STILL = 1e-12  # change over the largest position, below which it is round-off
 DONE = ("dissipated", "friction", "work")
 
 
@@ -54,47 +54,46 @@ def verify(
     begin: Callable[[Model], State | None] | None = None,
     beside: Mapping[str, Mechanism] | None = None,
 ) -> Verification:
-    """Compare the engine with a second formulation of the same mechanism, the moving frame.
+    """Return a comparison of the engine with the moving frame, a second formulation.
 
-    At 21 states of the run both formulations give the accelerations, reactions and readings that
-    belong to the same positions and velocities: they have to be equal but for rounding. Besides,
-    both run on their own with the step and with half of it, and their differences have to vanish
-    with the order of the methods. The engine runs by another method too, and flexible bodies in
-    another frame and, if their mesh is small, with twice the modes. What the moving frame does not
-    know leaves the methods of the engine, and the energy balance, to judge. Compared are all
-    sensors and, besides, the accelerations of all bodies, the reactions of all joints and drives,
-    all forces and the energies. A run that does not reach its end leaves its states to compare,
-    those of the first half if the engine stopped, and the verdict names it; nothing is decided
-    where the engine cannot begin.
+    At 21 states of the run both formulations compute accelerations, reactions and sensor values
+    from the same positions and velocities; these must be equal to round-off. Both also make runs
+    with the step and with half of it, whose differences must decrease with the order of the
+    methods. Further runs of the engine use another method, flexible bodies in another body frame,
+    and bodies of small meshes with twice the modes. If the moving frame does not support the
+    mechanism, two methods of the engine and the energy balance are the criterion. Compared are all
+    sensors, the accelerations of all bodies, the reactions of all joints and drives, all forces and
+    the energies. Of a run that does not reach its end the states are compared (if the engine
+    stopped, those of the first half), and the verdict contains the reason. If the engine cannot
+    start, the verdict is undecided.
 
     Parameters
     ----------
     mechanism : Mechanism
-        What is verified.
+        Mechanism to verify.
     t_end : float
         End of the runs, s.
     step : float
         Longer step of the moving frame and, without `solver`, of the engine, s.
     solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
-        Method of the engine and its longer step; None is what `simulate` would choose, with
-        `step` if that is shorter.
+        Method of the engine and its longer step; None is the choice of `simulate`, with `step` if
+        that is shorter.
     begin : callable, optional
-        Returns the state of the compiled model where both start, such as `equilibrium` or
-        `vibration_free_state`; None for the one that the mechanism says, else that the bodies
-        declare.
+        Function of the compiled model that returns the initial state, such as `equilibrium` or
+        `vibration_free_state`; None is the `start` of the mechanism, or its initial state.
     beside : mapping of str to Mechanism, optional
-        The same machine made otherwise, such as with a finer mesh, by what is other: its sensors
-        are compared with those of the same name.
+        Variants of the machine, such as one with a finer mesh, by name; sensors of equal name are
+        compared.
 
     Returns
     -------
     Verification
-        A table of differences with their orders, energy, constraints, and a verdict: print it.
+        Differences with their orders, energy, constraints and verdict; printed as a table.
 
     Raises
     ------
     InputError
-        If numbers make no sense, or the mechanism cannot be compiled.
+        If a value is invalid, or the mechanism cannot be compiled.
 
     Examples
     --------
@@ -108,10 +107,10 @@ def verify(
     _check(t_end, step, begin, beside)
     without_fmus(mechanism, "verify", "has no second formulation")
     if begin is None and mechanism.start != "initial":
-        begin = partial(beginning, start=mechanism.start)
-    mechanism = held(mechanism)
+        begin = partial(initial_state, start=mechanism.start)
+    mechanism = with_constant_inputs(mechanism)
     unknown = not_known(mechanism)
-    whole = measured(mechanism, every=bool(unknown))
+    whole = with_added_sensors(mechanism, every=bool(unknown))
     output, step = outputs_of(t_end, step)
     try:
         model = compile(whole)
@@ -141,7 +140,7 @@ def verify(
         ways=ways,
         unknown=unknown,
         still=is_still(run, last, every),
-        shared=shared(whole, model),
+        shared=friction_not_unique(whole, model),
         stopped=tuple(filter(None, stopped)),
         ended=not stopped[1],
     )
@@ -156,7 +155,7 @@ def verify(
     times = run.time[:last:every]
     engine = by_engine(model, run, times)
     rows = tuple(
-        compared(s, run, times, (engine[s.name], found.readings[s.name]), typical)
+        compare_reading(s, run, times, (engine[s.name], found.readings[s.name]), typical)
         for s in whole.sensors
     )
     if frames:
@@ -171,7 +170,7 @@ def verify(
 def not_begun(
     mechanism: Mechanism, step: float, unknown: tuple[str, ...], why: str
 ) -> Verification:
-    """Return that nothing is decided: there is no state to compare."""
+    """Return an undecided verification of a mechanism whose run cannot start."""
     return Verification(
         name=mechanism.name,
         rows=(),
@@ -189,7 +188,7 @@ def not_begun(
 
 
 def _check(t_end: object, step: object, begin: object, beside: object) -> None:
-    """Raise InputError with all arguments that make no sense."""
+    """Raise InputError with all invalid arguments."""
     problems = Problems()
     for name, value in {"t_end": t_end, "step": step}.items():
         given = number(problems, "verify", name, value)
@@ -206,14 +205,14 @@ def _check(t_end: object, step: object, begin: object, beside: object) -> None:
 
 
 def outputs_of(t_end: float, step: float) -> tuple[float, float]:
-    """Return the time between outputs, and the step of which a whole number fits into it, s."""
+    """Return the time between outputs, s, and a step that divides it, s."""
     each = max(1, int(np.ceil(t_end / step / OUTPUTS * (1 - 1e-9))))
     output = t_end / max(1, round(t_end / step / each))
     return output, output / each
 
 
 def method(solver: Any, chosen: bool, output: float, step: float) -> Any:
-    """Return a method with a step, and half of one, of which whole numbers fit between outputs."""
+    """Return a method with a step that divides the time between outputs, as half the step does."""
     longest = min(solver.step, step) if chosen else solver.step
     return at_step(solver, output / np.ceil(output / longest * (1 - 1e-9)))
 
@@ -221,7 +220,7 @@ def method(solver: Any, chosen: bool, output: float, step: float) -> Any:
 def by_both_steps(
     model: Model, t_end: float, solver: Any, output: float, state: State | None
 ) -> tuple[list[Solution], list[str]]:
-    """Return runs of the engine with the step and half of it, and why each stopped or nothing."""
+    """Return runs of the engine with the step and half of it, and the reasons of early ends."""
     runs, stopped = [], []
     for k in (1, 2):
         by = at_step(solver, solver.step / k)
@@ -238,17 +237,17 @@ def by_both_steps(
 
 
 def half(run: Solution) -> int:
-    """Return the number of outputs in the first half of a run, without what made it stop."""
+    """Return the number of outputs in the first half of a run, before the cause of its stop."""
     return max(1, int(np.searchsorted(run.time, 0.5 * run.time[-1], side="right")))
 
 
 def by_moving_frame(
     mechanism: Mechanism, t_end: float, step: float, output: float, begun: State
 ) -> tuple[list[NaturalRun], str]:
-    """Return runs of the moving frame with the step and half of it, or none and why."""
+    """Return runs of the moving frame with the step and half of it, or none and the reason."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # numbers overflow before it stops
+            warnings.simplefilter("ignore", RuntimeWarning)  # overflow before the iteration stops
             return [
                 moving_frame(mechanism, t_end, step=step / k, output_step=output, state=begun)
                 for k in (1, 2)
@@ -258,7 +257,7 @@ def by_moving_frame(
 
 
 def facts_of(frames: list[NaturalRun], energy: tuple[float, ...]) -> dict[str, Any]:
-    """Return how well the runs of the moving frame went, beside the energies of the engine."""
+    """Return energy errors of both, and residuals and iterations of the moving frame."""
     return {
         "energy": (*energy[:2], *(frame.energy.relative_error for frame in frames)),
         "residual": float(frames[1].position_residual.max()),
@@ -267,7 +266,7 @@ def facts_of(frames: list[NaturalRun], energy: tuple[float, ...]) -> dict[str, A
 
 
 def begun_by(begin: Callable[[Model], State | None], model: Model) -> State | None:
-    """Return where both start; InputError if that is none of the model, or not at time 0."""
+    """Return the initial state by `begin`; InputError for another model or a time other than 0."""
     state = begin(model)
     if state is None:
         return None
@@ -277,21 +276,21 @@ def begun_by(begin: Callable[[Model], State | None], model: Model) -> State | No
     if any(x is not None and np.shape(x) != getattr(engine, n).shape for n, x in given.items()):
         problems.add(
             "verify",
-            "begin returned a state of another model; make it of the model that begin is given, "
-            "which has further sensors, as begin=jo.equilibrium does",
+            "begin returned a state of another model; compute it from the argument of begin, a "
+            "model with further sensors, as begin=jo.equilibrium does",
         )
     if state.time != 0.0:
         problems.add(
             "verify",
-            f"begin returned a state at {state.time:g} s, and runs start at 0; give it "
+            f"begin returned a state at {state.time:g} s, must be at 0; return "
             "dataclasses.replace(state, time=0.0)",
         )
     problems.raise_if_any()
     return state
 
 
-def shared(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
-    """Return the friction that follows from reactions which are not unique."""
+def friction_not_unique(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
+    """Return the names of frictions whose normal force is a reaction that is not unique."""
     open_ended = {s.name for s in model.sensors if s.description.endswith(NOT_UNIQUE)}
     return tuple(
         s.reading.of.name
@@ -301,19 +300,22 @@ def shared(mechanism: Mechanism, model: Model) -> tuple[str, ...]:
 
 
 def of_position(row: Compared, kind: str) -> Compared:
-    """Return a row where friction is not unique: what follows from it is not compared."""
+    """Return a row with the comparison of runs removed, for a mechanism with unique positions only.
+
+    It is for friction that is not unique, on which accelerations and reactions depend.
+    """
     row = replace(row, coarse=np.nan, fine=np.nan)
     return replace(row, unique=False) if kind in SHAKY else row
 
 
 def is_still(run: Solution, last: int, every: int) -> bool:
-    """Return whether positions, whose Euler parameters have the size 1, only round off in a run."""
+    """Return whether positions change only by round-off in a run."""
     q = np.array([run.state(float(t)).q for t in run.time[:last:every]])
     return bool(np.abs(q - q[0]).max(initial=0.0) <= STILL * np.abs(q).max(initial=0.0))
 
 
 def not_known(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return what the moving frame does not know of a mechanism, a sentence each."""
+    """Return the items of a mechanism that the moving frame does not support, as sentences."""
     try:
         check_known(mechanism, sensors=False)
     except InputError as error:
@@ -322,15 +324,15 @@ def not_known(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def at_step(solver: Any, step: float) -> Any:
-    """Return a method with another step; adaptive ones keep theirs."""
+    """Return a method with another step; an adaptive method is unchanged."""
     return solver if solver.adaptive else replace(solver, step=step)
 
 
 def by_engine(model: Model, run: Solution, times: Array) -> dict[str, Array]:
-    """Return what sensors read by the equations of the engine at instants of a run.
+    """Return the sensor values by the equations of the engine at instants of a run.
 
-    Implicit methods keep accelerations of their own in a run, which hold the constraints on
-    velocities and miss these equations by the error of a step.
+    The accelerations stored by implicit methods satisfy the velocity constraints, but differ from
+    these equations by the error of a step.
     """
     engine = Engine(model)
     rows = []
@@ -342,23 +344,25 @@ def by_engine(model: Model, run: Solution, times: Array) -> dict[str, Array]:
     return {s.name: values[:, s.offset : s.offset + s.count] for s in model.sensors}
 
 
-def off(a: Array, b: Array) -> Array:
-    """Return the largest difference of components (nt,)."""
+def largest_difference(a: Array, b: Array) -> Array:
+    """Return the largest absolute difference over the components, (nt,)."""
     return np.asarray(np.abs(a - b).max(axis=1, initial=0.0, where=np.isfinite(a - b)))
 
 
-def compared(
+def compare_reading(
     sensor: Sensor,
     run: Solution,
     times: Array,
     found: tuple[Array, Array],
     typical: dict[str, float],
 ) -> Compared:
-    """Return how a reading differs that both found at the same states, instants of a run."""
+    """Return the difference of a reading between both formulations at the same states."""
     name, reading = sensor.name, sensor.reading
     about = run.about(name)
     values = run[name][run.time <= times[-1]]
-    apart = off(*(x / sizes(values, list(component_units(about)), typical) for x in found))
+    apart = largest_difference(
+        *(x / sizes(values, list(component_units(about)), typical) for x in found)
+    )
     worst = int(np.argmax(apart))
     unknown = reading.kind == "energy" and reading.of in DONE
     return Compared(
@@ -377,11 +381,11 @@ def compared(
 def with_runs(
     row: Compared, runs: list[Solution], frames: list[NaturalRun], typical: dict[str, float]
 ) -> Compared:
-    """Return a reading with how it differs in the runs."""
+    """Return a compared reading with its differences between the runs."""
     units = list(component_units(runs[1].about(row.name)))
     size = sizes(runs[1][row.name], units, typical)
     coarse, fine = (
-        float(off(a[row.name] / size, b[row.name] / size).max())
+        float(largest_difference(a[row.name] / size, b[row.name] / size).max())
         for a, b in zip(frames, runs, strict=True)
     )
     return replace(row, coarse=coarse, fine=fine)

@@ -1,4 +1,4 @@
-"""simulate_planar: Newmark and generalised-alpha with Newton's full iteration."""
+"""simulate_planar: Newmark and generalised-alpha methods with full Newton iterations."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from jousto.planar.system import Loads, Point, System, Tangents
 Array = NDArray[Any]
 
 
-NEAR = 0.95  # of the limit of stability, to be named as the cause of a failure
+NEAR = 0.95  # axial force over its stability limit, above which a failure is attributed to it
 
 
 class Outcome(NamedTuple):
-    """How Newton's iteration ended.
+    """Result of Newton's iteration.
 
     Attributes
     ----------
     point : Point
-        The last state looked at.
+        Last evaluated state.
     converged : bool
     evaluations, solves : int
-        Residuals and linear systems.
+        Numbers of residuals and linear systems.
     history : list of float
         Norms of the residuals.
     """
@@ -43,7 +43,7 @@ class Outcome(NamedTuple):
 
 
 class Scheme(NamedTuple):
-    """A method at one step: how velocities and accelerations follow the unknowns.
+    """Coefficients of a method: derivatives c, m of velocities and accelerations by unknowns.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Scheme(NamedTuple):
 
 
 def scheme(method: Method, step: float | None = None) -> Scheme:
-    """Return the numbers that Newton needs of a method, with another step if one is given."""
+    """Return the coefficients of a method, optionally with another step."""
     am, af, beta, gamma = method.weights
     h = method.step if step is None else step
     c, m = gamma / (beta * h), (1.0 - am) / ((1.0 - af) * beta * h * h)
@@ -68,7 +68,7 @@ def scheme(method: Method, step: float | None = None) -> Scheme:
 
 
 def solve(A: Array, b: Array) -> Array | None:
-    """Return the solution of a dense linear system, None if it is singular."""
+    """Return the solution of a dense linear system; None if it is singular."""
     _, _, x, info = lapack.dgesv(A, b, overwrite_a=1)
     return x if info == 0 and np.isfinite(x).all() else None
 
@@ -81,7 +81,7 @@ def newton(
     convergence: Convergence,
     inertia_tangents: Tangents,
 ) -> Outcome:
-    """Correct a predicted state until the residual at the end of the step is small."""
+    """Return the result of Newton's iteration from the predicted state of a step."""
     q, v, a = (x.copy() for x in start)
     free = system.free
     grid = free[:, None], free
@@ -111,13 +111,13 @@ def newton(
         a[free] -= rule.m * dq
         if good and convergence.increment is not None:
             if math.sqrt(float(dq @ dq)) <= convergence.increment:
-                # not counted: the state is accepted, this is for the results
+                # residual of the accepted state for the results, not counted
                 p = system.evaluate(q, v, a, loads)
                 return Outcome(p, True, len(history), solves, history)
 
 
 def start_accelerations(system: System, q: Array, v: Array, loads: Loads) -> Array:
-    """Return accelerations that satisfy the equations at the start.
+    """Return the accelerations (n,) by the equations of motion at the start.
 
     Raises
     ------
@@ -148,24 +148,24 @@ def simulate_planar(
     start: PlanarState | None = None,
     partial: bool = False,
 ) -> PlanarRun:
-    """Move a planar frame through time.
+    """Return the motion of a planar frame over time.
 
     Parameters
     ----------
     frame : PlanarFrame
     t_end : float
-        s.
+        End of the run, s.
     method : PlanarNewmark or PlanarGeneralizedAlpha
-        Its step is shortened, never lengthened, so that equal steps end at `t_end`.
+        Method; its step is shortened, never lengthened, so that equal steps end at `t_end`.
     convergence : Convergence, optional
-        By default to 1e-9 of the largest force.
+        Criterion; the default is a residual of 1e-9 of the largest force.
     inertia_tangents : bool or "symmetric"
-        Whether Newton's matrix has the velocity-dependent tangents K_acc and C_acc of eq. 13, or
-        the symmetric part of them only. They change the number of iterations, not the result.
+        Whether Newton's matrix includes the velocity-dependent tangents K_acc and C_acc of eq. 13,
+        or their symmetric part. They change the number of iterations, not the result.
     start : PlanarState, optional
-        Unloaded and at rest by default; ``run.state()`` continues a run.
+        Initial state; the default is unloaded and at rest. ``run.state()`` continues a run.
     partial : bool
-        Return what there is if a step does not converge, instead of an error.
+        Whether to return the results so far if a step does not converge, instead of an error.
 
     Returns
     -------
@@ -176,13 +176,13 @@ def simulate_planar(
     InputError
         If the frame has unknowns without mass.
     SimulationError
-        If Newton's iteration does not converge: with the time, the element that stands out and
-        what to do.
+        If Newton's iteration does not converge; with the instant, the element concerned and the
+        remedy.
 
     Warns
     -----
     JoustoWarning
-        If an axial force is beyond the limit of tension-shear stability of the linear law.
+        If an axial force exceeds the limit of tension-shear stability of the linear law.
     """
     problems = Problems()
     problems.positive("simulate_planar", "t_end", t_end, "s")
@@ -241,18 +241,18 @@ def simulate_planar(
 def _instability(ratio: float) -> str:
     return (
         f"its axial force is {ratio:.3g} times the limit GA / (1 - GA/EA), beyond which the linear "
-        "law is unstable: sections turn and the beam shears off without a cause. No material is "
-        "linear at such strains; use GA = EA, a stiffer section or less load"
+        "law is unstable: sections rotate and the beam shears without a transverse load. No "
+        "material is linear at such strains; use GA = EA, a stiffer section or less load"
     )
 
 
 def _explain(
     frame: PlanarFrame, out: Outcome, t: float, records: Records, convergence: Convergence
 ) -> str:
-    """Return one sentence on why a step did not converge, and one on what to do."""
+    """Return the cause and the remedy of a step that did not converge, as a text."""
     tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
     text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
-    # of the steps that converged: what an iteration that fails passes through tells nothing
+    # largest ratio of the converged steps; that of a failed iteration has no meaning
     if records.largest_ratio > NEAR:
         where = frame.beam_name(records.worst_element)
         return f"{text}; {where}: {_instability(records.largest_ratio)}"
@@ -260,12 +260,12 @@ def _explain(
         force = frame.system.scale(out.point, frame.system.at_time(t))
         if out.history[-1] < 100.0 * frame.system.rounding(out.point) and force < math.inf:
             return (
-                f"{text}; the forces are of {force:.2g} N and rounding leaves no less: give a "
+                f"{text}; the residual is at the round-off of forces of {force:.2g} N; give a "
                 "larger Convergence(residual=) or a relative one"
             )
     turned = np.abs(out.point.q - records.q[-1] if records.q else 0.0)
     k = int(np.argmax(turned)) if np.isfinite(turned).all() else 0
     return (
-        f"{text}; {frame.system.names[k]} changes most ({turned[k]:.2g} in this step): use a "
+        f"{text}; {frame.system.names[k]} changes most ({turned[k]:.2g} in this step); use a "
         f"smaller step than {records.step:g} s"
     )

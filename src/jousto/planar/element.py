@@ -1,10 +1,10 @@
-"""The planar Reissner beam element of two nodes, all elements of a frame at once.
+"""Planar two-node Reissner beam elements, all elements of a frame at a time.
 
 E. Reissner, *ZAMP* 23 (1972) 795-804; J. C. Simo, L. Vu-Quoc, *J. Appl. Mech.* 53 (1986) 849-863;
-as stated by Makinen, Marjamaki and Pajunen, equations 14 to 19: linear shape functions, one point
+in the form of Makinen, Marjamaki and Pajunen, equations 14 to 19: linear shape functions, one point
 of integration for the elastic forces, exact integration of the mass.
 
-What is constant over an element at its middle is ``z = [x', y', theta, kappa]``, linear in the
+The variables at the midpoint of an element are ``z = [x', y', theta, kappa]``, linear in the
 displacements: ``z = T u + z0``. With c, s the cosine and sine of theta
 
     eps = x' c + y' s - 1,   gam = y' c - x' s,   kap = theta'                          (17)
@@ -24,7 +24,7 @@ Array = NDArray[Any]
 
 
 class Middle(NamedTuple):
-    """State of the elements' middles.
+    """State at the midpoints of the elements.
 
     Attributes
     ----------
@@ -51,13 +51,13 @@ def middle(z: Array, D: Array, beta: float = 0.0, rate: Array | None = None) -> 
     Parameters
     ----------
     z : (ne, 4) array
-        x', y', theta (rad), kappa (1/m) at the middles.
+        x', y', theta (rad), kappa (1/m) at the midpoints.
     D : (ne, 3) array
         EA, GA (N) and EI (N m^2).
     beta : float
         Stiffness-proportional damping, s.
     rate : (ne, 4) array, optional
-        Time derivative of z, if there is such damping.
+        Time derivative of z, for the damping.
     """
     x, y, th = z[:, 0], z[:, 1], z[:, 2]
     c, s = np.cos(th), np.sin(th)
@@ -80,7 +80,7 @@ def middle(z: Array, D: Array, beta: float = 0.0, rate: Array | None = None) -> 
 
 
 def gradient(m: Middle) -> Array:
-    """Return the forces on z per length, (ne, 4): the rows times the resultants, eq. 14."""
+    """Return the forces on z per length (ne, 4), rows times resultants, eq. 14."""
     N, Q = m.resultants[:, 0], m.resultants[:, 1]
     w = m.rows[:, 0] * N[:, None] + m.rows[:, 1] * Q[:, None]
     w[:, 3] = m.resultants[:, 2]
@@ -88,17 +88,17 @@ def gradient(m: Middle) -> Array:
 
 
 def hessian(m: Middle, D: Array, beta: float = 0.0) -> Array:
-    """Return the derivative of `gradient` by z, (ne, 4, 4): eq. 18 per length."""
+    """Return the derivative of `gradient` by z (ne, 4, 4), eq. 18 per length."""
     e, g = m.rows[:, 0], m.rows[:, 1]
     EA, GA = D[:, 0, None, None], D[:, 1, None, None]
     if beta == 0.0:
         # material part
         H = EA * e[:, :, None] * e[:, None, :] + GA * g[:, :, None] * g[:, None, :]
     else:
-        # the rates of the strains depend on z too
+        # damping part: the strain rates depend on z too
         de, dg = e + beta * _rate_rows(m, 0), g + beta * _rate_rows(m, 1)
         H = EA * e[:, :, None] * de[:, None, :] + GA * g[:, :, None] * dg[:, None, :]
-    # geometric part: the rows turn with theta
+    # geometric part: the rows change with theta
     N, Q = m.resultants[:, 0], m.resultants[:, 1]
     turn = N[:, None] * g - Q[:, None] * e
     H[:, :2, 2] += turn[:, :2]
@@ -108,7 +108,7 @@ def hessian(m: Middle, D: Array, beta: float = 0.0) -> Array:
 
 
 def _rate_rows(m: Middle, k: int) -> Array:
-    """Derivative by z of the rate of eps (k = 0) or gam (k = 1)."""
+    """Return the derivative by z of the rate of eps (k = 0) or gam (k = 1)."""
     w = m.turning[:, None]
     out = w * m.rows[:, 1] if k == 0 else -w * m.rows[:, 0]
     out[:, 2] = m.rates[:, 1] if k == 0 else -m.rates[:, 0]
@@ -125,14 +125,14 @@ def viscous(m: Middle, D: Array, beta: float) -> Array:
 
 
 def shape_matrix(length: Array, dofs: Array, size: int) -> Array:
-    """Return T, (4 ne, size): the displacements of all slaves to z of all elements.
+    """Return T (4 ne, size) from the displacements of all slaves to z of all elements.
 
     Parameters
     ----------
     length : (ne,) array
-        m.
+        Lengths of the elements, m.
     dofs : (ne, 6) array of int
-        Where x, y, rotation of both ends stand among the slaves.
+        Indices of x, y, rotation of both ends among the slaves.
     size : int
         Number of slave displacements.
     """
@@ -153,9 +153,9 @@ def mass_matrix(mass: Array, rotary: Array, dofs: Array, size: int) -> Array:
     Parameters
     ----------
     mass : (ne,) array
-        kg, of whole elements.
+        Masses of the elements, kg.
     rotary : (ne,) array
-        kg m^2, ``m i^2`` of whole elements.
+        Rotary inertia ``m i^2`` of the elements, kg m^2.
     dofs, size :
         As in `shape_matrix`.
     """

@@ -1,9 +1,9 @@
-"""Master-slave elimination: any holonomic coupling ``u = f(um)`` by one piece of code.
+"""Master-slave elimination for any holonomic coupling ``u = f(um)``.
 
 J. Makinen, H. Marjamaki, S. Pajunen, *Nopeudesta riippuvien hitausvoimatermien vaikutus
 palkkilaskentaan* (Tampere University of Technology), equations 2 to 13; signs checked by complex
-steps. A map knows `f`, its derivative `B`, the time derivatives `B1` and `B2` of that, and `Kg`;
-what follows for forces, stiffness and inertia is the same for all of them.
+steps. A coupling has `f`, its derivative `B`, the time derivatives `B1` and `B2` of B, and `Kg`;
+forces, stiffness and inertia follow from these by the same formulas for all couplings.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Array = NDArray[Any]
 
 
 class PlanarCoupling(Protocol):
-    """Slave displacements as a function of master displacements.
+    """Interface of a coupling: slave displacements as a function of master displacements.
 
     Attributes
     ----------
@@ -35,19 +35,19 @@ class PlanarCoupling(Protocol):
         """Numbers of slaves and masters."""
 
     def f(self, q: Array) -> Array:
-        """Slave displacements, eq. 2."""
+        """Return the slave displacements (slaves,), eq. 2."""
 
     def B(self, q: Array) -> Array:
-        """Return ``df/dq``, eq. 3."""
+        """Return ``B = df/dq`` (slaves, masters), eq. 3."""
 
     def B1(self, q: Array, v: Array) -> Array:
-        """Time derivative of B at the velocity v."""
+        """Return the time derivative of B at velocity v."""
 
     def B2(self, q: Array, v: Array, a: Array) -> Array:
-        """Second time derivative of B at velocity v and acceleration a."""
+        """Return the second time derivative of B at velocity v and acceleration a."""
 
     def Kg(self, q: Array, F: Array) -> Array:
-        """Return ``d(B^T F)/dq`` with F held, eq. 6."""
+        """Return ``d(B^T F)/dq`` (masters, masters) at constant F, eq. 6."""
 
 
 @described
@@ -74,7 +74,7 @@ class LinearCoupling:
         return np.asarray(self.T @ q + self.u0)
 
     def B(self, q: Array) -> Array:
-        """Return the matrix itself."""
+        """Return T."""
         return self.T
 
     def B1(self, q: Array, v: Array) -> Array:
@@ -93,19 +93,19 @@ class LinearCoupling:
 class ArmCoupling:
     """Slave points at the ends of rigid arms: ``(x, y) + R(theta) (X, Y) - (X, Y)``, eqs. 20 to 25.
 
-    Masters are nodes (x, y, rotation), as are the slaves unless ``rotation`` is False: then an end
-    is a hinge and has two displacements only.
+    Masters and slaves have the displacements x, y and rotation; without ``rotation`` the slaves are
+    hinged and have x and y only.
 
     Parameters
     ----------
     nodes : int
         Number of master nodes.
     master : (k,) array of int
-        Node at the end of each arm; a node may have several.
+        Master node of each arm; a node may have several arms.
     arms : (k, 2) array
-        (X, Y) from master to slave in the unloaded frame, m.
+        Vector (X, Y) from master to slave in the unloaded frame, m.
     rotation : bool
-        Whether the slaves turn with their masters.
+        Whether the slaves rotate with their masters.
     """
 
     def __init__(self, nodes: int, master: Array, arms: Array, rotation: bool = True) -> None:
@@ -117,12 +117,12 @@ class ArmCoupling:
         self.rigid = np.zeros(self.shape)
         for c in range(width):
             self.rigid[self.row + c, self.turn - 2 + c] = 1.0
-        # sums what several arms add to their node
+        # matrix that sums the contributions of all arms of a node
         self.sum = np.zeros((3 * nodes, k))
         self.sum[self.turn, np.arange(k)] = 1.0
 
     def _fill(self, base: Array, first: Array, second: Array) -> Array:
-        """Return a copy of base with columns of rotations: rows x first, rows y second."""
+        """Return a copy of `base` with `first` and `second` in rows x and y of rotation columns."""
         B = base.astype(np.result_type(base, first))
         B[self.row, self.turn] = first
         B[self.row + 1, self.turn] = second
@@ -133,7 +133,7 @@ class ArmCoupling:
         return np.cos(th), np.sin(th), self.X, self.Y
 
     def f(self, q: Array) -> Array:
-        """Slave displacements, eq. 20."""
+        """Return the slave displacements, eq. 20."""
         c, s, X, Y = self._arm(q)
         u: Array = self.rigid @ q
         u[self.row] += X * c - Y * s - X
@@ -141,38 +141,39 @@ class ArmCoupling:
         return u
 
     def B(self, q: Array) -> Array:
-        """Kinematic matrix, eq. 22."""
+        """Return the kinematic matrix B, eq. 22."""
         c, s, X, Y = self._arm(q)
         return self._fill(self.rigid, -X * s - Y * c, X * c - Y * s)
 
     def B1(self, q: Array, v: Array) -> Array:
-        """Eq. 24."""
+        """Return the time derivative of B, eq. 24."""
         c, s, X, Y = self._arm(q)
         w = v[self.turn]
         return self._fill(0.0 * self.rigid, w * (Y * s - X * c), -w * (X * s + Y * c))
 
     def B2(self, q: Array, v: Array, a: Array) -> Array:
-        """Eq. 25, with the minus that is lost in print."""
+        """Return the second time derivative of B, eq. 25, with a minus sign missing in print."""
         c, s, X, Y = self._arm(q)
         w2, dw = v[self.turn] ** 2, a[self.turn]
         A, B = Y * w2 - X * dw, Y * dw + X * w2
         return self._fill(0.0 * self.rigid, A * c + B * s, A * s - B * c)
 
     def Kg(self, q: Array, F: Array) -> Array:
-        """Eq. 23: ``-F1 B23 + F2 B13`` where the rotation meets itself."""
+        """Return the geometric stiffness, eq. 23: ``-F1 B23 + F2 B13`` at the rotation."""
         c, s, X, Y = self._arm(q)
         F1, F2 = F[self.row], F[self.row + 1]
         return np.diag(self.sum @ (F2 * (-X * s - Y * c) - F1 * (X * c - Y * s)))
 
 
 class FunctionCoupling:
-    """Any coupling, given as a function; derivatives are exact to rounding (`jets`).
+    """Coupling by a function, with derivatives exact to round-off (`jets`).
 
     Parameters
     ----------
     function : function
-        Master coordinates (masters,) to slave displacements (slaves,), written with NumPy's
-        ``sin, cos, tan, exp, log, sqrt, arctan`` and arithmetic, without ``if`` on coordinates.
+        Function of master coordinates (masters,) that returns slave displacements (slaves,),
+        written with NumPy's ``sin, cos, tan, exp, log, sqrt, arctan`` and arithmetic, without
+        ``if`` on coordinates.
     slaves, masters : int
     """
 
@@ -185,7 +186,7 @@ class FunctionCoupling:
         return u.astype(np.result_type(q, float)).reshape(-1)
 
     def B(self, q: Array) -> Array:
-        """Return its derivative."""
+        """Return the derivative of the function."""
         n = self.shape[1]
         still = np.zeros((n, n))
         return derivatives(self.function, q, np.eye(n), still, still)[0].T
@@ -203,7 +204,7 @@ class FunctionCoupling:
         return 2.0 * derivatives(self.function, q, np.eye(n), c1, c2)[2].T
 
     def Kg(self, q: Array, F: Array) -> Array:
-        """Return F times the second derivatives: how the first ones change along each axis."""
+        """Return the second derivatives contracted with F: changes of ``B^T F`` along each axis."""
         n = self.shape[1]
         e = np.eye(n)
         along, path = np.repeat(e, n, axis=0), np.tile(e, (n, 1))
@@ -212,14 +213,14 @@ class FunctionCoupling:
 
 
 class BlockCoupling:
-    """Maps of groups of coordinates side by side: ``u[rows] = f(q[columns])``.
+    """Couplings of groups of coordinates, ``u[rows] = f(q[columns])``.
 
     Parameters
     ----------
     shape : (int, int)
         Numbers of all slaves and masters.
     blocks : sequence of (rows, columns, PlanarCoupling)
-        Each slave stands in one block; a master may serve many.
+        Blocks; a slave is in one block, a master may be in several.
     """
 
     def __init__(
@@ -242,19 +243,19 @@ class BlockCoupling:
         return B
 
     def B(self, q: Array) -> Array:
-        """Kinematic matrices of the blocks in their places."""
+        """Return the kinematic matrix B, assembled from the blocks."""
         return self._place([m.B(q[c]) for _, c, m in self.blocks])
 
     def B1(self, q: Array, v: Array) -> Array:
-        """Their time derivatives."""
+        """Return the time derivative of B."""
         return self._place([m.B1(q[c], v[c]) for _, c, m in self.blocks])
 
     def B2(self, q: Array, v: Array, a: Array) -> Array:
-        """Their second time derivatives."""
+        """Return the second time derivative of B."""
         return self._place([m.B2(q[c], v[c], a[c]) for _, c, m in self.blocks])
 
     def Kg(self, q: Array, F: Array) -> Array:
-        """Sum of the geometric stiffness of the blocks."""
+        """Return the sum of the geometric stiffness of the blocks."""
         K = np.zeros((self.shape[1], self.shape[1]), dtype=np.result_type(q, F))
         for rows, columns, part in self.blocks:
             K[columns[:, None], columns] += part.Kg(q[columns], F[rows])
@@ -263,7 +264,7 @@ class BlockCoupling:
 
 @dataclass(frozen=True)
 class ChainCoupling:
-    """A map of a map: ``u = outer(inner(q))``, such as an offset on a node that is itself a slave.
+    """Composed coupling ``u = outer(inner(q))``, such as an offset on a slave node.
 
     Parameters
     ----------
@@ -283,16 +284,16 @@ class ChainCoupling:
         return self.outer.f(self.inner.f(q))
 
     def B(self, q: Array) -> Array:
-        """Return the product of both."""
+        """Return the product of both matrices B (chain rule)."""
         return np.asarray(self.outer.B(self.inner.f(q)) @ self.inner.B(q))
 
     def B1(self, q: Array, v: Array) -> Array:
-        """Product rule."""
+        """Return the time derivative of B by the product rule."""
         w, b = self.inner.f(q), self.inner.B(q)
         return np.asarray(self.outer.B1(w, b @ v) @ b + self.outer.B(w) @ self.inner.B1(q, v))
 
     def B2(self, q: Array, v: Array, a: Array) -> Array:
-        """Product rule, twice."""
+        """Return the second time derivative of B by the product rule."""
         w, b, b1 = self.inner.f(q), self.inner.B(q), self.inner.B1(q, v)
         wv, wa = b @ v, b @ a + b1 @ v
         return np.asarray(
@@ -302,13 +303,13 @@ class ChainCoupling:
         )
 
     def Kg(self, q: Array, F: Array) -> Array:
-        """Return that of the inner map under what is passed on, and the outer one eliminated."""
+        """Return Kg of the inner coupling under ``B_outer^T F``, plus ``B^T Kg_outer B``."""
         w, b = self.inner.f(q), self.inner.B(q)
         return np.asarray(b.T @ self.outer.Kg(w, F) @ b + self.inner.Kg(q, self.outer.B(w).T @ F))
 
 
 class CoupledMotion(NamedTuple):
-    """Motion of the slaves that belongs to one of the masters, eq. 8.
+    """Motion of the slaves for a motion of the masters, eq. 8.
 
     Attributes
     ----------
@@ -327,7 +328,7 @@ class CoupledMotion(NamedTuple):
 @described
 @dataclass(frozen=True)
 class Elimination:
-    """Forces, stiffness and inertia of slaves, as seen by their masters.
+    """Elimination of slaves: forces, stiffness and inertia in the coordinates of the masters.
 
     Parameters
     ----------
@@ -343,27 +344,27 @@ class Elimination:
         return CoupledMotion(self.map.f(q), B @ v, B @ a + B1 @ v, B, B1)
 
     def force(self, q: Array, F: Array) -> Array:
-        """Eq. 5: ``F_m = B^T F``."""
+        """Return the force on the masters, ``F_m = B^T F``, eq. 5."""
         return np.asarray(self.map.B(q).T @ F)
 
     def stiffness(self, q: Array, F: Array, K: Array) -> Array:
-        """Eq. 6: ``K_m = B^T K B + Kg(F)``."""
+        """Return the stiffness of the masters, ``K_m = B^T K B + Kg(F)``, eq. 6."""
         B = self.map.B(q)
         return np.asarray(B.T @ K @ B + self.map.Kg(q, F))
 
     def mass(self, q: Array, M: Array) -> Array:
-        """Eq. 10: ``M_m = B^T M B``."""
+        """Return the mass matrix of the masters, ``M_m = B^T M B``, eq. 10."""
         B = self.map.B(q)
         return np.asarray(B.T @ M @ B)
 
     def centrifugal(self, q: Array, v: Array, M: Array) -> Array:
-        """Eq. 10: ``F_cent = B^T M B1 v``, of the order of squared velocities."""
+        """Return the centrifugal force ``F_cent = B^T M B1 v``, quadratic in velocities, eq. 10."""
         return np.asarray(self.map.B(q).T @ (M @ (self.map.B1(q, v) @ v)))
 
     def inertia_tangents(self, q: Array, v: Array, a: Array, M: Array) -> tuple[Array, Array]:
-        """Eq. 13: ``K_acc = B^T M B2 + Kg(M u'')`` and ``C_acc = 2 B^T M B1``.
+        """Return ``K_acc = B^T M B2 + Kg(M u'')`` and ``C_acc = 2 B^T M B1``, eq. 13.
 
-        Derivatives of ``M_m a + F_cent`` by q and v; not symmetric.
+        They are the derivatives of ``M_m a + F_cent`` by q and v, and not symmetric.
         """
         s = self.slaves(q, v, a)
         MB = M @ s.B

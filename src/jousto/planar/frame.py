@@ -1,4 +1,4 @@
-"""PlanarFrame: beams in a plane, held, loaded and linked; checked all at once."""
+"""PlanarFrame: beams in a plane with supports, loads and links."""
 
 from __future__ import annotations
 
@@ -48,28 +48,28 @@ class PlanarFrame:
     Parameters
     ----------
     nodes : mapping of name to (x, y), or (n, 2) array
-        Positions in m; of an array the names are 0, 1, ...
+        Positions, m; the names of the rows of an array are 0, 1, ...
     beams : sequence of PlanarBeam
         Straight elements of two nodes.
     supports : sequence of PlanarSupport
     loads : sequence of PlanarLoad
     links : sequence of RigidLink, LinearLink, FunctionLink
-        Nodes that are slaves of others.
+        Links that make nodes slaves of other nodes.
     masses : sequence of PlanarMass
     damping : PlanarDamping
     gravity : (float, float)
-        m/s^2.
+        Gravitational acceleration, m/s^2.
 
     Raises
     ------
     InputError
-        With everything that is wrong: unknown nodes, beams without length, values that are not
-        finite, nodes that are slaves twice.
+        With all errors: unknown nodes, beams without length, values that are not finite, nodes that
+        are slaves of two links.
 
     Warns
     -----
     JoustoWarning
-        If a section is thicker than its beam is long: EI and EA in different units.
+        If a section is thicker than its beam is long, probably by different units of EI and EA.
 
     Examples
     --------
@@ -128,7 +128,7 @@ class PlanarFrame:
             problems.add(WHERE, f"damping is {damping!r}, must be PlanarDamping(mass, stiffness)")
         problems.array(WHERE, "gravity", self.gravity, (2,))
         if not self.beams:
-            problems.add(WHERE, "there are no beams")
+            problems.add(WHERE, "has no beams; give one or more")
         for place, key in self._mentioned():
             if key not in named:
                 problems.add(place, f"no node {key!r}{suggest(key, [str(k) for k in named])}")
@@ -138,7 +138,7 @@ class PlanarFrame:
         problems.raise_if_any()
 
     def _mentioned(self) -> Iterator[tuple[str, Node]]:
-        """Yield every name of a node with the place where it stands."""
+        """Yield the location and the name of every reference to a node."""
         for i, beam in enumerate(self.beams):
             yield self.beam_name(i), beam.a
             yield self.beam_name(i), beam.b
@@ -150,7 +150,7 @@ class PlanarFrame:
                 yield f"links[{i}]", key
 
     def beam_name(self, i: int) -> str:
-        """Return how messages call an element."""
+        """Return the name of an element in messages."""
         beam = self.beams[i]
         return f"beam '{beam.name}'" if beam.name else f"beams[{i}] ({beam.a!r} to {beam.b!r})"
 
@@ -164,7 +164,7 @@ class PlanarFrame:
             a, b = self.ends(i)
             length = math.dist(a, b)
             if length <= 1e-12 * max(1.0, *np.abs((*a, *b))):
-                text = f"both ends are at ({a[0]:g}, {a[1]:g}) m; give it a length or leave it out"
+                text = f"both ends are at ({a[0]:g}, {a[1]:g}) m; give it a length or remove it"
                 problems.add(where, text)
                 continue
             radius = math.sqrt(beam.section.EI / beam.section.EA)
@@ -222,7 +222,7 @@ class PlanarFrame:
             hinge = isinstance(carrier, RigidLink) and not carrier.rotation
             if support.x or support.y or not hinge:
                 text = f"node {support.node!r} is a slave of links[{owner[support.node]}]"
-                problems.add(f"supports[{i}]", f"{text}; hold its master instead")
+                problems.add(f"supports[{i}]", f"{text}; support its master instead")
 
     def ends(self, i: int) -> tuple[Array, Array]:
         """Return both ends of an element's axis in the unloaded frame, m."""
@@ -233,7 +233,7 @@ class PlanarFrame:
 
     @cached_property
     def system(self) -> System:
-        """Equations of motion, for those who want residuals and tangents themselves."""
+        """Equations of motion, with residuals and tangents."""
         return assemble(self)
 
 
@@ -248,7 +248,7 @@ def assemble(frame: PlanarFrame) -> System:
     count = len(names)
     where = np.array([frame.nodes[key] for key in names])
 
-    # displacements u: nodes first, then each different end of an offset beam
+    # displacements u: nodes, then the different ends of offset beams
     ends: dict[tuple[int, float, float], int] = {}
     dofs = np.zeros((len(frame.beams), 6), dtype=int)
     for e, beam in enumerate(frame.beams):
@@ -264,7 +264,7 @@ def assemble(frame: PlanarFrame) -> System:
     if ends:
         master = np.array([k[0] for k in ends])
         arms = np.array([k[1:] for k in ends])
-        # a node itself is an end with no arm
+        # nodes are ends with arms of length zero
         every = np.concatenate([np.arange(count), master])
         offsets: PlanarCoupling = ArmCoupling(
             count, every, np.concatenate([np.zeros((count, 2)), arms])
@@ -318,7 +318,7 @@ def assemble(frame: PlanarFrame) -> System:
 def _links(
     frame: PlanarFrame, place: dict[Any, int], where: Array
 ) -> tuple[PlanarCoupling | None, list[str]]:
-    """Return the map from unknowns to displacements of nodes, and the names of the unknowns."""
+    """Return the coupling from unknowns to displacements of nodes, and the unknowns' names."""
     names = list(frame.nodes)
     label = [f"{'xyr'[c]} of node {key!r}" for key in names for c in range(3)]
     if not frame.links:

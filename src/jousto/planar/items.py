@@ -1,4 +1,4 @@
-"""What a planar frame is made of: sections, beams, supports, loads, masses and links."""
+"""Items of a planar frame: sections, beams, supports, loads, masses and links."""
 
 from __future__ import annotations
 
@@ -39,22 +39,22 @@ class PlanarSection(Declared, by_value=True):
     EA: Positive = field("Axial stiffness", unit="N")
     GA: Positive = field("Shear stiffness with its shear coefficient", unit="N")
     EI: Positive = field("Bending stiffness", unit="N m^2")
-    mass: Number = field("Mass of a length", unit="kg/m", least=0, wanted=NOT_NEGATIVE, default=0.0)
+    mass: Number = field("Mass per length", unit="kg/m", least=0, wanted=NOT_NEGATIVE, default=0.0)
     rotary: Number = field(
-        "Inertia of a length, rho I", unit="kg m", least=0, wanted=NOT_NEGATIVE, default=0.0
+        "Rotary inertia per length, rho I", unit="kg m", least=0, wanted=NOT_NEGATIVE, default=0.0
     )
 
     @classmethod
     def of(cls, section: Section, material: Material, *, GA: float | None = None) -> PlanarSection:
-        """Return the stiffness of a section that bends about its z axis.
+        """Return the planar section of a section in bending about its z axis.
 
         Parameters
         ----------
         section : Section
-            `Rectangle`, `Circle` and others; y lies in the plane.
+            `Rectangle`, `Circle` and others, with y in the plane of the frame.
         material : Material
         GA : float, optional
-            N; by default the shear area ``ky A`` times G.
+            Shear stiffness, N; the default is the shear area ``ky A`` times G.
 
         Raises
         ------
@@ -79,17 +79,17 @@ class PlanarSection(Declared, by_value=True):
 
     @property
     def limit(self) -> float:
-        """Largest stable axial force, N: ``GA / (1 - GA / EA)``, infinite for GA >= EA.
+        """Largest stable axial force, N: ``GA / (1 - GA / EA)``; infinite for GA >= EA.
 
-        Beyond it a stretched beam gains energy by turning its cross sections out of the stretch:
-        the tension-shear instability of the linear law, which no material has.
+        Above it a stretched beam reduces its energy by a rotation of its cross sections. This
+        tension-shear instability is a property of the linear law, not of real materials.
         """
         return math.inf if self.GA >= self.EA else self.GA / (1.0 - self.GA / self.EA)
 
 
 @dataclass(frozen=True)
 class PlanarBeam:
-    """One element between two nodes; a beam of many elements is several of them.
+    """Beam element between two nodes.
 
     Parameters
     ----------
@@ -97,10 +97,10 @@ class PlanarBeam:
         Names of nodes.
     section : PlanarSection
     offset_a, offset_b : (float, float)
-        From the node to the end of the axis in the unloaded frame, x and y of the frame in m: the
-        end turns with its node (eqs. 20 to 25).
+        Vector from the node to the end of the beam axis in the unloaded frame, m, in axes of the
+        frame. The end is rigidly connected to the node (eqs. 20 to 25).
     name : str
-        Shown in messages and results.
+        Name in messages and results.
     """
 
     a: Node
@@ -113,13 +113,13 @@ class PlanarBeam:
 
 @dataclass(frozen=True)
 class PlanarSupport:
-    """A node whose displacements are held.
+    """Support of a node.
 
     Parameters
     ----------
     node : node
     x, y, rotation : bool
-        What is held: a pin by default, ``rotation=True`` clamps.
+        Fixed displacements: by default a pin; ``rotation=True`` for a clamp.
     """
 
     node: Node
@@ -130,19 +130,19 @@ class PlanarSupport:
 
 @dataclass(frozen=True)
 class PlanarLoad:
-    """A force and a moment at a node.
+    """Force and moment at a node.
 
     Parameters
     ----------
     node : node
     force : (float, float)
-        N, x and y of the frame, or of the turned node if it follows.
+        Force, N, in axes of the frame, or of the rotated node if `follow`.
     moment : float
-        N m, positive counterclockwise.
+        Moment, N m, positive counterclockwise.
     signal : function, optional
-        Time in s to a factor, in dynamics; 1 without it. Statics have their own load factor.
+        Factor as a function of time, s, in dynamics; None is 1. Statics use load factors.
     follow : bool
-        Whether the force turns with its node.
+        Whether the force rotates with its node (follower load).
     """
 
     node: Node
@@ -154,15 +154,15 @@ class PlanarLoad:
 
 @dataclass(frozen=True)
 class PlanarMass:
-    """A rigid mass at a node.
+    """Rigid mass at a node.
 
     Parameters
     ----------
     node : node
     mass : float
-        kg.
+        Mass, kg.
     inertia : float
-        kg m^2 about the node.
+        Inertia about the node, kg m^2.
     """
 
     node: Node
@@ -172,15 +172,15 @@ class PlanarMass:
 
 @dataclass(frozen=True)
 class RigidLink:
-    """Nodes that are carried by another one as if by rigid arms.
+    """Nodes connected to a master node by rigid arms.
 
     Parameters
     ----------
     master : node
     nodes : tuple of nodes
-        Their displacements are no unknowns any more.
+        Slave nodes, whose displacements are eliminated.
     rotation : bool
-        Whether they turn with the master; False makes hinges, which turn freely.
+        Whether the slaves rotate with the master; False for hinges.
     """
 
     master: Node
@@ -190,7 +190,7 @@ class RigidLink:
 
 @dataclass(frozen=True, eq=False)
 class LinearLink:
-    """Displacements of nodes that depend linearly on those of others: ``u = T q + u0``.
+    """Linear relation of displacements of nodes to those of masters, ``u = T q + u0``.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ class LinearLink:
         Each with x, y, rotation, in this order.
     T : (3 nodes, 3 masters) array
     u0 : (3 nodes,) array, optional
-        m, rad.
+        Constant displacements, m and rad.
     """
 
     nodes: tuple[Node, ...]
@@ -209,21 +209,21 @@ class LinearLink:
 
 @dataclass(frozen=True, eq=False)
 class FunctionLink:
-    """Displacements of nodes that are any function of those of others and of own coordinates.
+    """Displacements of nodes as a function of those of masters and of own coordinates.
 
     Parameters
     ----------
     nodes, masters : tuple of nodes
         Each with x, y, rotation, in this order.
     function : function
-        ``[x, y, rotation of the masters ..., own coordinates ...]`` to the displacements of the
-        nodes, (3 nodes,), written with NumPy; derivatives are found exactly.
+        Function of ``[x, y, rotation of the masters ..., own coordinates ...]`` that returns the
+        displacements of the nodes (3 nodes,), written with NumPy; derivatives are exact.
     coordinates : tuple of str
-        Names of own coordinates, such as how far a slider has come; they start at zero.
+        Names of own coordinates, such as the displacement of a slider; initial value zero.
 
     Examples
     --------
-    A slider on the straight line from ``p`` to ``q``, both nodes of a frame; it turns with ``p``:
+    A slider on the line from node ``p`` to node ``q``, with the rotation of ``p``:
 
     >>> import numpy as np
     >>> def slide(u):
@@ -243,9 +243,9 @@ Link = RigidLink | LinearLink | FunctionLink
 
 
 class PlanarDamping(ProportionalDamping):
-    """Damping of all beams, also of what is fixed to them: everything that moves has mass."""
+    """Proportional damping of the frame; the mass-proportional part includes all masses."""
 
 
 def vector(x: Any) -> np.ndarray[Any, Any]:
-    """Return floats of anything like an array."""
+    """Return an array-like value as an array of floats."""
     return np.array(x, dtype=float)

@@ -1,7 +1,7 @@
-"""Derivatives of any function of coordinates to rounding, for maps that are given as a function.
+"""Exact derivatives of functions of coordinates, for couplings given as a function.
 
 Forward differentiation (A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM 2008, chapter 13):
-NumPy's functions are fed numbers that know their derivatives.
+the function is evaluated with truncated Taylor polynomials in place of numbers.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ Array = NDArray[Any]
 
 
 class Jet:
-    """A polynomial in s and t, cut off after s and t^2: ``sum c[i, j] s^i t^j``.
+    """Polynomial in s and t, truncated after s and t^2: ``sum c[i, j] s^i t^j``.
 
-    Arrays of such objects let NumPy call `sin` of each entry, so that ``np.sin(q[2])`` works.
+    NumPy calls the method `sin` of each entry of an array of jets, so that ``np.sin(q[2])`` works.
 
     Parameters
     ----------
     c : (2, 3, k) array
-        Coefficients of k numbers at once; may be complex.
+        Coefficients of k polynomials; may be complex.
 
     Examples
     --------
@@ -40,10 +40,10 @@ class Jet:
         self.c = c
 
     def _apply(self, *g: Any) -> Jet:
-        """Return a function of this; g is its value and three derivatives at c[0, 0]."""
+        """Return a function of this jet from its value and three derivatives g at c[0, 0]."""
         d = Jet(self.c.copy())
         d.c[0, 0] = 0.0
-        # powers of s and t beyond the third are cut off: Taylor's series ends
+        # Taylor series up to the third power of the increment, by Horner's scheme
         third = d.__mul__(g[3] / 6).__add__(g[2] / 2)
         return third.__mul__(d).__add__(g[1]).__mul__(d).__add__(g[0])
 
@@ -132,14 +132,14 @@ def _times(a: Array, b: Array) -> Array:
 def derivatives(
     f: Callable[[Array], Any], q: Array, along: Array, c1: Array, c2: Array
 ) -> tuple[Array, Array, Array]:
-    """Return derivatives of f in given directions, and how they change along paths.
+    """Return derivatives of f in given directions, as polynomials in t along paths.
 
     Parameters
     ----------
     f : function
-        Coordinates (n,) to values (m,), written with NumPy.
+        Function of coordinates (n,) that returns values (m,), written with NumPy.
     q : (n,) array
-        Where.
+        Coordinates.
     along : (k, n) array
         Directions of the first derivative.
     c1, c2 : (k, n) array
@@ -160,7 +160,7 @@ def derivatives(
     values = list(np.ravel(np.asarray(f(jets), dtype=object)))
     out = np.zeros((3, k, len(values)), dtype=kind)
     for i, value in enumerate(values):
-        # numbers that depend on no coordinate have no derivatives
+        # values that are no jets are constants, with zero derivatives
         if isinstance(value, Jet):
             out[:, :, i] = value.c[1]
     return out[0], out[1], out[2]

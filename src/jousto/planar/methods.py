@@ -1,4 +1,4 @@
-"""Time integration methods and criteria of convergence, as objects."""
+"""Time integration methods and convergence criteria of planar frames."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jousto.base.numbers import Number, OptionalPositive, Positive, Whole
 
 
 class Method(Protocol):
-    """An implicit method of the family of generalised-alpha methods.
+    """Interface of the generalised-alpha family of implicit methods.
 
     ``q' = q + h v + h^2 ((1/2 - beta) s + beta s')``, ``v' = v + h ((1 - gamma) s + gamma s')`` and
     ``(1 - alpha_m) s' + alpha_m s = (1 - alpha_f) a' + alpha_f a``, where a are the accelerations,
@@ -20,7 +20,7 @@ class Method(Protocol):
 
     @property
     def step(self) -> Any:
-        """Step, s; a float."""
+        """Step, s."""
 
     @property
     def weights(self) -> tuple[float, float, float, float]:
@@ -50,15 +50,15 @@ class PlanarNewmark(Declared, by_value=True):
 
 
 class PlanarGeneralizedAlpha(Declared, by_value=True):
-    """The method of Chung and Hulbert, of order 2, with the damping chosen.
+    """Generalised-alpha method of Chung and Hulbert, of order 2, with adjustable damping.
 
-    J. Chung, G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371-375; for systems whose mass changes in
-    the form of M. Arnold, O. Bruls, *Multibody Syst. Dyn.* 18 (2007) 185-202.
+    J. Chung, G. M. Hulbert, *J. Appl. Mech.* 60 (1993) 371-375; in the form of M. Arnold, O. Bruls,
+    *Multibody Syst. Dyn.* 18 (2007) 185-202, for variable mass matrices.
     """
 
     step: Positive = field("Step", unit="s")
     rho: Number = field(
-        "Share of an oscillation much faster than the step that is left after a step, 0 to 1",
+        "Spectral radius at high frequency, 0 to 1: amplitude ratio of a fast oscillation per step",
         least=0,
         most=1,
         wanted="a number from 0 to 1",
@@ -73,9 +73,9 @@ class PlanarGeneralizedAlpha(Declared, by_value=True):
 
 
 class Convergence(Declared, by_value=True):
-    """When Newton's iteration ends: all criteria given must be met.
+    """Convergence criteria of Newton's iteration, all of which must be satisfied.
 
-    Norms are Euclidean, over unknowns that are not held, in N and N m or m and rad as they come.
+    Norms are Euclidean, over the unsupported unknowns, in N and N m, or m and rad.
 
     Raises
     ------
@@ -85,18 +85,20 @@ class Convergence(Declared, by_value=True):
 
     residual: OptionalPositive = field("``|r| <= residual``, N and N m", default=None)
     relative: OptionalPositive = field(
-        "``|r| <= relative * (largest of |F_int|, |F_ext|, |M u''|)``, or what rounding leaves if "
-        "that is more, ``4 eps EA (1 + |u| / L)``; 1e-9 unless another criterion is given",
+        "``|r| <= relative * (largest of |F_int|, |F_ext|, |M u''|)``, or the rounding error "
+        "``4 eps EA (1 + |u| / L)`` if it is larger; 1e-9 unless another criterion is given",
         default=None,
     )
     increment: OptionalPositive = field(
-        "``|dq| <= increment``, m and rad. The residual after that correction is not looked at, "
-        "so that the last correction costs no evaluation",
+        "``|dq| <= increment``, m and rad. The residual after the last correction is not "
+        "evaluated, which saves time",
         default=None,
     )
-    max_iterations: Whole = field("Most corrections of a step", least=1, most=10**6, default=25)
+    max_iterations: Whole = field(
+        "Maximum number of corrections of a step", least=1, most=10**6, default=25
+    )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Fill in the criterion that counts if none is given."""
+        """Set the default criterion if none is given."""
         if self.residual is None and self.relative is None and self.increment is None:
             object.__setattr__(self, "relative", 1e-9)

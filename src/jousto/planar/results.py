@@ -17,16 +17,16 @@ from jousto.planar.system import Point
 
 @dataclass(frozen=True, eq=False)
 class PlanarState:
-    """Where a run begins.
+    """State of a planar frame, the start of a run.
 
     Parameters
     ----------
     q, v : (n,) array
-        Unknowns and their velocities, as ``frame.system.names`` lists them.
+        Unknowns and their velocities, in the order of ``frame.system.names``.
     time : float
-        s.
+        Instant, s.
     a, s : (n,) array, optional
-        Accelerations, and those of the method, of a run that continues.
+        Accelerations and algorithmic accelerations, to continue a run.
     """
 
     q: Array
@@ -37,27 +37,27 @@ class PlanarState:
 
 
 def planar_rest(frame: PlanarFrame) -> PlanarState:
-    """Return the unloaded frame at rest."""
+    """Return the state of the unloaded frame at rest."""
     return PlanarState(np.zeros(frame.system.size), np.zeros(frame.system.size))
 
 
 def planar_spinning(
     frame: PlanarFrame, speed: float, about: tuple[float, float] = (0, 0)
 ) -> PlanarState:
-    """Return the unloaded frame that turns as a rigid body; for frames without links.
+    """Return the state of the unloaded frame in a rigid rotation; for frames without links.
 
     Parameters
     ----------
     frame : PlanarFrame
     speed : float
-        rad/s, counterclockwise.
+        Angular velocity, rad/s, counterclockwise.
     about : (float, float)
-        Point that stands still, m.
+        Centre of rotation, m.
 
     Raises
     ------
     InputError
-        If the frame has links, whose unknowns it does not have.
+        If the frame has links.
     """
     if frame.links:
         text = "the frame has links; give PlanarState(q, v) with the velocities of its unknowns"
@@ -74,7 +74,7 @@ def _ratios(D: Array, resultants: Any) -> Array:
 
 
 class Records:
-    """Collects the steps of a run."""
+    """Collector of the steps of a run."""
 
     def __init__(self, frame: PlanarFrame, t0: float, step: float, steps: int) -> None:
         self.frame, self.system, self.t0, self.step = frame, frame.system, t0, step
@@ -92,11 +92,11 @@ class Records:
         self.first: tuple[float, int, float] | None = None
 
     def ratios(self, resultants: Any) -> Array:
-        """Return axial force over its limit of stability, for each element."""
+        """Return the axial force of each element over its stability limit, (ne,)."""
         return _ratios(self.system.D, resultants)
 
     def add(self, p: Point, s: Array, evaluations: int, solves: int) -> None:
-        """Keep one step."""
+        """Append one step."""
         self.q.append(p.q)
         self.v.append(p.v)
         self.a.append(p.a)
@@ -113,7 +113,7 @@ class Records:
             self.first = self.t0 + (len(self.q) - 1) * self.step, i, float(ratio[i])
 
     def run(self, failure: str, history: tuple[float, ...]) -> PlanarRun:
-        """Return what was kept."""
+        """Return the results of all steps."""
         unstable = None
         if self.first is not None:
             time, i, _ = self.first
@@ -142,7 +142,7 @@ class Records:
 
 
 class Shapes:
-    """What motions and equilibria of a frame share."""
+    """Base of motions and equilibria: displacements and strains of a frame."""
 
     frame: PlanarFrame
     displacements: Array
@@ -156,16 +156,16 @@ class Shapes:
 
     @property
     def resultants(self) -> Array:
-        """N, Q (N), M (N m) at the middles of the elements, (nt, ne, 3), without their damping."""
+        """N, Q (N), M (N m) at the midpoints of the elements (nt, ne, 3), without damping."""
         return np.asarray(self.strains * self.frame.system.D)
 
     def node(self, name: object) -> int:
-        """Return the place of a node in the arrays.
+        """Return the index of a node in the arrays.
 
         Raises
         ------
         InputError
-            With the nearest name if there is none.
+            If there is no such node; the message contains the nearest name.
         """
         names = list(self.frame.nodes)
         if name not in names:
@@ -183,26 +183,26 @@ class PlanarRun(Shapes):
     ----------
     frame : PlanarFrame
     time : (nt,) array
-        s, every step.
+        Instants of all steps, s.
     q, v, a : (nt, n) array
         Unknowns with their velocities and accelerations.
     displacements, velocities, accelerations : (nt, nodes, 3) array
         x, y (m, m/s, m/s^2) and rotation (rad, rad/s, rad/s^2) of the nodes.
     strains : (nt, ne, 3) array
-        eps, gam, kap (1/m) at the middles of the elements.
+        eps, gam, kap (1/m) at the midpoints of the elements.
     evaluations, solves : (nt,) array of int
-        Residuals and linear systems of each step; zero for the start.
+        Numbers of residuals and linear systems of each step; zero for the start.
     energies : (nt, 2) array
         Kinetic and strain energy, J.
     unstable : (float, str, float) or None
-        First time at which a beam is beyond its limit of tension-shear stability, which one, and
+        First instant at which a beam exceeds its limit of tension-shear stability, its name, and
         the largest ratio to the limit in the run.
     failure : str
-        Why the run ended early; empty if it did not.
+        Reason of an early end; empty without one.
     last_residuals : tuple of float
-        Of Newton's iteration in the last step.
+        Residuals of Newton's iteration in the last step.
     method_accelerations : (n,) array or None
-        What the method needs to continue.
+        Algorithmic accelerations, to continue the run.
     """
 
     frame: PlanarFrame
@@ -224,16 +224,16 @@ class PlanarRun(Shapes):
 
     @property
     def steps(self) -> int:
-        """Number of steps that converged."""
+        """Number of converged steps."""
         return len(self.time) - 1
 
     @property
     def complete(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the run reached its end."""
         return not self.failure
 
     def state(self, k: int = -1) -> PlanarState:
-        """Return the state at a step to continue from, exactly where it is the last one."""
+        """Return the state at a step; from the last one a run continues exactly."""
         last = k in (-1, self.steps)
         s = self.method_accelerations if last else None
         return PlanarState(self.q[k], self.v[k], float(self.time[k]), self.a[k], s)
@@ -252,14 +252,14 @@ class PlanarPath(Shapes):
     q : (nt, n) array
         Unknowns.
     displacements : (nt, nodes, 3) array
-        m, rad.
+        x, y (m) and rotation (rad) of the nodes.
     strains : (nt, ne, 3) array
-        eps, gam, kap (1/m).
+        eps, gam, kap (1/m) at the midpoints of the elements.
     negative : (nt,) array of int
-        Number of negative eigenvalues of the tangent: 0 where the equilibrium is stable under
-        conservative loads; a change indicates a limit or a branching point.
+        Number of negative eigenvalues of the tangent: 0 for a stable equilibrium under
+        conservative loads; a change indicates a limit or bifurcation point.
     residuals : tuple of tuples of float
-        Of Newton's iteration at each point.
+        Residuals of Newton's iteration at each point.
     """
 
     frame: PlanarFrame

@@ -1,4 +1,4 @@
-"""Equilibria of planar frames: load stepping, arc-length and vibrations about an equilibrium."""
+"""Equilibria of planar frames: load steps, arc length, and natural frequencies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.planar.results import PlanarPath, PlanarState
 from jousto.planar.system import Point, System
 
 Array = NDArray[Any]
-SHORTEST = 1e-3  # of a step of the load, after halving
+SHORTEST = 1e-3  # shortest load step over the given one, after halving
 
 
 class _Equilibrium(NamedTuple):
@@ -33,18 +33,18 @@ def load_steps(
     convergence: Convergence | None = None,
     start: PlanarState | None = None,
 ) -> PlanarPath:
-    """Find equilibria under loads and gravity times factors, one after the other, by Newton.
+    """Return the equilibria under loads and gravity times load factors, by Newton's method.
 
     Parameters
     ----------
     frame : PlanarFrame
-        Signals of the loads are not used.
+        Frame; signals of its loads have no effect.
     factors : sequence of float
-        Load factors at which equilibria are returned; steps that fail are halved in between.
+        Load factors of the equilibria; a step that fails is halved.
     convergence : Convergence, optional
-        By default to 1e-9 of the largest force.
+        Criterion; the default is a residual of 1e-9 of the largest force.
     start : PlanarState, optional
-        Where to begin; unloaded by default.
+        Starting point; the default is the unloaded frame.
 
     Returns
     -------
@@ -53,9 +53,9 @@ def load_steps(
     Raises
     ------
     InputError
-        If there are no factors, or the frame can move without force: what moves.
+        If there are no factors, or the frame can move without force; with the moving unknown.
     SimulationError
-        If a step does not converge, with its factor; ``arc_length`` passes limit points.
+        If a step does not converge; with its factor. ``arc_length`` passes limit points.
     """
     problems = Problems()
     values = problems.array("load_steps", "factors", factors, (None,))
@@ -70,15 +70,15 @@ def load_steps(
         _check_supports(system)
     found = []
     last = 0.0
-    known = start is None  # the load of a start is not
+    known = start is None  # whether the load factor of the start is known
     for factor in values:
         out = _reach(system, q, (last if known else float(factor), float(factor)), convergence)
         if not out.history or not _good(system, out, convergence):
             tail = ", ".join(f"{x:.2g}" for x in out.history[-3:])
             text = (
                 f"load_steps: factor {factor:g} after {last:g} does not converge, nor do steps "
-                f"from {out.factor:g} on (residuals ... {tail} N); take arc_length if the load has "
-                "a limit there"
+                f"from {out.factor:g} on (residuals ... {tail} N); use arc_length if there is a "
+                "limit point"
             )
             raise SimulationError(text, time=float(factor))
         known = True
@@ -95,30 +95,30 @@ def arc_length(
     max_steps: int = 200,
     convergence: Convergence | None = None,
 ) -> PlanarPath:
-    """Follow equilibria through limit points: the load may fall while the frame moves on.
+    """Return a path of equilibria through limit points, by an arc-length method.
 
     ``|dq|^2 = s^2`` over all corrections of a step (M. A. Crisfield, *Comput. Struct.* 13 (1981)
-    55-62, without the load in the length), rotations weighed by the mean length of the elements;
-    the length s adapts to the number of iterations.
+    55-62, cylindrical), with rotations times the mean length of the elements; s is adapted to the
+    number of iterations.
 
     Parameters
     ----------
     frame : PlanarFrame
     first : float
-        Load factor of the first step, which fixes the length.
+        Load factor of the first step, which determines its arc length.
     until : float
-        Load factor at which the path ends, in the direction of `first`: of the same sign.
+        Load factor at the end of the path, of the same sign as `first`.
     max_steps : int
-        Most points.
+        Maximum number of points.
     convergence : Convergence, optional
-        By default to 1e-9 of the largest force, at most 12 iterations.
+        Criterion; the default is a residual of 1e-9 of the largest force in 12 iterations.
 
     Raises
     ------
     InputError
-        If the frame can move without force, nothing loads it, or `first` leads away from `until`.
+        If the frame can move without force or has no load, or `first` and `until` differ in sign.
     SimulationError
-        If a step does not converge even when it is a thousand times shorter.
+        If a step does not converge at a thousandth of its length.
     """
     problems = Problems()
     wanted = "a number other than zero"
@@ -156,7 +156,7 @@ def arc_length(
             continue
         before = (out.point.q - q)[free]
         if sign * out.factor >= sign * until:
-            # end on the load asked for
+            # last point at the load factor `until`
             last = _newton(system, out.point.q, until, convergence)
             found.append(last if _good(system, last, convergence) else out)
             break
@@ -172,7 +172,7 @@ def _at(system: System, q: Array, factor: float) -> Point:
 
 
 def _load_vector(system: System, p: Point) -> Array:
-    """Return d r / d factor, negative: the load of factor 1 on the free unknowns."""
+    """Return ``-dr/dfactor``: the load of factor 1 on the unsupported unknowns."""
     return np.asarray((p.slaves.B.T @ system.at_factor(1.0).force(p.slaves.u))[system.free])
 
 
@@ -188,7 +188,7 @@ def _tangent_step(system: System, q: Array, factor: float) -> Array:
 
 
 def _newton(system: System, q0: Array, factor: float, convergence: Convergence) -> _Equilibrium:
-    """Correct until it converges or cannot."""
+    """Return the result of Newton's iteration at a load factor, converged or not."""
     q, history = q0.copy(), []
     p = _at(system, q, factor)
     for _ in range(convergence.max_iterations + 1):
@@ -208,7 +208,7 @@ def _newton(system: System, q0: Array, factor: float, convergence: Convergence) 
 def _reach(
     system: System, q: Array, span: tuple[float, float], convergence: Convergence
 ) -> _Equilibrium:
-    """Return the equilibrium at the end of a step of the load, of halved steps where it fails."""
+    """Return the equilibrium at the end of a load step, which is halved where it fails."""
     last, factor = span
     aim, step = factor, factor - last
     shortest = SHORTEST * abs(step)
@@ -251,7 +251,7 @@ def _corrected(
     s: float,
     convergence: Convergence,
 ) -> _Equilibrium | None:
-    """Return the equilibrium at the distance s from q0, None if it is not found."""
+    """Return the equilibrium at the distance s from q0; None if the iteration fails."""
     free = system.free
     q, factor, history = q0.copy(), factor0 + step, []
     q[free] += step * slope
@@ -300,7 +300,7 @@ def _path(frame: PlanarFrame, found: list[_Equilibrium]) -> PlanarPath:
 
 
 def _check_supports(system: System) -> None:
-    """Refuse frames that move without force when unloaded.
+    """Raise an error for frames that move without force when unloaded.
 
     Raises
     ------
@@ -308,7 +308,7 @@ def _check_supports(system: System) -> None:
         With the unknown that moves most.
     """
     K = _stiffness(system, _at(system, np.zeros(system.size), 0.0), 0.0)
-    # each unknown by its own stiffness, so that units do not matter
+    # scale each unknown by its own stiffness, so that units have no effect
     d = np.sqrt(np.maximum(np.abs(np.diag(K)), 1e-300))
     values, vectors = np.linalg.eigh(K / d[:, None] / d)
     loose = values < 1e-12
@@ -316,7 +316,7 @@ def _check_supports(system: System) -> None:
         k = int(np.argmax(np.abs(vectors[:, 0] / d)))
         text = (
             f"the frame can move without force in {int(loose.sum())} ways; "
-            f"{system.names[system.free[k]]} moves most: add PlanarSupport"
+            f"{system.names[system.free[k]]} moves most; add PlanarSupport"
         )
         raise InputError(Problem("PlanarFrame", text))
 
@@ -324,7 +324,7 @@ def _check_supports(system: System) -> None:
 def planar_frequencies(
     frame: PlanarFrame, path: PlanarPath | None = None, k: int = -1
 ) -> NDArray[np.float64]:
-    """Return undamped natural frequencies in Hz, unloaded or about an equilibrium.
+    """Return undamped natural frequencies, Hz, of the unloaded frame or about an equilibrium.
 
     Parameters
     ----------
@@ -332,12 +332,12 @@ def planar_frequencies(
     path : PlanarPath, optional
         Equilibria from `load_steps` or `arc_length`.
     k : int
-        Which of them.
+        Index of the equilibrium in the path.
 
     Returns
     -------
     (n,) array
-        Hz, ascending; negative where the equilibrium is unstable: ``-sqrt(-K/M) / (2 pi)``.
+        Frequencies, Hz, ascending; negative for unstable modes: ``-sqrt(-K/M) / (2 pi)``.
     """
     from scipy.linalg import eigh
 

@@ -1,10 +1,10 @@
-"""System: the equations of motion of a planar frame, with exact tangents.
+"""System: equations of motion of a planar frame, with exact tangents.
 
-All displacements u = [nodes; ends of offset beams] are a map u = f(q) of the unknowns q, and
+All displacements u = [nodes; ends of offset beams] are functions u = f(q) of the unknowns q, and
 
     r(q, v, a, t) = B^T [ F_int(u, u') + M (u'' + alpha u' - g) - F_ext(u, t) ] = 0.
 
-Everything accepts complex numbers, so that complex steps check the tangents.
+All functions accept complex numbers, so that complex steps can check the tangents.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ class Loads:
     Parameters
     ----------
     loads : sequence of (PlanarLoad, int)
-        Each with the first displacement of its node in u.
+        Loads, each with the index of the first displacement of its node in u.
     weight : (slaves,) array
         Forces of gravity.
     factors : sequence of float
-        Of each load.
+        Factor of each load.
     gravity : float
         Factor of gravity.
     """
@@ -81,7 +81,7 @@ class Loads:
         return F
 
     def add_stiffness(self, u: Array, K: Array) -> None:
-        """Take dF_ext/du off K."""
+        """Subtract dF_ext/du from K, in place."""
         for k, fx, fy in self.following:
             c, s = np.cos(u[k + 2]), np.sin(u[k + 2])
             K[k, k + 2] += s * fx + c * fy
@@ -89,7 +89,7 @@ class Loads:
 
 
 class Point(NamedTuple):
-    """Everything that is known at one state.
+    """Displacements, strains, forces and residual at one state.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class Point(NamedTuple):
     middle : Middle
         Strains and resultants.
     inner, force : (slaves,) array
-        F_int, and the whole force in brackets.
+        F_int, and the sum in brackets of the equations of motion.
     residual : (n,) array
         ``B^T force``.
     """
@@ -117,26 +117,26 @@ class Point(NamedTuple):
 @described
 @dataclass(frozen=True, eq=False)
 class System:
-    """Equations of a frame in arrays.
+    """Equations of motion of a frame in arrays.
 
     Attributes
     ----------
     elimination : Elimination
-        From unknowns q to displacements u.
+        Coupling from unknowns q to displacements u.
     free : (nf,) array of int
-        Unknowns that are not held.
+        Indices of the unsupported unknowns.
     names : tuple of str
-        Of the unknowns, for messages.
+        Names of the unknowns in messages.
     T, z0, length, D :
-        Of the elements: shape matrix (4 ne, slaves), unloaded z (4 ne,), lengths (m),
-        stiffness (ne, 3).
+        Shape matrix (4 ne, slaves), unloaded z (4 ne,), lengths (ne,), m, and stiffness (ne, 3) of
+        the elements.
     M : (slaves, slaves) array
     loads : tuple of (PlanarLoad, int)
     weight : (slaves,) array
     alpha, beta : float
-        Damping.
+        Mass- and stiffness-proportional damping, 1/s and s.
     count : int
-        Number of nodes, which are the first in u.
+        Number of nodes, which precede the ends of offset beams in u.
     """
 
     elimination: Elimination
@@ -155,20 +155,20 @@ class System:
 
     @property
     def size(self) -> int:
-        """Number of unknowns, held ones included."""
+        """Number of unknowns, including supported ones."""
         return self.elimination.map.shape[1]
 
     def at_time(self, t: float) -> Loads:
-        """Return the loads of dynamics at a time."""
+        """Return the loads at a time, by their signals."""
         factors = [1.0 if load.signal is None else load.signal(t) for load, _ in self.loads]
         return Loads(self.loads, self.weight, factors)
 
     def at_factor(self, factor: float) -> Loads:
-        """Return the loads of statics, all times a factor."""
+        """Return the loads of statics, multiplied by a load factor."""
         return Loads(self.loads, self.weight, [factor] * len(self.loads), factor)
 
     def evaluate(self, q: Array, v: Array, a: Array, loads: Loads) -> Point:
-        """Return the residual and what it is made of."""
+        """Return residual, forces and strains at a state."""
         s = self.elimination.slaves(q, v, a)
         z = (self.T @ s.u + self.z0).reshape(-1, 4)
         rate = (self.T @ s.v).reshape(-1, 4) if self.beta else None
@@ -178,7 +178,7 @@ class System:
         return Point(q, v, a, s, m, inner, force, s.B.T @ force)
 
     def slave_stiffness(self, p: Point, loads: Loads) -> Array:
-        """Return dF/du of the slaves at held B: K_t less the tangents of the loads."""
+        """Return dF/du of the slaves at constant B: K_t minus the tangents of the loads."""
         H = hessian(p.middle, self.D, self.beta) * self.length[:, None, None]
         n = self.T.shape[1]
         K: Array = self.T.T @ (H @ self.T.reshape(-1, 4, n)).reshape(-1, n)
@@ -204,9 +204,9 @@ class System:
         p : Point
         loads : Loads
         c, m : float
-            How velocities (1/s) and accelerations (1/s^2) follow the unknowns in the method.
+            Derivatives of velocities, 1/s, and accelerations, 1/s^2, by the unknowns in the method.
         inertia_tangents : bool or "symmetric"
-            False leaves K_acc and C_acc of eq. 13 out, "symmetric" takes ``(X + X^T) / 2`` of them.
+            False omits K_acc and C_acc of eq. 13; "symmetric" takes ``(X + X^T) / 2`` of each.
         """
         if inertia_tangents == "symmetric":
             K, C = self.elimination.inertia_tangents(p.q, p.v, p.a, self.M)
@@ -223,19 +223,19 @@ class System:
         return np.asarray(B.T @ inner + self.elimination.map.Kg(p.q, held))
 
     def stiffness(self, p: Point, loads: Loads) -> Array:
-        """Return K of eq. 6: the elastic tangent with loads, without inertia."""
+        """Return K of eq. 6: the static tangent stiffness, with loads."""
         held = p.inner - loads.force(p.slaves.u)
         K = self.slave_stiffness(p, loads)
         return np.asarray(p.slaves.B.T @ K @ p.slaves.B + self.elimination.map.Kg(p.q, held))
 
     def scale(self, p: Point, loads: Loads) -> float:
-        """Return the largest of the forces in balance, for relative criteria, N and N m."""
+        """Return the largest norm of the forces, N and N m, the scale of relative criteria."""
         B = p.slaves.B
         parts = (p.inner, loads.force(p.slaves.u), self.M @ p.slaves.a)
         return max(float(np.linalg.norm((B.T @ F)[self.free])) for F in parts)
 
     def rounding(self, p: Point) -> float:
-        """Return the residual that rounding leaves: strains are differences of coordinates."""
+        """Return the rounding error of the residual; strains are differences of coordinates."""
         u = np.abs(p.slaves.u)
         size = max(1e-300, float(u[0::3].max()), float(u[1::3].max()))
         forces = self.D[:, :2].max(axis=1) * (1.0 + size / self.length)

@@ -1,4 +1,4 @@
-"""How much the velocity-dependent inertia weighs in the tangent: figure 6 of the source."""
+"""Share of the velocity-dependent inertia in the tangent (figure 6 of the source)."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from jousto.planar.results import PlanarRun
 
 
 def inertia_share(run: PlanarRun, steps: NDArray[np.int_] | list[int]) -> NDArray[np.float64]:
-    """Return ``||K_acc|| / ||K||`` at some steps of a run, K the elastic tangent of eq. 6.
+    """Return ``||K_acc|| / ||K||`` at steps of a run, with the static tangent K of eq. 6.
 
-    Norms are the largest singular values, of the unknowns that are not held.
+    Norms are the largest singular values, over the unsupported unknowns.
 
     Parameters
     ----------
     run : PlanarRun
     steps : sequence of int
-        Which steps, 0 is the start.
+        Numbers of the steps; 0 is the start.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The error budget of a stress: what modes, step, mesh and instants may be worth at one place."""
+"""Error budget of a stress at one site: errors of modes, step, mesh and stored instants."""
 
 from __future__ import annotations
 
@@ -35,25 +35,25 @@ HOW = {
     "mesh": "compare with a run of a finer mesh; the part has no mesh of solids, or was reduced "
     "without it",
 }
-"""The terms, and how one that is not known becomes known."""
+"""Terms of the budget, and the way to determine each."""
 
 
 @dataclass(frozen=True)
 class ErrorBudget:
-    """What the stress of a place may be wrong by, term by term.
+    """Error estimates of the stress at a site, term by term.
 
     Attributes
     ----------
     place : str
-        Body and label.
+        Body and label of the site.
     criterion : str
+        Name of the criterion.
     value : float
-        The stress (strain) in question, Pa (m/m).
+        Stress (strain) at the site, Pa (m/m).
     unit : str
-        Pa or m/m.
+        Unit: Pa or m/m.
     terms : dict of str to float
-        Of "modes", "step", "mesh" and "instants", each refined alone; Pa (m/m), nan where it is not
-        known.
+        Error by "modes", "step", "mesh" and "instants", Pa (m/m); nan if it is not known.
     """
 
     place: str
@@ -64,7 +64,7 @@ class ErrorBudget:
 
     @property
     def known(self) -> float:
-        """Sum of the known terms: no less than their error together, Pa or m/m."""
+        """Sum of the known terms, an upper bound of their total error, Pa or m/m."""
         return float(sum(x for x in self.terms.values() if np.isfinite(x)))
 
     @property
@@ -94,11 +94,11 @@ class ErrorBudget:
         )
 
     def __str__(self) -> str:
-        return told(self)
+        return budget_text(self)
 
 
-def told(budget: ErrorBudget, *, residual: bool = False) -> str:
-    """Return a budget in words, of a stress that has or has not the residual stress in it."""
+def budget_text(budget: ErrorBudget, *, residual: bool = False) -> str:
+    """Return a budget as a text, for a stress with or without residual stress."""
     how = HOW if residual else HOW | {"modes": f"{HOW['modes']}, or with the residual stress"}
     first = f"error budget of {budget._sentence}"
     return "\n".join([first, *(f"  {name}: {how[name]}" for name in budget.unknown)])
@@ -114,29 +114,30 @@ def error_budget(
     mesh: Finer | None = None,
     part: tuple[Part, ReducedPart] | None = None,
 ) -> ErrorBudget:
-    """Return what the stress of a hot spot may be wrong by.
+    """Return the error budget of the stress of a hot spot.
 
-    Each term is what changes at that place when one thing alone is refined: largest value over the
-    same time, there against here. Besides, of "instants" it is what the stored velocities leave
-    open, see `HotSpot.between`, and of "mesh", of parts of solids, by how much the elements around
-    the place disagree, see `HotSpot.mesh`. The sum is no less than the error where the terms do not
-    act on one another.
+    A term is the change of the largest value at the site, over the same time span, in a run with
+    one refinement alone. The term "instants" is the bound by the stored velocities, see
+    `HotSpot.between`. For parts of solids the term "mesh" is by default the difference between the
+    elements around the site, see `HotSpot.mesh`. The sum is an upper bound of the error if the
+    terms are independent of each other.
 
     Parameters
     ----------
     found : HotSpots
+        Hot spots of a run.
     rank : int
-        Which hot spot, from 1.
+        Rank of the hot spot, from 1.
     step, modes, mesh : Solution or StressField, optional
-        A run (or its field of that body) with a shorter step, with more modes (or with the
-        residual stress), of a finer mesh, where the nearest place counts; all else as it was.
+        Run (or its field of the body) with a shorter step, with more modes (or with residual
+        stress), or with a finer mesh, of which the nearest site is compared; all else unchanged.
     part : (Part, ReducedPart), optional
-        What the body was made of, for the mesh, where the run does not have it.
+        Part of the body, for the error of the mesh, if the run does not contain it.
 
     Raises
     ------
     InputError
-        If there is no such hot spot, or the other run has no such body or place.
+        If there is no such hot spot, or the other run has no such body or site.
 
     Examples
     --------
@@ -168,13 +169,13 @@ def error_budget(
 
 
 def _peak(found: HotSpots, spot: HotSpot, other: Finer, ranked: Callable[[Array], Array]) -> float:
-    """Return the largest ranked value of another run at the place of a hot spot."""
+    """Return the largest ranked value of another run at the site of a hot spot."""
     own = found.field(spot)
     if isinstance(other, Solution):
         other = stress_field(other, spot.body, strain=own.strain, frame=own.frame)
     away = np.linalg.norm(other.positions - spot.position, axis=1)
     here = np.flatnonzero(away <= away.min() + 1e-9)
-    # the same point of a section, or the same material, of several at one place
+    # of several sites at one position: the same section point or material
     same = [k for k in here if other.labels[k] == spot.site]
     place = int(same[0] if same else here[0])
     values = other.take([place]).during(found.start, found.end).values(found.criterion)
@@ -182,7 +183,7 @@ def _peak(found: HotSpots, spot: HotSpot, other: Finer, ranked: Callable[[Array]
 
 
 def _scatter(found: HotSpots, spot: HotSpot, part: Part, reduced: ReducedPart) -> float:
-    """Return by how much the elements around a hot spot disagree then."""
+    """Return the difference of the stress between the elements around a hot spot, Pa."""
     field = found.field(spot)
     instant = int(np.searchsorted(field.time, spot.time))
     if part.solids is None or found.unit != "Pa":

@@ -1,4 +1,4 @@
-"""Stress due to friction: the same machine with and without the friction of its joints."""
+"""Stress due to friction: difference of runs with and without the friction of the joints."""
 
 from __future__ import annotations
 
@@ -27,31 +27,30 @@ from jousto.reduction.reduced import ReducedPart
 from jousto.simulation.results.events import FRICTION_CHANGES
 from jousto.simulation.results.solution import Solution
 
-BLOCK_BYTES = 32 << 20
-SAME = 1e-9  # s, or of the time: instants this near are the same
+BLOCK_BYTES = 32 << 20  # memory of stress values at a time, bytes
+SAME = 1e-9  # difference of instants, s or relative, below which they are equal
 
 
 @dataclass(frozen=True)
 class Transition:
-    """A change between stick and slip, and what it did to the stress of a body.
+    """Stick-slip transition, with the change of the stress of a body after it.
 
     Attributes
     ----------
     time : float
-        When, s.
+        Instant of the transition, s.
     friction, joint : str
-        Which friction, in which joint.
+        Names of the friction and of its joint.
     change : str
         "sticks", "slips forward" or "slips backward".
     site : str
-        Where the stress due to friction changed most until the next transition.
+        Site with the largest change of the stress due to friction until the next transition.
     jump : float
-        By how much: von Mises stress of the change, Pa; nan of a state that began and ended
-        between two stored instants, of which nothing is known.
+        Von Mises stress of this change, Pa; nan if no instant is stored until the next transition.
     at : float
-        When it had changed so, s.
+        Instant of the largest change, s.
     stress : float
-        Von Mises stress there and then, with friction, Pa.
+        Von Mises stress at this site and instant, with friction, Pa.
     """
 
     time: float
@@ -78,7 +77,7 @@ class Transition:
 @described
 @dataclass(frozen=True, eq=False)
 class FrictionStress:
-    """Stress of a body with friction, without, and their difference.
+    """Stress of a body with friction, without friction, and the difference.
 
     Attributes
     ----------
@@ -87,7 +86,7 @@ class FrictionStress:
     with_friction, without_friction, due : StressField
         Stress fields at the same instants; `due` is the difference of the components.
     transitions : tuple of Transition
-        Changes between stick and slip in the order of time; empty with the regularised law.
+        Stick-slip transitions in the order of time; empty for the regularised law.
     """
 
     body: str
@@ -102,13 +101,13 @@ class FrictionStress:
         return self.due.time
 
     def history(self, site: str | int) -> Array:
-        """Return the stress due to friction at a place, (nt, 6) Pa."""
+        """Return the stress due to friction at a site, (nt, 6), Pa."""
         return self.due.history(site)
 
     def change(self, criterion: Any = "von-mises", sites: Sites = None) -> Array:
-        """Return what friction adds to a criterion, (nt, ns) Pa.
+        """Return the criterion with friction minus the criterion without, (nt, ns), Pa.
 
-        The criterion with friction less that without; of components that is `due`.
+        For a stress component it is the component of `due`.
         """
         return np.asarray(
             self.with_friction.values(criterion, sites)
@@ -116,18 +115,18 @@ class FrictionStress:
         )
 
     def peaks(self, count: int = 10) -> tuple[Transition, ...]:
-        """Return the transitions that changed the stress most, the largest first.
+        """Return the transitions with the largest changes of the stress, in descending order.
 
-        Equal ones, as a periodic motion has, stand in the order of their times.
+        Equal ones, such as those of a periodic motion, are in the order of time.
         """
         order = ranking([np.nan_to_num(t.jump) for t in self.transitions])[:count]
         return tuple(self.transitions[i] for i in order)
 
     def table(self, count: int = 10) -> list[dict[str, Any]]:
-        """Return the places with the largest stress due to friction, the largest first.
+        """Return the sites with the largest stress due to friction, in descending order.
 
-        Each with its site, position (m), the largest von Mises stress due to friction and when, and
-        the largest von Mises stresses with and without friction, Pa.
+        A row has the site, its position, m, the largest von Mises stress due to friction, Pa, its
+        instant, s, and the largest von Mises stresses with and without friction, Pa.
         """
         due = self.due.envelope("von-mises")
         rubbed = self.with_friction.envelope("von-mises")
@@ -146,7 +145,7 @@ class FrictionStress:
         ]
 
     def to_csv(self, path: str | Path, count: int | None = None) -> None:
-        """Write the table of places and, below it, of transitions."""
+        """Write the table of sites and, below it, the table of transitions."""
         head = ["site", "x (m)", "y (m)", "z (m)", "due to friction (Pa)", "at (s)"]
         head += ["with friction (Pa)", "without friction (Pa)"]
         rows: list[list[Any]] = [
@@ -195,37 +194,36 @@ def friction_stress(
     end: float | None = None,
     window: float | None = None,
 ) -> FrictionStress:
-    """Return the stress of a body that is due to the friction of joints.
+    """Return the stress of a body due to the friction of joints.
 
-    Two runs of a machine, with and without friction, are compared at the instants of the first;
-    where the other has none, its modal coordinates are interpolated by cubics through values and
-    rates. Stress is linear in them, so that the difference of the components is exact.
-
-    Every change between stick and slip is listed with the place whose stress due to friction
-    changes most from then on, until the next change or for the length of `window`.
+    Two runs of a machine, with and without friction, are compared at the instants of the first.
+    The modal coordinates of the second run are interpolated to these instants by cubics through
+    values and rates. The stress is linear in them, so that the difference of the components is
+    exact. Each stick-slip transition is listed with the site whose stress due to friction changes
+    most until the next transition, or within `window`.
 
     Parameters
     ----------
     with_run, without_run : Solution
         Results with and without friction; see `without_friction`.
     body : str
-        A flexible body of both.
+        Name of a flexible body of both runs.
     reduced, sites
         As for `stress_field`.
     start, end : float, optional
         First and last instant, s.
     window : float, optional
-        Longest time after a transition that is searched, s; None: until the next one.
+        Longest time after a transition to search, s; None is up to the next transition.
 
     Raises
     ------
     InputError
-        If the runs have no instants in common, or the body differs.
+        If the time spans of the runs do not overlap, or their bodies differ.
 
     Warns
     -----
     JoustoWarning
-        If the first run lost no energy to friction, or the second one did.
+        If the first run lost no energy to friction, or the second run lost some.
     """
     where = f"friction stress of '{body}'"
     rubbed = stress_field(with_run, body, reduced=reduced, sites=sites)
@@ -235,7 +233,7 @@ def friction_stress(
         rubbed.S, other.S, rtol=1e-9, atol=1e-9 * float(np.abs(rubbed.S).max(initial=0.0))
     ):
         problems.add(
-            where, "the two runs hold different parts under that name; run one model twice"
+            where, "the two runs have different parts of this name; use runs of the same parts"
         )
     if window is not None:
         problems.number(where, "window", window, "s", "a positive number", lambda x: x > 0.0)
@@ -280,7 +278,7 @@ def _common(
     start: float | None,
     end: float | None,
 ) -> tuple[float, float]:
-    """Return the first and last instant that both runs and the caller's window hold."""
+    """Return the first and last instant of the overlap of both runs and the time window."""
     spans = [
         (float(run.time[0]), float(run.time[-1])) if run.nt else (1.0, 0.0) for run in (one, two)
     ]
@@ -300,14 +298,16 @@ def _check_order(where: str, with_run: Solution, without_run: Solution) -> None:
     ]
     if lost[1] > 1e-9 * abs(lost[0]) and lost[1] > 0.0:
         warn(
-            where, f"the run without friction lost {lost[1]:.4g} J to friction; is its order right?"
+            where,
+            f"the run without friction lost {lost[1]:.4g} J to friction; check the order of the "
+            "runs",
         )
     elif lost[0] == 0.0:
-        warn(where, "the run with friction lost no energy to friction: nothing rubs, or it sticks")
+        warn(where, "the run with friction lost no energy to friction: all friction sticks or is 0")
 
 
 def coordinates_at(run: Solution, body: str, times: Array) -> Array:
-    """Return modal coordinates (nt, n) at any instants: cubics through values and rates."""
+    """Return modal coordinates (nt, n) at given instants, by cubics through values and rates."""
     shape = find_body(run, body)
     known = run.time
     p = run.q[:, shape.q_offset + 7 : shape.q_offset + 7 + shape.n]
@@ -323,7 +323,7 @@ def coordinates_at(run: Solution, body: str, times: Array) -> Array:
         + u**2 * (3.0 - 2.0 * u) * p[k + 1]
         - u**2 * (1.0 - u) * h * rate[k + 1]
     )
-    # stored instants exactly as they are
+    # exact values at stored instants
     return np.where(u == 0.0, p[k], np.where(u == 1.0, p[k + 1], between))
 
 
@@ -333,7 +333,7 @@ def _transition(
     event: Any,
     until: float,
 ) -> Transition:
-    """Return what one transition did."""
+    """Return a transition with the largest change of the stress until the next one."""
     rubbed, due = fields
     time = due.time
     instants = np.array([event.time])
@@ -368,22 +368,22 @@ def _transition(
 
 @explained
 def without_friction(mechanism: Mechanism) -> Mechanism:
-    """Return the same mechanism without the friction of its joints.
+    """Return a mechanism without the friction of its joints.
 
-    Sensors of friction forces, and events and damage sensors that watch these, are left out too.
+    Sensors of friction forces, and events and damage sensors that use them, are removed too.
 
     Parameters
     ----------
     mechanism : Mechanism
-        With at least one `Friction`.
+        Mechanism with at least one `Friction`.
 
     Raises
     ------
     InputError
-        If it has no friction, or a signal is switched by an event that is left out.
+        If the mechanism has no friction, or a removed event switches a signal.
     """
     if not mechanism.frictions:
-        raise InputError(Problem(f"mechanism '{mechanism.name}'", "has no friction to leave out"))
+        raise InputError(Problem(f"mechanism '{mechanism.name}'", "has no friction to remove"))
     gone = {
         id(sensor)
         for sensor in mechanism.sensors

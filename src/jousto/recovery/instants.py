@@ -1,4 +1,4 @@
-"""Instants of a run: those of a span, and those around a time."""
+"""Instants of a run: those in a time span, and those around a given time."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from jousto.base.errors import InputError, Problem
 
 
 def window(time: Array, start: float | None, end: float | None, where: str) -> slice:
-    """Return the instants from `start` to `end`, s, as a slice.
+    """Return the slice of the instants from `start` to `end`, s.
 
     Raises
     ------
     InputError
-        If no instant lies there.
+        If there is no instant in this span.
     """
     slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
     first = 0 if start is None else int(np.searchsorted(time, start - slack))
     last = len(time) if end is None else int(np.searchsorted(time, end + slack, side="right"))
     if first >= last:
         shown = f"{time[0] if start is None else start:g} to {time[-1] if end is None else end:g} s"
-        message = f"no instant from {shown}; there are {time[0]:g} to {time[-1]:g} s"
+        message = f"no instant from {shown}; the run has {time[0]:g} to {time[-1]:g} s"
         raise InputError(Problem(where, message))
     return slice(first, last)
 
 
-def between(time: Array, times: ArrayLike, where: str) -> tuple[Index, Index, Array]:
-    """Return the instants before and after each time, and the share of the later one.
+def bracket_instants(time: Array, times: ArrayLike, where: str) -> tuple[Index, Index, Array]:
+    """Return the indices of the instants around each time, and the weight of the later one.
 
     Raises
     ------
     InputError
-        If a time is outside or not a number.
+        If a time is outside the run or not a number.
     """
     wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
     slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
     bad = wanted[~((wanted >= time[0] - slack) & (wanted <= time[-1] + slack))]
     if len(bad):
-        message = f"{bad[0]:g} s is outside the run, {time[0]:g} to {time[-1]:g} s"
+        message = f"{bad[0]:g} s is outside the run of {time[0]:g} to {time[-1]:g} s"
         raise InputError(Problem(where, message))
     if len(time) == 1:
         none = np.zeros(len(wanted), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Where the nodes of a body are while it moves."""
+"""Positions of the nodes of a body during a run."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from jousto.simulation.results.solution import Solution
 
 
 def rotation_matrices(e: ArrayLike) -> Array:
-    """Return A (..., 3, 3) of Euler parameters e (..., 4), scalar first: local to world.
+    """Return rotation matrices A (..., 3, 3), local to world, of Euler parameters e (..., 4).
 
-    ``A = 2 [e0^2 - 1/2 + e1^2 ...]`` (Rantalainen 2007, eq. 3.5); e is normalised first.
+    ``A = 2 [e0^2 - 1/2 + e1^2 ...]`` (Rantalainen 2007, eq. 3.5); e, scalar first, is normalised.
 
     Examples
     --------
@@ -38,12 +38,12 @@ def rotation_matrices(e: ArrayLike) -> Array:
 
 
 def find_body(run: Solution, name: str) -> BodyShape:
-    """Return the body of that name; of a beam the line of its nodes.
+    """Return the body of a name; for a beam a body with its nodes as a line.
 
     Raises
     ------
     InputError
-        If there is none; the nearest name is suggested.
+        If there is no such body; the message contains the nearest name.
     """
     beams = {beam.name: beam for beam in run.beams}
     if name in beams:
@@ -72,14 +72,14 @@ def positions(
     Parameters
     ----------
     run : Solution
-        The results.
+        Results of the run.
     body : str or BodyShape
         Name of the body, or one of ``run.bodies``.
     times : (nt,) array_like, optional
-        Instants in s, inside the run; between two stored instants the positions are interpolated
-        linearly. None takes every stored instant.
+        Instants within the run, s; positions between stored instants are interpolated linearly.
+        None takes all stored instants.
     scale : float
-        Factor on the deformation ``Phi p``; other than 1 for pictures only. Beams are as they are.
+        Factor on the deformation ``Phi p``, for pictures; no effect on beams.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def _place(shape: BodyShape, q: Array, scale: float) -> Array:
 def bracket(
     run: Solution, times: ArrayLike
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
-    """Return the stored instants before and after each time, and the share of the later one.
+    """Return the indices of the stored instants around each time, and the weight of the later one.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def bracket(
     bad = wanted[~((wanted >= t[0] - slack) & (wanted <= t[-1] + slack))]
     if len(bad):
         raise InputError(
-            Problem("times", f"{bad[0]:g} s is outside the run, {t[0]:g} to {t[-1]:g} s")
+            Problem("times", f"{bad[0]:g} s is outside the run of {t[0]:g} to {t[-1]:g} s")
         )
     if len(t) == 1:
         none = np.zeros(len(wanted), dtype=np.intp)

@@ -15,7 +15,7 @@ from jousto.robots.description import Actuator, Robot
 
 
 def with_actuators(robot: Robot, whether: bool, moved: Container[str]) -> Robot:
-    """Return a robot with its actuators, without those on joints that something else moves."""
+    """Return a robot without the actuators on driven joints, or without any actuators."""
     kept = (actuator for actuator in robot.actuators if actuator.joint not in moved)
     return replace(robot, actuators=tuple(kept) if whether else ())
 
@@ -23,19 +23,19 @@ def with_actuators(robot: Robot, whether: bool, moved: Container[str]) -> Robot:
 def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
     """Return the forces of an actuator on the coordinate of its joint.
 
-    ``f = g (gain u + b0 + b1 g s + b2 g s')``: a `Servo` where b1 < 0, of the reference
-    ``(gain u + b0) / (-b1 g)``, else a `JointForce`, with a damper where b2 < 0.
+    ``f = g (gain u + b0 + b1 g s + b2 g s')``. For b1 < 0 it is a `Servo` with the reference
+    ``(gain u + b0) / (-b1 g)``, otherwise a `JointForce`, with a damper if b2 < 0.
     """
     g, gain, (b0, b1, b2) = actuator.gear, actuator.gain, actuator.bias
     if s is None or g == 0.0:
         return []
     name = actuator.name
     if b1 > 0.0 or b2 > 0.0:
-        warn(actuator.where or name, "pushes away from where it is: it makes no force here")
+        warn(actuator.where or name, "has an unstable bias (b1 or b2 above 0) and exerts no force")
         return []
     u = Input(name)
     if b1 < 0.0:
-        wanted = scaled(u, gain / (-b1 * g), b0 / (-b1 * g))
+        wanted = scaled_signal(u, gain / (-b1 * g), b0 / (-b1 * g))
         limit = g * actuator.limit
         return [
             Servo(
@@ -47,13 +47,13 @@ def actuator_forces(actuator: Actuator, s: Coordinate | None) -> list[Any]:
                 abs(limit) if math.isfinite(limit) else None,
             )
         ]
-    found: list[Any] = [JointForce(name, s, scaled(u, g * gain, g * b0))]
+    found: list[Any] = [JointForce(name, s, scaled_signal(u, g * gain, g * b0))]
     if b2 < 0.0:
         found.append(Spring(f"{name} damping", s, 0.0, -b2 * g * g, 0.0))
     return found
 
 
-def scaled(u: Signal, factor: float, offset: float) -> Signal:
-    """Return ``factor u + offset`` without what changes nothing."""
+def scaled_signal(u: Signal, factor: float, offset: float) -> Signal:
+    """Return the signal ``factor u + offset``, without a factor 1 or an offset 0."""
     made = u if factor == 1.0 else factor * u
     return made if offset == 0.0 else made + offset

@@ -1,4 +1,4 @@
-"""Mechanisms of robots: bodies, joints, rotors, and what their joints start from."""
+"""Mechanisms of robots: bodies, joints, rotors, and initial coordinates of joints."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from jousto.mechanism.sensors.scalar import CoordinateSensor
 from jousto.mechanism.signals.base import check_signal
 from jousto.robots.actuators import actuator_forces, with_actuators
 from jousto.robots.description import Frame, Link, Robot
-from jousto.robots.joint_limits import RESTITUTION, joint_forces, limits_of, moving
-from jousto.robots.joints import couplings, lifts, make_joint, make_loops, rotor
+from jousto.robots.joint_limits import RESTITUTION, effective_inertias, joint_forces, limits_of
+from jousto.robots.joints import couplings, gravity_compensation, make_joint, make_loops, rotor
 from jousto.robots.kinematics.tree import Tree
 from jousto.robots.root_pose import Seat
 
 SINGLE = ("revolute", "prismatic", "screw")
-SHARE = 1e-6  # of what it carries, for a link without mass
+SHARE = 1e-6  # mass of a link without mass over that of its children
 
 
 @dataclass(frozen=True, eq=False)
-class Built:
-    """What a robot becomes.
+class RobotItems:
+    """Bodies, joints and coordinates of the mechanism of a robot.
 
     Parameters
     ----------
     bodies, joints : dict
-        By the names of links and joints.
+        Bodies and joints by the names of links and joints.
     coordinates : dict
-        Those of joints that have one.
+        Coordinates of joints with one coordinate, by name.
     items : tuple
-        All of it.
+        All items of the mechanism.
     """
 
     bodies: Mapping[str, RigidBody]
@@ -66,49 +66,49 @@ def mechanism(
     efforts: Mapping[str, Any] | None = None,
     actuators: bool = True,
 ) -> Mechanism:
-    """Return the mechanism of a robot, its coordinates counted as in the file.
+    """Return the mechanism of a robot, with the joint coordinates of the file.
 
-    A joint of the robot is a joint of the same name, a link a body; a link without mass that
-    carries others gets a millionth of their mass and inertia. A joint that follows another one
-    is held by a `Coupling`. A rotor (armature) is a wheel on the ground that turns with its
-    joint. Each joint with one coordinate has a `CoordinateSensor` of its name.
+    A joint of the robot becomes a joint of the same name, a link becomes a body; a link without
+    mass gets a millionth of the mass and inertia of its children. A mimic joint has a `Coupling`. A
+    rotor (armature) is a wheel on the ground coupled to its joint. Each joint with one coordinate
+    has a `CoordinateSensor` of its name.
 
-    A limit is a `Stop`, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)`` (1 mm for slides), M being
-    the inertia that moves with the joint at its zero while the others are free. Its restitution
-    holds for blows from 0.1 rad/s or 20 mm/s on, or a twentieth of the largest rate of the joint.
+    A limit is a `Stop`, ``k = max(M (2 pi 50 Hz)^2, effort / 0.01 rad)`` (1 mm for slides), with
+    the effective inertia M of the joint at coordinate zero. Its restitution applies to impacts
+    above 0.1 rad/s or 20 mm/s, or above a twentieth of the largest rate of the joint.
 
     Parameters
     ----------
     robot : Robot
-        What `read_urdf` or another reader returns.
+        Robot from `read_urdf` or another reader.
     gravity : (3,) array_like, optional
-        Acceleration of free fall, m/s2; None for that of the robot, (0, 0, -9.81) in most files.
+        Gravitational acceleration, m/s2; None is that of the robot, (0, 0, -9.81) in most files.
     at : dict of str to float, optional
-        Where joints start, rad or m, by their names or those of their coordinates
-        (``elbow.angle``); elsewhere where a drive begins, at zero, or at the nearest limit.
+        Initial coordinates, rad or m, by names of joints or of coordinates (``elbow.angle``). The
+        default is the initial value of a drive, or zero, or the limit nearest to zero.
     stops : bool or float
         Whether limits are stops; a number is their stiffness, N m/rad or N/m.
     restitution : float
-        Of a blow on a stop: speed after it by the speed before.
+        Coefficient of restitution of stops: speed after an impact over speed before it.
     losses : bool
-        Whether damping, dry friction and springs of the joints count. Dry friction is full from
-        0.01 rad/s or 1 mm/s on, later where it would stop the joint in less than 2 ms.
+        Whether to include damping, dry friction and springs of the joints. Dry friction has its
+        full value above 0.01 rad/s or 1 mm/s, or above the speed that it stops in 2 ms.
     drives : dict of str to Signal, optional
-        Joints that follow a signal, rad or m.
+        Prescribed coordinates of joints by name, rad or m.
     efforts : dict of str to Signal or float, optional
-        Forces of motors, N m or N, such as ``jo.Input("u")``.
+        Forces on joints by name, N m or N, such as ``jo.Input("u")``.
     actuators : bool
-        Whether the motors and servos of the file act, each with an `Input` of its name, 0 at the
-        start as in MuJoCo; those on a joint in `drives` or `efforts` never do.
+        Whether to include motors and servos of the file, each with an `Input` of its name and the
+        initial value 0, as in MuJoCo; never those on a joint in `drives` or `efforts`.
 
     Raises
     ------
     InputError
-        If a joint is not there, has not one coordinate, or starts outside its limits.
+        If a joint does not exist, has not one coordinate, or starts outside its limits.
 
     See Also
     --------
-    RobotInMechanism : A robot as a part of a larger machine.
+    RobotInMechanism : A robot as an assembly of a larger machine.
     """
     asked = {"at": at, "drives": drives, "efforts": efforts}
     given = {key: dict(value or {}) for key, value in asked.items()}
@@ -122,7 +122,7 @@ def mechanism(
     start = given["at"] | begins
     weight = robot.gravity if gravity is None else np.asarray(gravity, dtype=np.float64)
     robot = with_actuators(robot, actuators, {**given["drives"], **given["efforts"]})
-    made = built(
+    made = build_robot(
         replace(robot, gravity=weight), seat, at=start, stops=(stops, restitution), losses=losses
     )
     items: list[Any] = [*made.items]
@@ -132,7 +132,7 @@ def mechanism(
     return Mechanism(*items, Gravity(weight), name=robot.name)
 
 
-def built(
+def build_robot(
     robot: Robot,
     seat: Seat,
     *,
@@ -140,42 +140,42 @@ def built(
     stops: tuple[bool | float, float],
     losses: bool,
     prefix: str = "",
-) -> Built:
-    """Return the bodies, joints, forces and sensors of a robot on its seat.
+) -> RobotItems:
+    """Return the bodies, joints, forces and sensors of a robot on its base.
 
     Raises
     ------
     InputError
-        If a joint starts outside its limits, or what moves has no mass.
+        If a joint starts outside its limits, or a moving body has no mass.
     """
     tree = Tree(replace(robot, loops=()))
-    begun = starts(tree, at, {x.name: x.kind for x in robot.joints})
+    begun = initial_coordinates(tree, at, {x.name: x.kind for x in robot.joints})
     poses = initial_poses(robot, tree, begun, seat)
     bodies = make_bodies(robot, poses, seat)
     joints = make_joints(robot, bodies, seat, prefix)
     coordinates = {
-        joint.name: made.coordinates[-1]  # of a screw its angle
+        joint.name: made.coordinates[-1]  # the last one, which is the angle of a screw
         for joint in robot.joints
         if joint.kind in SINGLE and (made := joints.get(joint.name)) is not None
     }
     items: list[Any] = [*bodies.values(), *joints.values(), *couplings(robot, coordinates)]
-    inertias = moving(tree)
+    inertias = effective_inertias(tree)
     limits = limits_of(robot, tree, *stops, inertias)
     for joint in robot.joints:
         items += joint_forces(joint, joints.get(joint.name), limits, inertias if losses else None)
         items += rotor(joint, coordinates)
     items += make_loops(robot, bodies, seat).values()
-    items += lifts(robot, bodies)
+    items += gravity_compensation(robot, bodies)
     for actuator in robot.actuators:
         items += actuator_forces(actuator, coordinates.get(actuator.joint))
     items += (CoordinateSensor(name, s) for name, s in coordinates.items())
-    return Built(bodies, joints, coordinates, tuple(items))
+    return RobotItems(bodies, joints, coordinates, tuple(items))
 
 
 def check_joints(
     problems: Problems, robot: Robot, given: Mapping[str, Mapping[str, Any]], stops: bool | float
 ) -> None:
-    """Note joints that are not there or have not one coordinate, and starts that cannot be."""
+    """Add problems for joints that do not exist or have not one coordinate, and invalid starts."""
     ends = ends_of(robot, stops) if given.get("at") else {}
     for key, named in given.items():
         for name, value in named.items():
@@ -187,7 +187,7 @@ def check_joints(
 
 
 def wrong_joint(robot: Robot, name: str) -> str:
-    """Return why a joint has not one coordinate, empty if it has."""
+    """Return why a joint does not have one coordinate; empty if it has one."""
     known = {joint.name: joint for joint in robot.joints}
     if name not in known:
         single = [x.name for x in robot.joints if x.kind in SINGLE]
@@ -197,7 +197,7 @@ def wrong_joint(robot: Robot, name: str) -> str:
 
 
 def by_joint(given: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Return values by joints, which may be named by their coordinates: ``elbow.angle``."""
+    """Return values by joint, from names of joints or of coordinates such as ``elbow.angle``."""
     ends = (".angle", ".displacement")
     return {
         next((x[: -len(end)] for end in ends if isinstance(x, str) and x.endswith(end)), x): value
@@ -206,9 +206,9 @@ def by_joint(given: Mapping[Any, Any]) -> dict[Any, Any]:
 
 
 def ends_of(robot: Robot, stops: bool | float) -> dict[str, tuple[float, float]]:
-    """Return the limits of joints, rad or m, those of the joints that follow them with them.
+    """Return the limits of joints, rad or m, including those of joints that follow them.
 
-    Empty without stops: then joints may start anywhere.
+    Without stops the result is empty, since joints may then start anywhere.
     """
     if stops is False:
         return {}
@@ -220,7 +220,7 @@ def ends_of(robot: Robot, stops: bool | float) -> dict[str, tuple[float, float]]
 def wrong_start(
     robot: Robot, name: str, value: Any, ends: Mapping[str, tuple[float, float]]
 ) -> str:
-    """Return why a joint cannot start at a value, empty if it can; `ends` are its limits."""
+    """Return why a joint cannot start at a value; empty if it can; `ends` are the limits."""
     joint = next(x for x in robot.joints if x.name == name)
     problems = Problems()
     x = number(problems, "", "", value)
@@ -229,23 +229,23 @@ def wrong_start(
     turns = joint.kind == "revolute"
     unit = "rad" if turns else "m"
     if joint.mimic is not None:
-        return f"the joint follows {joint.mimic.joint!r}; say where that one starts"
+        return f"the joint follows {joint.mimic.joint!r}; give the start of that joint"
     if turns and abs(x) > np.pi:
         return f"is {x:g} rad, must be within half a turn"
     lower, upper = ends.get(name, (-np.inf, np.inf))
     if not lower <= x <= upper:
         return (
-            f"{x:g} {unit} lies outside the limits {lower:g} and {upper:g}; start between them, or "
-            "leave out the stops"
+            f"{x:g} {unit} is outside the limits {lower:g} and {upper:g}; start between them, or "
+            "give stops=False"
         )
     return ""
 
 
 def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[str, RigidBody]:
-    """Return the bodies by the names of their links; a base that only stands there is left out.
+    """Return the bodies by the names of their links, without a fixed base that is not drawn.
 
-    A base without mass that is a body gets a millionth of what it carries, which counts for
-    nothing, so that it can be drawn.
+    A base without mass gets a millionth of the mass of its children, which has no noticeable
+    effect, so that it can be drawn.
     """
     carried = carrying(robot)
     bodies = {}
@@ -257,7 +257,7 @@ def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[st
         if mass == 0.0:
             whole = carried[link.name]
             if whole.mass == 0.0 and not stands:
-                message = "neither it nor what it carries has a mass, which a mechanism needs"
+                message = "neither it nor its children have a mass, which a mechanism needs"
                 raise InputError(Problem(f"link {link.name!r}", message))
             mass = SHARE * (whole.mass or 1.0)
             moment = float(np.linalg.eigvalsh(whole.inertia)[-1]) or 1.0
@@ -265,7 +265,7 @@ def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[st
             if not stands:
                 warn(
                     f"link {link.name!r}",
-                    f"has no mass; as a body it gets {mass:.3g} kg, a millionth of what it carries",
+                    f"has no mass; as a body it gets {mass:.3g} kg, a millionth of its children",
                 )
         v, w = seat.motion(poses[link.name].r)
         outline = np.concatenate(link.shapes) if link.shapes else None
@@ -285,7 +285,7 @@ def make_bodies(robot: Robot, poses: Mapping[str, Frame], seat: Seat) -> dict[st
 
 
 def carrying(robot: Robot) -> dict[str, Link]:
-    """Return each link with all that it carries at zero as one body."""
+    """Return each link merged with all its descendants at zero coordinates."""
     whole = {link.name: link for link in robot.links}
     for joint in reversed(robot.joints):
         parent = whole[joint.parent]
@@ -296,7 +296,7 @@ def carrying(robot: Robot) -> dict[str, Link]:
 def make_joints(
     robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat, prefix: str
 ) -> dict[str, Joint]:
-    """Return the joints by name, and that of the base to what carries it."""
+    """Return the joints by name, including the one between base and carrier."""
     joints: dict[str, Joint] = {}
     root = robot.links[0]
     if robot.fixed_base and root.name in bodies:
@@ -320,8 +320,10 @@ def free_name(name: str, taken: set[str]) -> str:
     return name
 
 
-def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dict[str, float]:
-    """Return where joints start: where they shall, and else where their limits keep them."""
+def initial_coordinates(
+    tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]
+) -> dict[str, float]:
+    """Return the initial coordinates of joints: given ones, or zero clipped to the limits."""
     found = {name: float(x) for name, x in at.items()}
     usual = dict(zip(tree.positions, map(float, tree.initial), strict=True))
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
@@ -337,7 +339,7 @@ def starts(tree: Tree, at: Mapping[str, float], kinds: Mapping[str, str]) -> dic
 def initial_poses(
     robot: Robot, tree: Tree, begun: Mapping[str, float], seat: Seat
 ) -> dict[str, Frame]:
-    """Return where the links are in the world where the joints start."""
+    """Return the poses of the links in the world at the initial coordinates."""
     q = np.array(tree.initial)
     for i, name in enumerate(tree.positions):
         q[i] = begun.get(name.rpartition(".")[0], q[i])

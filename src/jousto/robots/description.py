@@ -1,4 +1,4 @@
-"""Robots: links and the joints between them, as a file describes them."""
+"""Robot: links, joints, loops and actuators, as a file or table describes them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ KINDS = ("revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed"
 @described
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where a frame is in another.
+    """Pose of a frame in an outer frame.
 
     Parameters
     ----------
     r : (3,) array
-        Its origin, m.
+        Origin in the outer frame, m.
     A : (3, 3) array
-        Its axes in columns.
+        Axes as columns, in the outer frame.
     """
 
     r: Array = field(default_factory=lambda: np.zeros(3))
@@ -37,32 +37,32 @@ class Frame:
         return Frame(self.r + self.A @ other.r, self.A @ other.A)
 
     def inverted(self) -> Frame:
-        """Return the outer frame in this one."""
+        """Return the inverse: the pose of the outer frame in this one."""
         return Frame(-self.A.T @ self.r, self.A.T)
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A rigid link of a robot.
+    """Rigid link of a robot.
 
     Parameters
     ----------
     name : str
-        Its name.
+        Name of the link.
     mass : float
-        kg; zero for a frame that only carries others.
+        Mass, kg; zero for a link that is only a frame.
     center : (3,) array
         Centre of mass in the frame of the link, m.
     inertia : (3, 3) array
-        About the centre, in the axes of the link, kg m2.
+        Inertia about the centre of mass, in the axes of the link, kg m2.
     shapes : tuple of (nt, 3, 3) arrays
-        Triangles to draw it with, in its frame, m.
+        Triangles for pictures, in the frame of the link, m.
     frames : dict of str to Frame
-        Named frames in that of the link.
+        Named frames, in the frame of the link.
     where : str
-        Where the file describes it.
+        File and line of the link, for messages.
     lifts : tuple of (float, (3,) array)
-        Masses whose weight is compensated, kg, and where, in the frame of the link, m.
+        Masses with gravity compensation, kg, and their points, in the frame of the link, m.
     """
 
     name: str
@@ -78,10 +78,10 @@ class Link:
         return f"<Link {self.name!r}: {self.mass:g} kg>"
 
     def with_link(self, other: Link, at: Frame, *, frame: bool = True) -> Link:
-        """Return this link with another one fixed to it at a frame, which keeps its name."""
+        """Return this link merged with another one at a frame, named after the other link."""
         mass = self.mass + other.mass
         c, d = self.center, at.r + at.A @ other.center
-        # equal and opposite masses have no centre; negative ones are refused
+        # opposite masses have no centre of mass; negative masses are rejected later
         center = c if mass == 0.0 else (self.mass * c + other.mass * d) / mass
         inertia = self.inertia + at.A @ other.inertia @ at.A.T
         for m, x in ((self.mass, c - center), (other.mass, d - center)):
@@ -105,7 +105,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another one: ``q = multiplier * q_other + offset``."""
+    """Relation of a joint that follows another one: ``q = multiplier * q_other + offset``."""
 
     joint: str
     multiplier: float = 1.0
@@ -114,41 +114,41 @@ class Mimic:
 
 @dataclass(frozen=True, eq=False)
 class RobotJoint:
-    """A joint of a robot.
+    """Joint of a robot.
 
     Parameters
     ----------
     name : str
-        Its name.
+        Name of the joint.
     kind : {"revolute", "prismatic", "screw", "ball", "planar", "floating", "fixed"}
-        How the child moves. A continuous joint is a revolute one without limits; the coordinate
-        of a screw is its angle.
+        Kind of motion. A continuous joint is a revolute one without limits; the coordinate of a
+        screw is its angle.
     parent, child : str
         Names of the links.
     origin : Frame
-        Frame of the child in that of the parent where the coordinate is zero.
+        Pose of the child in the frame of the parent at coordinate zero.
     axis : (3,) array
         Axis, or normal of a planar joint, in the frame of the child.
     anchor : (3,) array
-        Where the joint is, in the frame of the child, m.
+        Point of the joint in the frame of the child, m.
     lower, upper : float
-        Limits, rad or m; infinite where there are none.
+        Limits of the coordinate, rad or m; infinite without limits.
     velocity, effort : float
-        Largest rate (rad/s, m/s) and force (N m, N) that the file allows.
+        Limits of the rate (rad/s, m/s) and of the force (N m, N).
     damping, friction : float
-        Viscous (N m s/rad, N s/m) and dry (N m, N).
+        Viscous damping (N m s/rad, N s/m) and dry friction (N m, N).
     armature : float
-        Inertia of the rotor as the joint sees it, kg m2 or kg.
+        Rotor inertia reduced to the joint, kg m2 or kg.
     stiffness, rest : float
-        Spring on the coordinate (N m/rad, N/m) and where it is relaxed.
+        Stiffness of a spring on the coordinate (N m/rad, N/m) and its unstressed coordinate.
     mimic : Mimic or None
-        What it follows.
+        Relation to the joint that it follows.
     where : str
-        Where the file describes it.
+        File and line of the joint, for messages.
     initial : float
-        Where it starts unless told otherwise, rad or m.
+        Default initial coordinate, rad or m.
     pitch : float
-        Displacement of a screw in one turn, m.
+        Displacement of a screw per revolution, m.
     """
 
     name: str
@@ -177,38 +177,38 @@ class RobotJoint:
 
     @property
     def frame(self) -> Frame:
-        """Frame of the joint in that of the child, whose z axis is the joint's."""
+        """Frame of the joint, with its z axis along the joint axis, in the frame of the child."""
         if self.kind in ("revolute", "prismatic", "screw", "planar"):
             return Frame(self.anchor, turn_onto(np.eye(3), self.axis))
         return Frame(self.anchor)
 
     @property
     def bounded(self) -> bool:
-        """Whether it has a limit."""
+        """Whether the joint has a limit."""
         return math.isfinite(self.lower) or math.isfinite(self.upper)
 
 
 @dataclass(frozen=True)
 class Actuator:
-    """A motor or servo of a robot with a control signal u.
+    """Motor or servo of a robot with a control signal u.
 
-    The force on the joint is ``g (gain u + b0 + b1 g q + b2 g q')``, g being the gear, rad or m of
-    the actuator for one of the joint.
+    The force on the joint is ``g (gain u + b0 + b1 g q + b2 g q')`` with the gear ratio g, motion
+    of the actuator over motion of the joint.
 
     Parameters
     ----------
     name : str
-        Its name, that of its input.
+        Name of the actuator and of its input.
     joint : str
-        The joint it acts on.
+        Name of the joint on which it acts.
     gear, gain : float
-        Transmission ratio g, and force for one unit of the signal.
+        Gear ratio g, and force per unit of the signal.
     bias : (float, float, float)
-        b0 (N or N m), b1 and b2 (of its own length and rate).
+        b0 (N or N m), b1 (per coordinate) and b2 (per rate) of the actuator.
     limit : float
-        Largest force of the actuator, N or N m, before the gear.
+        Largest force of the actuator before the gear, N or N m.
     where : str
-        Where the file describes it.
+        File and line of the actuator, for messages.
     """
 
     name: str
@@ -222,26 +222,26 @@ class Actuator:
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot as a file or a table describes it: a tree of links, and what closes loops.
+    """Robot as a file or a table describes it: a tree of links, and joints that close loops.
 
     Parameters
     ----------
     name : str
-        Its name.
+        Name of the robot.
     links : tuple of Link
-        The root first, then every link after the one that carries it.
+        Links: the root first, then every link after its parent.
     joints : tuple of RobotJoint
-        In the order of the links that they carry, without the root.
+        Joints in the order of their child links.
     fixed_base : bool
-        Whether the root is fixed to the ground; else it moves freely.
+        Whether the root is fixed to the ground; otherwise it moves freely.
     odd : tuple of Problem
-        What is odd in the file but can be run; it was warned of.
+        Warnings of the reader.
     source : Path or None
-        The file.
+        Path of the file.
     gravity : (3,) array
-        Acceleration of free fall, m/s2.
+        Gravitational acceleration, m/s2.
     loops : tuple of RobotJoint
-        Joints that close loops between links of the tree, without coordinates of their own.
+        Joints that close loops of the tree; they have no own coordinates.
     actuators : tuple of Actuator
         Motors and servos.
     """

@@ -1,4 +1,4 @@
-"""RobotInMechanism: a robot as a part of a larger machine."""
+"""RobotInMechanism: a robot as an assembly of a larger machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.mechanism.bodies.base import ZERO3, Orientation
 from jousto.mechanism.bodies.body import Ground, RigidBody, ground
 from jousto.mechanism.bodies.marker import Marker
 from jousto.robots.actuators import with_actuators
-from jousto.robots.build import built, by_joint, check_joints
+from jousto.robots.build import build_robot, by_joint, check_joints
 from jousto.robots.description import Frame, Robot
 from jousto.robots.joint_limits import RESTITUTION
 from jousto.robots.readers.files import read_robot
@@ -25,13 +25,13 @@ from jousto.robots.root_pose import Seat
 
 
 class RobotField(Field["Robot | str | PathLike[str]", Robot]):
-    """A robot, or the path of its file."""
+    """Field with a robot, or the path of its file."""
 
     form = "robot"
     noun = "Robot or path"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the robot, read if it is a file."""
+        """Return the robot; a path is read."""
         if isinstance(value, str | PathLike):
             try:
                 return read_robot(str(value))
@@ -45,13 +45,13 @@ class RobotField(Field["Robot | str | PathLike[str]", Robot]):
 
 
 class BaseField(Field["Marker | RigidBody | Ground | None", "Marker"]):
-    """What carries a robot: a body, a marker, or None for the ground or what the robot says."""
+    """Field with the base of a robot: a body, a marker, or None."""
 
     form = "base"
     noun = "RigidBody or Marker"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the marker; that of the origin of a body."""
+        """Return the marker, for a body that of its origin."""
         if isinstance(value, RigidBody | Ground):
             return value["origin"]
         if not isinstance(value, Marker):
@@ -64,13 +64,13 @@ class BaseField(Field["Marker | RigidBody | Ground | None", "Marker"]):
 
 
 class Prefix(OptionalText):
-    """What names begin with, which may be nothing, or None."""
+    """Field with a prefix of names, which may be empty, or None."""
 
     form = "prefix"
 
 
 class Stops(AnyField):
-    """Whether there are stops, or their stiffness."""
+    """Field with True or False for stops, or their stiffness."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return True, False or the stiffness."""
@@ -89,26 +89,24 @@ class Stops(AnyField):
 
 
 class RobotInMechanism(Assembly, section="robots"):
-    """A robot that stands on the ground or on a body of a larger machine.
+    """Robot on the ground or on a body of a larger machine.
 
-    `Mechanism` takes it as it takes bodies; all that the robot consists of gets names with its
-    prefix: ``arm_elbow``. Its joints count as its file counts them. Gravity is that of the
-    machine; the forces of weights that the file compensates are those of the gravity of the file.
-    What `mechanism` says of a robot alone holds for its stops, losses, rotors and actuators.
-
-    ``robot["tool"]`` is the marker of a link or a named frame, by its name in the file, with its
-    own axes.
+    It is an argument of `Mechanism` like a body; the names of its bodies, joints and forces have
+    its prefix: ``arm_elbow``. Joint coordinates are those of its file. Gravity is that of the
+    machine; gravity compensation is for the gravity of the file. Stops, losses, rotors and
+    actuators are those of `mechanism`. ``robot["tool"]`` is the marker of a link or a named frame,
+    by its name in the file, with the axes of the file.
 
     Attributes
     ----------
     bodies, joints : dict
         Bodies and joints by their names in the file.
     items : tuple
-        All bodies, joints, forces and sensors.
+        Bodies, joints, forces and sensors.
 
     Examples
     --------
-    A cart that carries an arm::
+    An arm on a cart::
 
         arm = jo.robots.RobotInMechanism("arm", "arm.urdf", cart["top"], at={"elbow": 0.5})
         motor = jo.JointForce("motor", arm.joints["elbow"].angle, jo.Input("u"))
@@ -118,20 +116,23 @@ class RobotInMechanism(Assembly, section="robots"):
     kind = "robot"
     together = ("robot",)
     name: Name = field("Unique among the robots")
-    robot: RobotField = field("A Robot, or the file of one: URDF, MJCF or SDF", key="file")
+    robot: RobotField = field("A Robot, or its URDF, MJCF or SDF file", key="file")
     base: BaseField = field(
-        "Body, frame or marker that it is fixed to; without one it stands on the ground, or moves "
-        "as its file says",
+        "Body, frame or marker to which the robot is fixed; if not given it is on the ground, "
+        "fixed or free as in its file",
         default=None,
     )
     position: Vector = field(
-        "Place of the robot's root, in the frame of the base", unit="m", default=ZERO3, kw_only=True
+        "Position of the robot's root in the frame of the base",
+        unit="m",
+        default=ZERO3,
+        kw_only=True,
     )
     orientation: Orientation = field(
         "Orientation of the root in the frame of the base", default=None, kw_only=True
     )
     prefix: Prefix = field(
-        "What the names of its bodies and joints begin with; its name and _ if not given",
+        "Prefix of the names of its bodies and joints; its name and _ if not given",
         default=None,
         kw_only=True,
     )
@@ -144,7 +145,7 @@ class RobotInMechanism(Assembly, section="robots"):
         kw_only=True,
     )
     restitution: Number = field(
-        "Of a blow on a stop: speed after it by the speed before",
+        "Coefficient of restitution of stops: speed after an impact over speed before it",
         unit="1",
         least=0,
         most=1,
@@ -152,18 +153,18 @@ class RobotInMechanism(Assembly, section="robots"):
         kw_only=True,
     )
     losses: Flag = field(
-        "Whether damping, dry friction and springs of the file count",
+        "Whether to include damping, dry friction and springs of the file",
         default=True,
         kw_only=True,
     )
     actuators: Flag = field(
-        "Whether the motors and servos of the file act, each with an input of its name",
+        "Whether to include motors and servos of the file, each with an input of its name",
         default=True,
         kw_only=True,
     )
     at: AnyField = field(
-        "Where joints start, by their names in the file, rad or m; elsewhere at zero, or at the "
-        "limit that is nearest to it",
+        "Initial coordinates of joints by their names in the file, rad or m; by default zero, or "
+        "the limit nearest to it",
         form="robot starts",
         noun="dict of str to float",
         default=None,
@@ -173,7 +174,7 @@ class RobotInMechanism(Assembly, section="robots"):
     joints: Mapping[str, Any] = kept()
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Build the bodies and joints, note joints that are not there and starts that cannot be."""
+        """Build bodies and joints; add problems for unknown joints and invalid initial values."""
         robot: Robot = self.robot
         given: Any = {} if self.at is None else self.at
         own: Any = self.prefix
@@ -199,8 +200,8 @@ class RobotInMechanism(Assembly, section="robots"):
         marker = ground["origin"] if base is None else base
         seat = Seat(marker, Frame(self.position, rotation_matrix(self.orientation)))
         try:
-            made = built(
-                prefixed(robot, prefix),
+            made = build_robot(
+                with_prefix(robot, prefix),
                 seat,
                 at={f"{prefix}{name}": x for name, x in given.items()},
                 stops=(self.stops, self.restitution),
@@ -227,7 +228,7 @@ class RobotInMechanism(Assembly, section="robots"):
 
     @property
     def named(self) -> dict[str, Marker]:
-        """Links and named frames with the axes of the file, by their names with the prefix."""
+        """Markers of links and named frames, with the axes of the file, by prefixed names."""
         return {f"{self.prefix}{name}": self[name] for name in self.frames}
 
     def __getitem__(self, name: str) -> Marker:
@@ -236,7 +237,7 @@ class RobotInMechanism(Assembly, section="robots"):
         Raises
         ------
         UnknownNameError
-            If there is none; names the nearest one.
+            If there is no such frame; the message contains the nearest name.
         """
         for link in self.robot.links:
             if name == link.name or name in link.frames:
@@ -258,8 +259,8 @@ class RobotInMechanism(Assembly, section="robots"):
         return f"<RobotInMechanism {self.name!r}: {what}>"
 
 
-def prefixed(robot: Robot, prefix: str) -> Robot:
-    """Return a robot whose links and joints have names with a prefix; frames keep theirs."""
+def with_prefix(robot: Robot, prefix: str) -> Robot:
+    """Return a robot with a prefix on the names of links and joints, but not of frames."""
     links = tuple(replace(link, name=f"{prefix}{link.name}") for link in robot.links)
     joints = tuple(
         replace(

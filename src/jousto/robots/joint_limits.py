@@ -1,4 +1,4 @@
-"""Stops at the limits of joints, and what their joints lose."""
+"""Stops at the limits of joints, and springs, damping and friction of joints."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from jousto.mechanism.signals.piecewise import Table
 from jousto.robots.description import Robot, RobotJoint
 from jousto.robots.kinematics.tree import Tree
 
-STOP_FREQUENCY = 50.0  # Hz, of what moves against a stop
-RESTITUTION = 0.5
-YIELD = {"rad": 0.01, "m": 1e-3}  # under the largest effort of the joint
-QUICK = 20.0  # times the speed of a stop is the fastest that the joint may be
-DRY = {"rad": 0.01, "m": 1e-3}  # rad/s or m/s at which dry friction is full, or faster, so that
-SOON = 2e-3  # it takes so many seconds to come to rest
+STOP_FREQUENCY = 50.0  # natural frequency of the effective inertia of a joint on its stop, Hz
+RESTITUTION = 0.5  # default coefficient of restitution of stops
+YIELD = {"rad": 0.01, "m": 1e-3}  # deflection of a stop under the largest effort of the joint
+QUICK = 20.0  # largest speed of the joint over the speed from which restitution applies
+DRY = {"rad": 0.01, "m": 1e-3}  # smallest speed of full dry friction, rad/s or m/s
+SOON = 2e-3  # shortest time in which full dry friction stops a joint, s
 
 
-def moving(tree: Tree) -> dict[str, float]:
-    """Return what moves with each coordinate while the others are free, at the initial pose."""
+def effective_inertias(tree: Tree) -> dict[str, float]:
+    """Return the effective inertia of each coordinate at the initial pose, kg m2 or kg."""
     inverse = np.diag(np.linalg.pinv(tree.mass_matrix(tree.initial)))
     inertia = 1.0 / np.maximum(inverse, 1e-300)
     return dict(zip(tree.velocities, map(float, inertia), strict=True))
@@ -38,18 +38,18 @@ def moving(tree: Tree) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a stop at the limits of a joint is.
+    """Parameters of the stop at the limits of a joint.
 
     Parameters
     ----------
     lower, upper : float
-        Limits, rad or m, infinite where there are none.
+        Limits, rad or m; infinite without limits.
     stiffness : float
-        N m/rad or N/m.
+        Stiffness, N m/rad or N/m.
     restitution : float
-        Of a blow.
+        Coefficient of restitution.
     speed : float
-        From which on it holds, rad/s or m/s.
+        Impact speed from which the restitution applies, rad/s or m/s.
     """
 
     lower: float
@@ -72,7 +72,7 @@ def limits_of(
     restitution: float,
     inertias: Mapping[str, float],
 ) -> dict[str, Limits]:
-    """Return what the stops are, by the names of coordinates.
+    """Return the parameters of the stops by name of the coordinate.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def joint_forces(
     limits: Mapping[str, Limits],
     inertias: Mapping[str, float] | None,
 ) -> list[Any]:
-    """Return stop and, where inertias are given, spring, damping and dry friction of a joint."""
+    """Return the stop of a joint and, if inertias are given, its spring, damper and friction."""
     if made is None:
         return []
     if isinstance(made, Spherical):

@@ -1,4 +1,4 @@
-"""Joints of the mechanism of a robot, what closes its loops, and what moves with its joints."""
+"""Joints, loop joints, couplings, rotors and gravity compensation of the mechanism of a robot."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from jousto.robots.root_pose import Seat
 
 
 def make_joint(joint: RobotJoint, a: Marker, b: Marker) -> Joint:
-    """Return the joint of a mechanism between two frames."""
+    """Return the mechanism's joint between two frames for a joint of a robot."""
     kind: Any = OF_ROBOT[joint.kind]
     own = {"pitch": joint.pitch} if joint.kind == "screw" else {}
-    # the bodies stand where the joints start, and these count from the frames
+    # as_placed=False: the coordinate is zero where the frames coincide, not at the initial pose
     made: Joint = kind(joint.name, a, b, as_placed=False, **own)
     return made
 
 
 def make_loops(robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat) -> dict[str, Joint]:
-    """Return the joints that close loops."""
+    """Return the mechanism's joints that close loops, by name."""
     made = {}
     for joint in robot.loops:
         ends = []
@@ -44,8 +44,8 @@ def make_loops(robot: Robot, bodies: Mapping[str, RigidBody], seat: Seat) -> dic
     return made
 
 
-def lifts(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
-    """Return the forces that compensate weights."""
+def gravity_compensation(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
+    """Return the forces of gravity compensation."""
     found = []
     for link in robot.links:
         for i, (mass, r) in enumerate(link.lifts):
@@ -56,7 +56,7 @@ def lifts(robot: Robot, bodies: Mapping[str, RigidBody]) -> list[Force]:
 
 
 def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupling]:
-    """Return what holds the joints that follow others."""
+    """Return the couplings of the joints that follow others (mimic)."""
     found = []
     for joint in robot.joints:
         if joint.mimic is None:
@@ -70,11 +70,11 @@ def couplings(robot: Robot, coordinates: Mapping[str, Coordinate]) -> list[Coupl
 
 
 def rotor(joint: RobotJoint, coordinates: Mapping[str, Coordinate]) -> list[Any]:
-    """Return a wheel on the ground that turns with a joint as its rotor, 1 rad for 1 m."""
+    """Return a wheel on the ground coupled to a joint as its rotor, 1 rad per m of slide."""
     if joint.armature == 0.0:
         return []
     if joint.name not in coordinates:
-        warn(f"joint {joint.name!r}", f"the armature of a {joint.kind} joint is left out")
+        warn(f"joint {joint.name!r}", f"the armature of a {joint.kind} joint is ignored")
         return []
     s, J = coordinates[joint.name], joint.armature
     body = RigidBody(f"{joint.name} rotor".replace(".", "_"), J, (J, J, J))

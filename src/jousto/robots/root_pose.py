@@ -1,4 +1,4 @@
-"""Where the root of a robot stands."""
+"""Pose of the root of a robot on its base."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from jousto.robots.description import Frame
 
 @dataclass(frozen=True, eq=False)
 class Seat:
-    """Where the root of a robot stands.
+    """Pose of the root of a robot on a marker of the base.
 
     Parameters
     ----------
     marker : Marker
-        What carries it.
+        Marker of the base.
     frame : Frame
-        Frame of the root in that of the marker.
+        Pose of the root in the frame of the marker.
     """
 
     marker: Marker
@@ -30,16 +30,16 @@ class Seat:
 
     @property
     def world(self) -> Frame:
-        """Frame of the root in the world at the initial pose."""
+        """Initial pose of the root in the world."""
         return Frame(self.marker.r, self.marker.A) @ self.frame
 
     @property
     def rigid(self) -> bool:
-        """Whether joints may stand anywhere beside the marker."""
+        """Whether the base is rigid, so that joints may be attached at any point of it."""
         return isinstance(self.marker.body, RigidBody | Ground)
 
     def at(self, frame: Frame) -> Marker:
-        """Return the marker of a frame that is given in that of the root."""
+        """Return the marker on the base for a frame given relative to the root."""
         own = Frame(np.asarray(self.marker.position_local), np.asarray(self.marker.axes))
         there = own @ self.frame @ frame
         body: Any = self.marker.body
@@ -47,7 +47,7 @@ class Seat:
         return made
 
     def motion(self, r: Array) -> tuple[Array, Array]:
-        """Return velocity and angular velocity of what moves with the carrier at r, world."""
+        """Return velocity, m/s, of the base at r and its angular velocity, rad/s, world frame."""
         body: Any = self.marker.body
         zero = np.zeros(3)
         w = np.asarray(getattr(body, "angular_velocity", zero))

@@ -55,7 +55,7 @@ class Simulation(Declared):
         """
         values = {"solver": self.solver, "output_step": self.output_step}
         if model is not None:
-            from jousto.simulation.running.start_state import beginning
+            from jousto.simulation.running.start_state import initial_state
 
-            values["state"] = beginning(model, start=self.start)
+            values["state"] = initial_state(model, start=self.start)
         return {key: value for key, value in values.items() if value is not None}

@@ -1,4 +1,4 @@
-"""How far flexible bodies bend in a run: modes, which are linear, cannot follow far."""
+"""Check of the bending of flexible bodies in a run against the range of linear modes."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from jousto.base.arrays import Array
 from jousto.base.errors import warn
 from jousto.model.model import Model, Shape
 
-FAR = 0.3  # rad between two places of a body
-"""A cantilever that its end load turns by as much is 1 to 2 % stiffer than linear (Bisshopp and
-Drucker, Q. Appl. Math. 3 (1945) 272-275), and its end misses the shortening of 2 % of its length;
-both grow with the square."""
+FAR = 0.3  # largest relative rotation within a body in the range of linear modes, rad
+"""A cantilever whose end rotates by this angle is 1 to 2 % stiffer than linear theory (Bisshopp and
+Drucker, Q. Appl. Math. 3 (1945) 272-275), and linear theory neglects a shortening of 2 % of its
+length; both errors grow with the square of the angle."""
 
 
 def turn_within(shape: Shape, p: Array) -> float:
-    """Return by how much the sides of elements turn against one another, rad.
+    """Return the largest relative rotation of element edges within a body, rad.
 
-    A side d that becomes d + u turns by ``d x u / d^2``; the largest difference of these vectors,
-    component by component, does not depend on the frame of the body.
+    An edge d that becomes d + u turns by ``d x u / d^2``. The result is the largest difference of
+    these vectors, component by component, which does not depend on the motion of the body frame.
     """
     u = shape.modes @ p
     ends = np.asarray(shape.elements)
@@ -37,7 +37,7 @@ def turn_within(shape: Shape, p: Array) -> float:
 
 
 class Bend:
-    """How far a flexible body bends in the rows of a run."""
+    """Largest bending of a flexible body in the rows of a run."""
 
     def __init__(self, model: Model, index: int) -> None:
         body = model.bodies[index]
@@ -45,25 +45,25 @@ class Bend:
         self.name = body.name
         first = 1 + body.iq + 7
         self._columns = slice(first, first + body.n)
-        # the turn is a norm of p: no more than the sum of those of the modes
+        # the rotation is a norm of p, so the sum of those of the modes is an upper bound
         self._each = np.array([turn_within(self._shape, p) for p in np.eye(body.n)])
 
     def furthest(self, rows: NDArray[np.float64]) -> float:
-        """Return the turn within the body in the row that may bend it most, rad; 0 below `FAR`."""
+        """Return the largest rotation within the body in rows of the engine, rad; 0 below `FAR`."""
         p = rows[:, self._columns]
         most = np.abs(p) @ self._each
         k = int(np.argmax(most))
         return turn_within(self._shape, p[k]) if most[k] > FAR else 0.0
 
     def sentence(self, turn: float) -> str:
-        """Return what is wrong with such a turn and what to do, empty if nothing is."""
+        """Return the warning of a rotation within the body; empty below `FAR`."""
         if not turn > FAR:
             return ""
         return (
             f"body '{self.name}' bends by {turn:.2g} rad within itself, but its modes are "
-            f"linear: beyond {FAR} rad deflections are wrong by per cents, growing with the "
-            "square, and its length grows; cut it into several bodies fixed together, or use "
-            "a Beam, which is exact; or check the load and the units"
+            f"linear: beyond {FAR} rad its deflections have errors of per cents, which grow with "
+            "the square, and its length grows; divide it into several bodies fixed together, or "
+            "use a Beam, which is exact; or check the load and the units"
         )
 
 
@@ -71,7 +71,7 @@ _KNOWN: WeakKeyDictionary[Model, tuple[Bend, ...]] = WeakKeyDictionary()
 
 
 def bends(model: Model) -> tuple[Bend, ...]:
-    """Return the bodies of a model that may bend far, found once."""
+    """Return the checks of the flexible bodies of a model (cached)."""
     if model not in _KNOWN:
         pairs = enumerate(zip(model.bodies, model.shapes, strict=True))
         some = [k for k, (body, shape) in pairs if body.n and len(shape.elements)]
@@ -80,7 +80,7 @@ def bends(model: Model) -> tuple[Bend, ...]:
 
 
 def warn_far(model: Model, q: Array, where: str) -> set[str]:
-    """Warn of bodies with modes that bend far at a position; return their names."""
+    """Warn of modal bodies that bend more than `FAR` at a position; return their names."""
     row = np.concatenate([[0.0], np.asarray(q, dtype=float)])[None]
     found = {bend.name: bend.sentence(bend.furthest(row)) for bend in bends(model)}
     far = {name for name, sentence in found.items() if sentence}

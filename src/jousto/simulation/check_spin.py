@@ -1,4 +1,4 @@
-"""Does a flexible body spin too fast for its linear modes? Asked of the rows of a run."""
+"""Check of the spin of flexible bodies in a run against the range of linear modes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 
 from jousto.model.model import Model
 
-# share of the body's lowest frequency: there the lowest flap frequency of a linear cantilever is
-# 8 % low (Wright and others, J. Appl. Mech. 49 (1982) 197-202)
+# largest spin over the lowest frequency of a body; at it the lowest flap frequency of a linear
+# cantilever is 8 % too low (Wright and others, J. Appl. Mech. 49 (1982) 197-202)
 LIMIT = 0.2
 
 
 class Spin:
-    """How fast a flexible body without geometric stiffening spins.
+    """Largest spin of a flexible body without geometric stiffness in a run.
 
-    Only the spin that stretches it counts, ``w^T J w / max(J)``: a shaft that turns about its own
-    axis does not.
+    Its square is ``w^T J w / max(J)``: the spin that stretches the body. A shaft that turns about
+    its own axis has almost none.
     """
 
     def __init__(self, model: Model, index: int) -> None:
@@ -44,7 +44,7 @@ class Spin:
         return float(np.sqrt(squared)) / self._lowest
 
     def sentence(self, squared: float) -> str:
-        """Return what is wrong with such a spin and what to do, empty if nothing is."""
+        """Return the warning of a spin; empty below `LIMIT`."""
         speed = float(np.sqrt(squared))
         share = self.share(squared)
         if share < LIMIT:
@@ -52,9 +52,9 @@ class Spin:
         return (
             f"body '{self._name}' spins with up to {speed:.3g} rad/s, {100 * share:.0f} % of its "
             f"lowest natural frequency of {self._lowest / (2 * np.pi):.3g} Hz, and is linear: "
-            f"above {100 * LIMIT:.0f} % it bends too far and in the end diverges; reduce its part "
-            "with stiffening=True (parts of beams or solids), or cut it into several bodies fixed "
-            "together"
+            f"above {100 * LIMIT:.0f} % it bends too far and finally diverges; reduce its part "
+            "with stiffening=True (parts of beams or solids), or divide it into several bodies "
+            "fixed together"
         )
 
 
@@ -62,7 +62,7 @@ _KNOWN: WeakKeyDictionary[Model, tuple[Spin, ...]] = WeakKeyDictionary()
 
 
 def spins(model: Model) -> tuple[Spin, ...]:
-    """Return the spins of a model that are looked at, found once."""
+    """Return the checks of the flexible bodies without geometric stiffness (cached)."""
     if model not in _KNOWN:
         some = [k for k, body in enumerate(model.bodies) if body.n and not body.stiffening]
         _KNOWN[model] = tuple(Spin(model, k) for k in some)

@@ -1,4 +1,4 @@
-"""kinematics and inverse_dynamics: mechanisms whose every motion is driven."""
+"""kinematics, inverse_dynamics: motion and drive forces of fully driven mechanisms."""
 
 from __future__ import annotations
 
@@ -23,30 +23,30 @@ from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.statics.quasi_static_shape import Bending
 
-TURN = 0.5  # rad, largest turn of a body between two assembled positions
-STRAY = 0.2  # rad, largest turn between the predicted and the assembled position
-SHORTEST = 1e-7  # share of the span of time below which a piece is not halved
-CLOSED = 1e-9  # of the size of the mechanism: joints that count as closed
-SOFT = "the elastic bodies are too soft for such a motion without vibration, run simulate"
-UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, which are not formed
+TURN = 0.5  # largest rotation of a body between two assembled positions, rad
+STRAY = 0.2  # largest rotation between the predicted and the assembled position, rad
+SHORTEST = 1e-7  # shortest time step over the span of the instants
+CLOSED = 1e-9  # gap over the size of the mechanism, below which a joint is closed
+SOFT = "the elastic bodies are too soft for a quasi-static shape in this motion, run simulate"
+UNKNOWN = ("dissipated", "friction", "work")  # integrals over time, not computed
 
 
 @explained
 def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
-    """Find the motion of a fully driven mechanism at given times, without integration.
+    """Return the motion of a fully driven mechanism at given times, without integration.
 
-    At each instant the positions solve ``C(q, t) = 0``, the velocities ``Cq v = -C_t`` and the
-    accelerations and multipliers the equations of motion; errors do not add up. The positions are
-    predicted from the last ones, in as many pieces as it takes to stay on the same branch and to
-    count turns, so the times may be far apart. Elastic bodies bend under the loads and the
-    inertia of the motion, ``M a + Cq^T lam = Q`` with the least p' and p'' that the drives allow,
-    but do not vibrate: right where drives are smooth and slow against the lowest mode; else
-    `simulate`.
+    At each instant the positions solve ``C(q, t) = 0``, the velocities ``Cq v = -C_t``, and the
+    accelerations and multipliers the equations of motion, so that errors do not accumulate. The
+    positions are predicted from the previous ones; long intervals are divided to stay on the same
+    branch and to count revolutions. Elastic bodies bend under the loads and the inertia of the
+    motion, ``M a + Cq^T lam = Q`` with the smallest p' and p'' that satisfy the drives, but do not
+    vibrate. This is accurate if the drives are smooth and slow against the lowest mode; otherwise
+    use `simulate`.
 
     Parameters
     ----------
     model : Model
-        From `compile`; every motion is driven by a `Drive` or follows by joints and couplings.
+        From `compile`; drives, joints and couplings prescribe every motion.
     times : array_like
         Instants, s, increasing.
     path : path, optional
@@ -56,15 +56,15 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
     Returns
     -------
     Solution
-        The instants, with sensors and multipliers. The energies dissipated, lost to friction and
-        done as work are integrals over time and are nan.
+        Results at the instants, with sensors and multipliers. The terms dissipated, friction and
+        work of the energy balance are integrals over time and are nan.
 
     Raises
     ------
     InputError
-        If the times make no sense, motions are left free, or the file cannot be written.
+        If the times are invalid, a motion has no drive, or the file cannot be written.
     SimulationError
-        If the mechanism cannot follow its drives: it is stretched out, or a drive jumps.
+        If the mechanism cannot follow its drives: it is fully extended, or a drive jumps.
     """
     instants = _instants(model, times)
     _check_driven(model)
@@ -73,13 +73,13 @@ def kinematics(model: Model, times: ArrayLike, *, path: str | Path | None = None
 
 @explained
 def inverse_dynamics(model: Model, times: ArrayLike, *, path: str | Path | None = None) -> Solution:
-    """Find the forces of the drives that move a fully driven mechanism as prescribed.
+    """Return the motion and the drive forces of a fully driven mechanism at given times.
 
-    The solution is that of `kinematics`: the forces follow from the motion at each instant alone,
-    elastic bodies included, which bend but do not vibrate. The drive with the row
-    ``r = joint.row`` of ``model.joints`` pushes with ``-solution.multipliers[:, r]`` (N or N m)
-    along its coordinate; ``ReactionSensor(name, drive)`` gives the same by name. With all
-    vibrations: `simulate` the same mechanism.
+    The solution is that of `kinematics`: the forces at an instant follow from the motion at this
+    instant; elastic bodies bend but do not vibrate. The force of the drive with the row
+    ``r = joint.row`` in ``model.joints`` along its coordinate is
+    ``-solution.multipliers[:, r]``, N or N m; ``ReactionSensor(name, drive)`` gives the same by
+    name. For forces with vibrations use `simulate`.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _instants(model: Any, times: Any) -> Array:
 
 
 def _check_driven(model: Model) -> None:
-    """Refuse sticking friction and free motions, other than bending, at the initial pose."""
+    """Raise an error for stick-slip friction and for undriven rigid motions at the initial pose."""
     without_fmus(model, "kinematics", "moves by forces")
     without_controllers(model, "kinematics")
     problems = Problems()
@@ -138,7 +138,7 @@ def _check_driven(model: Model) -> None:
         if friction.sticks:
             problems.add(
                 f"friction '{friction.name}'",
-                "sticks and slips, which kinematics does not follow; give it law=Regularised(), "
+                "sticks and slips, which kinematics does not support; give it law=Regularised(), "
                 "or run simulate",
             )
     problems.raise_if_any()
@@ -151,9 +151,9 @@ def _check_driven(model: Model) -> None:
         raise InputError(
             Problem(
                 f"kinematics {model.name!r}",
-                f"the mechanism keeps {free} free motion{'s' * (free > 1)} at the initial pose, so "
-                "the drives do not say how it moves; give each a Drive, or run simulate, which "
-                "finds the motion from the forces",
+                f"the mechanism has {free} motion{'s' * (free > 1)} without a drive at the initial "
+                "pose; add a Drive for each, or run simulate, which computes the motion from the "
+                "forces",
             )
         )
 
@@ -192,7 +192,7 @@ def positions(model: Model, instants: Array) -> Iterator[Array]:
     engine = Engine(model)
     bending = Bending(model) if any(body.n for body in model.bodies) else None
     if not _close(engine, bending):
-        raise SimulationError(f"the bodies do not come to rest in their shape; {SOFT}", time=0.0)
+        raise SimulationError(f"the quasi-static deformation did not converge; {SOFT}", time=0.0)
     span = max(float(np.abs(instants).max()), float(np.ptp(instants)))
     piece = np.inf
     for instant in instants:
@@ -215,40 +215,37 @@ def positions(model: Model, instants: Array) -> Iterator[Array]:
 
 
 def _obstacle(model: Model) -> str:
-    """Return why a mechanism cannot follow its drives, and the remedy."""
+    """Return the cause, with the remedy, for which a mechanism cannot follow its drives."""
     found = repeated_rows(model) if model.redundant else None
     if found and found.drives:
         names = ", ".join(f"'{name}'" for name in found.joints)
-        return (
-            f"{names} disagree from there on; drive each motion once, and leave a free motion for "
-            "every drive"
-        )
+        return f"{names} contradict one another from there on; give each motion one drive only"
     return (
-        "it is stretched out or at a dead centre there, or a drive jumps; keep the drives within "
-        "what the lengths allow"
+        "it is fully extended or at a dead centre there, or a drive jumps; keep the drives within "
+        "the limits of the lengths"
     )
 
 
 def _reach(model: Model, v: Array) -> float:
-    """Return the time in which no body turns further than TURN, s."""
+    """Return the time in which the fastest body rotates by TURN, s."""
     fastest = max(float(np.linalg.norm(v[b.iv + 3 : b.iv + 6])) for b in model.bodies)
     return TURN / max(fastest, 1e-300)
 
 
 def _close(engine: Engine, bending: Bending | None) -> bool:
-    """Find q, v, a and lam at the engine's time; False where elastic bodies do not settle."""
+    """Solve for q, v, a and lam at the time of the engine; False if the bending diverges."""
     if bending is None:
         engine.assemble()
     elif not bending.settle(engine):
         return False
     else:
-        engine.assemble()  # closed already: counts turns
+        engine.assemble()  # positions are closed already; updates the revolution counters
     engine.accelerations()
     return True
 
 
 def _advance(model: Model, engine: Engine, bending: Bending | None, instant: float) -> bool:
-    """Assemble at an instant; False, and back to the state before, where the step is too long."""
+    """Assemble at an instant; if the step is too long, restore the state and return False."""
     views = (engine.q, engine.v, engine.a, engine.lam, engine.time, engine.turn)
     kept = [view.copy() for view in views]
     h = float(instant - engine.time[0])
@@ -272,7 +269,7 @@ def _advance(model: Model, engine: Engine, bending: Bending | None, instant: flo
 
 
 def _turned(model: Model, one: Array, other: Array) -> float:
-    """Return the largest angle between the orientations of a body in two positions, rad."""
+    """Return the largest angle by which a body is rotated between two positions, rad."""
     largest = 0.0
     for body in model.bodies:
         parameters = slice(body.iq + 3, body.iq + 7)

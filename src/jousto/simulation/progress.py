@@ -1,4 +1,4 @@
-"""Progress of a run: a bar with the real-time factor and the time still to go."""
+"""Progress of a run: a bar with the real-time factor and the remaining time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Report = Callable[[float, float], None]
 def reporter(progress: bool | Report | None, t_end: float) -> Iterator[Report]:
     """Yield a function of (simulated time s, wall time s).
 
-    `progress` is True for a bar (see `bars`), a function of your own, or None for silence.
+    `progress` is True for a bar (see `bars`), a function, or None for no output.
     """
     if callable(progress):
         yield progress

@@ -1,4 +1,4 @@
-"""Second-order effects of modal bodies that were reduced without stiffening."""
+"""Geometric stiffness of modal bodies that were reduced without stiffening."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from jousto.simulation.check_spin import spins
 from jousto.simulation.state import State, put
 
 CHEAP = 3000
-"""Degrees of freedom of a part up to which its second order is computed without asking first."""
+"""Degrees of freedom of a part up to which its geometric stiffness is computed in any case."""
 ASKED = 1e-3
-"""Share of the stiffness from which the second order of a larger part is computed: an estimate
-that may be four times too low, of a cantilever under a load along it."""
+"""Estimated change of the stiffness over the stiffness, above which the geometric stiffness of a
+larger part is computed. The estimate may be four times too low (cantilever, axial load)."""
 NOTICED = 0.02
-"""Share of the stiffness from which a body that stays linear is warned of: 1 % of a frequency."""
+"""Relative change of the stiffness above which a linear body is warned of: 1 % of a frequency."""
 SPUN = 0.03
-"""The same of a spin over the lowest frequency: the square is the share of the stiffness."""
+"""Spin over the lowest frequency with the same meaning: its square is a change of the stiffness."""
 
 # xx yy zz yz xz xy: the six strains of a body
 STRAINS = np.zeros((6, 3, 3))
@@ -40,38 +40,38 @@ _MADE: WeakKeyDictionary[Model, tuple[Model, dict[int, InputError]]] = WeakKeyDi
 
 
 def with_second_order(model: Model, where: str) -> Model:
-    """Return the model whose modal bodies all stiffen and soften under loads.
+    """Return the model with geometric stiffness in all its modal bodies.
 
     Raises
     ------
     InputError
-        If a body cannot: it names each and what to do.
+        With each body whose part has no geometric stiffness, and the remedy.
     """
     given: object = model
     if not isinstance(given, Model):
-        return model  # which is refused with all else
+        return model  # the caller raises the error of a wrong type
     made, refused = _second_order(model, linear_bodies(model))
     problems = Problems()
     for index, error in refused.items():
         problems.add(
             f"{where}: body '{model.bodies[index].name}'",
-            "is linear, so that no load softens or stiffens it, and its second-order displacements "
-            f"cannot be added here: its part {error.problems[0].sentence}",
+            "is linear, so that loads do not change its stiffness, and its second-order "
+            f"displacements cannot be computed here: its part {error.problems[0].sentence}",
         )
     problems.raise_if_any()
     return made
 
 
 def where_noticed(model: Model, state: State | None, where: str) -> Model:
-    """Return the model with second order in the bodies whose stiffness the loads change.
+    """Return the model with geometric stiffness in the bodies whose stiffness the loads change.
 
-    Bodies of small parts always have it; of larger ones the share of the stiffness is estimated
-    first.
+    Bodies of parts up to CHEAP degrees of freedom always have it; of larger parts the change of
+    the stiffness is estimated first.
 
     Warns
     -----
     JoustoWarning
-        A body stays linear though loads change its stiffness.
+        If loads change the stiffness of a body that remains linear.
     """
     parts = linear_bodies(model)
     if not parts:
@@ -86,16 +86,16 @@ def where_noticed(model: Model, state: State | None, where: str) -> Model:
             warn(
                 where,
                 f"body '{model.bodies[index].name}' is linear, but its loads change its stiffness "
-                f"by about {100.0 * share:.2g} %, which is left out: its part "
+                f"by about {100.0 * share:.2g} %, which is neglected: its part "
                 f"{error.problems[0].sentence}",
             )
     return made
 
 
 def as_in(model: Model, other: Model, state: State) -> Model:
-    """Return a model with second order in the bodies in which another one has it.
+    """Return a model with geometric stiffness in the bodies that have it in another model.
 
-    Those that nothing loads at a state of the other one stay as they are: it makes no difference.
+    Bodies without load at a state of the other model are left linear, with the same result.
     """
     parts = linear_bodies(model)
     both = {k for k in parts if other.bodies[k].stiffening}
@@ -104,7 +104,10 @@ def as_in(model: Model, other: Model, state: State) -> Model:
 
 
 def linear_bodies(model: Model) -> dict[int, ReducedPart]:
-    """Return the parts of the modal bodies without second order that something acts on."""
+    """Return the parts of the modal bodies without geometric stiffness, by the index of the body.
+
+    Bodies without any load or joint are left out.
+    """
     found: dict[int, ReducedPart] = {}
     for marker in model.markers:
         if marker.body >= 0 and marker.site is not None:
@@ -122,7 +125,7 @@ def _is_large(part: ReducedPart) -> bool:
 def _second_order(
     model: Model, parts: dict[int, ReducedPart]
 ) -> tuple[Model, dict[int, InputError]]:
-    """Return the model with second order in these bodies, and why some cannot have it."""
+    """Return the model with geometric stiffness in bodies, and the errors of the other bodies."""
     found: dict[int, ReducedPart] = {}
     refused: dict[int, InputError] = {}
     for index, part in parts.items():
@@ -160,13 +163,13 @@ def _stiffening_marker(marker: MarkerModel, part: ReducedPart) -> MarkerModel:
 
 
 def stiffness_shares(model: Model, state: State | None, indices: set[int]) -> dict[int, float]:
-    """Estimate by which share of its stiffness the loads at a state change a body's.
+    """Return the estimated relative change of the stiffness of bodies by the loads at a state.
 
-    The stress in a body has the mean ``W = int sigma dV = sum f (x) u + int g (x) u dm`` of the
-    forces f at the places u (the virial), and the geometric stiffness of a slender body that its
-    principal values pull along their axes e is ``N int w'^2 dx = (e W e) mean(w'^2)``, w' the
-    slope of sides of elements along e across themselves. The share is the largest eigenvalue of
-    that matrix over ``diag(omega^2)``, or the square of the spin over the lowest frequency.
+    The integral of the stress over a body is ``W = int sigma dV = sum f (x) u + int g (x) u dm``,
+    with the forces f at the points u (virial theorem). A slender body under a principal value of W
+    along its axis e has the geometric stiffness ``N int w'^2 dx = (e W e) mean(w'^2)``, w' being
+    the slope of element edges along e. The change is the largest eigenvalue of this matrix over
+    ``diag(omega^2)``, or the square of the spin over the lowest frequency.
 
     Parameters
     ----------
@@ -174,11 +177,12 @@ def stiffness_shares(model: Model, state: State | None, indices: set[int]) -> di
     state : State or None
         None is the initial state.
     indices : set of int
-        Bodies.
+        Indices of the bodies.
 
     Returns
     -------
     dict of int to float
+        Relative change by the index of the body.
     """
     engine = Engine(model)
     if state is not None:
@@ -199,7 +203,8 @@ def stiffness_shares(model: Model, state: State | None, indices: set[int]) -> di
 def mean_stresses(model: Model, engine: Engine, indices: set[int]) -> dict[int, Array]:
     """Return ``int sigma dV`` (3, 3), body frame, J, of bodies at the state of an engine.
 
-    By the virtual work of the engine's own loads: modes become even strains ``H (u0 + Phi p)``.
+    It is the virtual work of the loads of the engine in six uniform strains H, which replace the
+    modes of a body by the displacements ``H (u0 + Phi p)``.
     """
     found = {k: np.zeros((3, 3)) for k in indices}
     n = min(model.bodies[k].n for k in indices)
@@ -222,7 +227,7 @@ def mean_stresses(model: Model, engine: Engine, indices: set[int]) -> dict[int, 
 
 
 def _strained(model: Model, engine: Engine, indices: set[int], strains: Array) -> Model:
-    """Return the model with even strains in place of the modes of bodies."""
+    """Return the model with uniform strains in place of the modes of bodies."""
     m = len(strains)
     bodies, markers = list(model.bodies), list(model.markers)
     p = {k: engine.q[b.iq + 7 : b.iq + 7 + b.n] for k, b in enumerate(model.bodies)}
@@ -253,7 +258,7 @@ def _strained(model: Model, engine: Engine, indices: set[int], strains: Array) -
 
 
 def _share(body: BodyModel, shape: Shape, W: Array) -> float:
-    """Return the largest geometric stiffness of a mean stress over the stiffness of the modes."""
+    """Return the largest geometric stiffness of the integral W over the stiffness of the modes."""
     ends = np.asarray(shape.elements)
     if not ends.size:
         return 0.0

@@ -1,4 +1,4 @@
-"""State: all that a run needs to continue from an instant."""
+"""State: positions, velocities and internal states of a mechanism at an instant."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from jousto.model.native.native import Engine
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where a mechanism stands at an instant, and what it remembers.
+    """State of a mechanism at an instant.
 
-    Positions and velocities suffice to start a run there. What follows them is what the mechanism
-    remembers of the way it came; with all of it a run continues as if it had not been interrupted.
+    Positions and velocities suffice to start a run. The other arrays are internal states that
+    depend on the previous motion; with all of them a run continues as without interruption.
 
     Attributes
     ----------
@@ -30,22 +30,24 @@ class State:
     time : float
         Instant, s.
     states : array, optional
-        First-order states of forces, such as the integral part of a `PID`; None starts them anew.
+        First-order states of forces, such as the integral part of a `PID`; None is their initial
+        value.
     turn : array, optional
-        Unwrapped angles, rad; None counts from within half a turn.
+        Unwrapped angles, rad; None takes them from within half a revolution.
     locked, slip, held, direction : arrays, optional
-        Friction with stick and slip: what sticks, what slips which way, where it sticks, and the
-        direction of slip; None decides anew.
+        Stick-slip friction: whether it sticks, sense of slip, coordinate where it sticks, direction
+        of slip; None determines them from the velocities.
     happened : array, optional
-        How often each event has happened; None is never.
+        Number of occurrences of each event; None is 0.
     inputs : dict, optional
         Values of external inputs by name; those not named keep their initial value.
     work : (3,) array, optional
-        Energy lost to damping and friction and work done so far, J; None starts from zero.
+        Energy lost to damping, energy lost to friction and work done so far, J; None is 0.
     meters : array, optional
-        What the damage meters remember; None starts them anew.
+        States of the damage meters; None is their initial value.
     joint : array, optional
-        Joint coordinates and their rates, of models that run in them; None takes them from q and v.
+        Joint coordinates and their rates, for models in joint coordinates; None takes them from q
+        and v.
     """
 
     q: Array
@@ -68,28 +70,28 @@ class State:
         return f"<State: at {self.time:g} s, {len(self.q)} positions, {len(self.v)} velocities>"
 
 
-# further arrays of a state and what they are, in the order of the engine's rows after the sensors
+# unit and description of the internal states, in the order of the engine's rows after the sensors
 MEMORY = {
     "states": ("N, N m, m, rad, m/s or rad/s", "first-order states of forces"),
     "turn": ("rad", "unwrapped angles"),
     "locked": ("1", "1 where friction sticks"),
     "slip": ("1", "0 where friction sticks, else the direction of slip along the coordinate"),
-    "held": ("m or rad", "where coordinates are held by sticking friction"),
+    "held": ("m or rad", "coordinates at which friction sticks"),
     "direction": ("1", "direction of slip"),
-    "happened": ("1", "how often each event has happened"),
+    "happened": ("1", "number of occurrences of each event"),
     "input": ("1", "values of the external inputs"),
-    "meters": ("1", "memory of the damage meters"),
+    "meters": ("1", "states of the damage meters"),
     "joint": ("m, rad, 1, m/s, rad/s", "joint coordinates, then their rates"),
 }
 
 
 def put(engine: Engine, state: State, where: str) -> None:
-    """Bring an engine into a state.
+    """Set an engine to a state.
 
     Raises
     ------
     InputError
-        If the state is none of the engine's model.
+        If the sizes or values of the state do not fit the model of the engine.
     """
     problems = Problems()
     pairs: list[tuple[str, Any, Any]] = [
@@ -98,7 +100,7 @@ def put(engine: Engine, state: State, where: str) -> None:
     ]
     for name in MEMORY:
         if name == "joint" and state.joint is not None and len(state.joint) != len(engine.joint):
-            continue  # of a model that runs otherwise: q and v say it
+            continue  # joint coordinates of another core: q and v determine them
         if name != "input" and getattr(state, name) is not None:
             pairs.append((name, getattr(state, name), getattr(engine, name)))
     if state.work is not None:
@@ -108,7 +110,7 @@ def put(engine: Engine, state: State, where: str) -> None:
         if given.shape != room.shape:
             found = f"{given.size} {name}" if name.endswith("s") else f"'{name}' of {given.size}"
             problems.add(where, f"state has {found}, the model {room.size}; take one of this model")
-        elif name == "meters":  # damage may be infinite
+        elif name == "meters":  # contains damage, which may be infinite
             if engine.meters_valid(given):
                 room[:] = given
             else:
@@ -130,7 +132,7 @@ def put(engine: Engine, state: State, where: str) -> None:
 
 
 def take(engine: Engine) -> State:
-    """Return where an engine stands, after `accelerations` or `row`."""
+    """Return the state of an engine, after `accelerations` or `row`."""
     memory = {name: np.array(getattr(engine, name)) for name in MEMORY if name != "input"}
     return State(
         q=engine.q.copy(),
@@ -144,7 +146,7 @@ def take(engine: Engine) -> State:
 
 
 def memory_sizes(model: Model) -> dict[str, int]:
-    """Return the lengths of the further arrays of a state, in the order of the engine's rows."""
+    """Return the lengths of the internal states, in the order of the engine's rows."""
     locks = sum(joint.lock >= 0 for joint in model.joints)
     return {
         "states": model.nstate,

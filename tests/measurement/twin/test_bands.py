@@ -144,7 +144,7 @@ def test_damage_lies_within_its_band(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"criterion": "mises"}, "'mises' is no criterion of stress"),
+        ({"criterion": "mises"}, "'mises' is not a criterion of stress"),
         ({"sites": ("n9",)}, "no stress site 'n9'"),
         ({"sites": ()}, "sites is empty"),
         ({"level": 95.0}, "level is 95.0, must be between 0 and 1"),

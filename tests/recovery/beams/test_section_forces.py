@@ -194,13 +194,13 @@ def test_messages() -> None:
     forces = jo.recovery.section_forces(run, "beam")
     with pytest.raises(jo.InputError, match="no resultant 'Mw'"):
         forces.history("Mw", 0.0)
-    with pytest.raises(jo.InputError, match="outside the beam, 0 to 1 m"):
+    with pytest.raises(jo.InputError, match="outside the beam of 0 to 1 m"):
         forces.history("My", 2.0)
     with pytest.raises(jo.InputError, match="'start' or 'end'"):
         forces.history("My", "middle")
     with pytest.raises(jo.InputError, match="outside the run"):
         jo.recovery.section_forces(run, "beam", times=[5.0])
-    with pytest.raises(jo.InputError, match="written as .csv"):
+    with pytest.raises(jo.InputError, match="must end with .csv"):
         forces.to_csv("a.txt")
 
 

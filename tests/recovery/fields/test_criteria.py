@@ -13,8 +13,8 @@ from jousto.recovery.fields.criteria import (
     evaluate,
     principal,
     principal_values,
+    rotate_tensors,
     tensor,
-    turned,
     voigt,
 )
 from jousto.recovery.fields.kernels import kernel
@@ -137,7 +137,7 @@ def test_turning_keeps_invariants(rng: np.random.Generator) -> None:
     for strain in (False, True):
         for criterion in criteria()[:7]:
             np.testing.assert_allclose(
-                evaluate(turned(s, Q, strain), criterion, strain),
+                evaluate(rotate_tensors(s, Q, strain), criterion, strain),
                 evaluate(s, criterion, strain),
                 atol=1e-13,
             )
@@ -187,7 +187,7 @@ def test_critical_plane_of_a_field(rng: np.random.Generator) -> None:
     assert (plane.time, plane.minimum_time) == (2.0, 1.0)
     assert field.critical_plane("b").value == pytest.approx(4.0)
     assert [p.value for p in field.critical_planes(by="range")] == pytest.approx([0.0, 10.0])
-    with pytest.raises(jo.InputError, match="give one place, not 2"):
+    with pytest.raises(jo.InputError, match="site has 2 sites, must be one"):
         field.critical_plane(["a", "b"])
     with pytest.raises(jo.InputError, match="by is 'damage'"):
         field.critical_plane("b", by="damage")  # type: ignore[arg-type]

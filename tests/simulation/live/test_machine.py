@@ -13,10 +13,10 @@ import jousto as jo
 from jousto.model.model import Model
 from jousto.simulation.live.drag_spring import (
     Grip,
-    gripped,
     mobility,
-    placed,
+    point_position,
     shapes_at,
+    with_grip,
     with_hand,
 )
 from jousto.simulation.live.machine import LiveMachine
@@ -107,9 +107,13 @@ def test_a_pull_acts_on_the_modes_through_the_shapes_of_the_point() -> None:
     body = model.bodies[0]
     point = np.array([0.75, 0.0, 0.0])  # a node of the eighths
     grip = Grip(0, (0.75, 0.0, 0.0), 1.0, 0.0)
-    engine = jo.model.Engine(gripped(model, grip))
+    engine = jo.model.Engine(with_grip(model, grip))
     places = [model.inputs.index(f"hand {axis}") for axis in "xyz"]
-    engine.input[places] = placed(model, engine.q, 0, point) + [0.0, 0.0, 2.0]  # 2 N upwards
+    engine.input[places] = point_position(model, engine.q, 0, point) + [
+        0.0,
+        0.0,
+        2.0,
+    ]  # 2 N upwards
     node = int(np.argmin(np.linalg.norm(model.shapes[0].nodes - point, axis=1)))
     free = jo.model.Engine(model)
     difference = free.residual() - engine.residual()
@@ -124,7 +128,7 @@ def test_a_pulled_cantilever_bends_as_the_beam_formula_says() -> None:
     grip = machine.pull(0, np.array([1.0, 0.0, 0.0]))
     machine.aim(np.array([1.0, 0.0, 0.05]))
     machine.step(6000)
-    z = float(placed(machine.model, machine.engine.q, 0, np.array([1.0, 0, 0]))[2])
+    z = float(point_position(machine.model, machine.engine.q, 0, np.array([1.0, 0, 0]))[2])
     k = 3 * 210e9 * 0.02 * 0.03**3 / 12  # 3 E I / l^3, l = 1 m
     k_other = 3 * 210e9 * 0.03 * 0.02**3 / 12
     exact = [0.05 * grip.stiffness / (grip.stiffness + s) for s in (k, k_other)]

@@ -16,7 +16,7 @@ import pytest
 from websockets.sync.client import ClientConnection, connect
 
 import jousto as jo
-from jousto.simulation.live.drag_spring import placed
+from jousto.simulation.live.drag_spring import point_position
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.live.runner import Runner
 from jousto.viewer import server as server_module
@@ -147,7 +147,7 @@ def test_a_page_pulls_the_vertex_that_it_grips(page: Page, running: Live) -> Non
     assert grip["hand body"] == 0.0
     # at rest the pull and the weight have no moment about the pivot: r x (k (x - r) + m g) = 0
     q = np.array(running.now.q)
-    r = placed(running.runner.machine.model, q, 0, vertices[vertex].astype(float))
+    r = point_position(running.runner.machine.model, q, 0, vertices[vertex].astype(float))
     force = grip["hand stiffness"] * (np.array([1.0, 0.0, -0.5]) - r)
     moment = np.cross(r, force) + np.cross(q[:3], [0.0, 0.0, -2 * 9.81])
     # without friction the pendulum swings until the damper has taken all: 30 s are many times that
@@ -231,7 +231,7 @@ def test_a_probe_answers_about_this_instant(page: Page, running: Live) -> None:
         page.ask(do="step")
     found = page.ask(ask="probe", body=k, vertex=0, time=0.0)
     point = scene["bodies"][k]["positions"][0].astype(float)
-    exact = placed(running.runner.machine.model, running.now.q, 0, point)
+    exact = point_position(running.runner.machine.model, running.now.q, 0, point)
     np.testing.assert_allclose(found["position"], exact, atol=1e-6)  # vertices have 7 digits
     assert found["time"] == pytest.approx(0.1)
 

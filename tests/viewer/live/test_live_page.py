@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import jousto as jo
-from jousto.simulation.live.drag_spring import placed
+from jousto.simulation.live.drag_spring import point_position
 from jousto.simulation.live.recorder import repeat
 from viewer.browser import chromium, opened, until
 from viewer.live.test_live import MODEL
@@ -99,7 +99,7 @@ def test_the_mouse_pulls_a_body_and_the_record_repeats_it(
         [run.inputs[f"hand point {x}"][held][0] for x in "xyz"], points[vertex], atol=1e-9
     ).all()
     compiled = live.runner.machine.model
-    path = np.array([placed(compiled, q, 0, points[vertex]) for q in [still, *run.q[held]]])
+    path = np.array([point_position(compiled, q, 0, points[vertex]) for q in [still, *run.q[held]]])
     assert np.linalg.norm(path - path[0], axis=1).max() > 0.01
     again = repeat(run, jo.compile(jo.read_model(model).mechanism), jo.RK4(1e-3))
     assert run.q.tobytes() == again.q.tobytes()

@@ -16,9 +16,9 @@ from jousto.model.compile import compile
 from jousto.model.model import Model
 from jousto.model.start_complex_step import has_steps
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.running.batched_runs import together
+from jousto.simulation.running.batched_runs import run_in_lanes
 from jousto.simulation.running.repeated_runs import Repeated
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 
 Counts = dict[str, int]
 
@@ -217,6 +217,6 @@ def run_together(cases: Sequence[Case]) -> None:
     """Run machines of equal structure as one batch; others run when their results are used."""
     waiting = [case for case in cases if not case.has_run and case.batchable]
     runs = [(case._machine.repeated, case._inputs) for case in waiting]
-    for case, solution in zip(waiting, together(runs), strict=True):
+    for case, solution in zip(waiting, run_in_lanes(runs), strict=True):
         if solution is not None:
             case._kept["run"] = solution

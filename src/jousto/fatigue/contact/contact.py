@@ -15,12 +15,12 @@ from jousto.base.object_repr import described
 from jousto.materials.material import Material
 
 SHALLOW = 0.04
-"""Least depth of the stress of a point contact, short half axes."""
+"""Smallest depth for the stress of a point contact, over the short half axis."""
 
 
 @dataclass(frozen=True)
 class HertzContact:
-    """Pressure between two elastic bodies; x runs along the rolling direction, z into the body.
+    """Hertzian contact of two elastic bodies; x in the rolling direction, z into the body.
 
     Attributes
     ----------
@@ -35,10 +35,10 @@ class HertzContact:
     b : float
         Half width along y of a point contact, m; half the length of a line contact.
     approach : float
-        How far distant points of the bodies approach, m; nan for a line, where it depends on the
-        bodies.
+        Approach of distant points of the bodies, m; nan for a line contact, where it depends on
+        the shape of the bodies.
     nu : float
-        Poisson's ratio of the body whose stress is asked for.
+        Poisson's ratio of the body whose stress is computed.
 
     Notes
     -----
@@ -62,14 +62,14 @@ class HertzContact:
         return f"{self.kind} contact, {self.force:g} N: p0 = {1e-6 * self.p0:.4g} MPa, {size}"
 
     def stress(self, x: ArrayLike, z: ArrayLike, *, friction: float = 0.0) -> Array:
-        """Return the stress (..., 6) in Pa at places below the surface, in the plane y = 0.
+        """Return the stress (..., 6), Pa, at points below the surface in the plane y = 0.
 
         Parameters
         ----------
         x, z : array_like
-            Along the rolling direction and depth below the surface, m; broadcast together.
+            Coordinate in the rolling direction and depth below the surface, m; broadcast together.
         friction : float
-            Tangential over normal traction everywhere in the contact (full sliding), along +x.
+            Ratio of tangential to normal traction in the whole contact (full sliding), along +x.
 
         Returns
         -------
@@ -79,7 +79,7 @@ class HertzContact:
         Raises
         ------
         InputError
-            A depth that is negative, or for a point contact not below the surface.
+            For a negative depth, or a depth of a point contact that is too small.
         """
         X, Z = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(z, dtype=float))
         if Z.size and not (np.all(np.isfinite(X)) and np.all(np.isfinite(Z)) and Z.min() >= 0.0):
@@ -105,7 +105,7 @@ class HertzContact:
         return -float(found.fun), math.exp(float(found.x))
 
     def _axis(self, z: float) -> tuple[float, float, float]:
-        """Principal stresses on the axis below the centre."""
+        """Return the principal stresses, Pa, on the axis below the centre."""
         if self.kind == "line":
             s = _line_stress(np.zeros(1), np.full(1, z), self.a, self.p0, self.nu, 0.0)[0]
         else:
@@ -114,7 +114,7 @@ class HertzContact:
 
 
 def _combined(materials: tuple[Material, Material]) -> float:
-    """1/E* = sum (1 - nu^2)/E."""
+    """Return E*, Pa, from ``1/E* = sum (1 - nu^2)/E``."""
     return 1.0 / sum((1.0 - m.nu**2) / m.E for m in materials)
 
 
@@ -154,14 +154,14 @@ def hertz_line(
     length : float
         Length of the line, m.
     radius, other : float
-        Radii of both cylinders, m; inf is flat, negative a hollow around the other.
+        Radii of both cylinders, m; inf for a plane, negative for a concave surface.
     material : Material or two of them
-        Of both bodies.
+        Material of both bodies.
 
     Raises
     ------
     InputError
-        Force, length or radii that make no contact.
+        For a force, length or radii without contact.
 
     Examples
     --------
@@ -175,7 +175,11 @@ def hertz_line(
     problems.positive("contact", "length", length, "m")
     curvature = 1.0 / radius + 1.0 / other
     if curvature <= 0.0:
-        problems.add("contact", f"radii {radius:g} and {other:g} m touch along no line")
+        problems.add(
+            "contact",
+            f"radii {radius:g} and {other:g} m have no line contact; a concave radius must be "
+            "larger than the convex one",
+        )
     problems.raise_if_any()
     both = _two(material)
     E, R = _combined(both), 1.0 / curvature
@@ -193,25 +197,26 @@ def hertz_point(
     other: tuple[float, float] = (math.inf, math.inf),
     material: Material | tuple[Material, Material],
 ) -> HertzContact:
-    """Return the elliptic contact of two bodies that are curved both ways.
+    """Return the elliptic point contact of two doubly curved bodies.
 
     The principal directions of both bodies are x (rolling) and y: a wheel of tread radius r on a
-    rail of head radius h is ``radii=(R, inf or r), other=(inf, h)``. Axes of the ellipse from
-    complete elliptic integrals (Johnson 1985, section 4.2), ``p0 = 3 F / (2 pi a b)``.
+    rail of head radius h is ``radii=(R, inf or r), other=(inf, h)``. The axes of the ellipse follow
+    from complete elliptic integrals (Johnson 1985, section 4.2), ``p0 = 3 F / (2 pi a b)``.
 
     Parameters
     ----------
     force : float
         Normal force, N.
     radii, other : (x, y)
-        Radii of curvature of both bodies in the planes xz and yz, m; inf is flat, negative hollow.
+        Radii of curvature of both bodies in the planes xz and yz, m; inf for flat, negative for
+        concave.
     material : Material or two of them
-        Of both bodies.
+        Material of both bodies.
 
     Raises
     ------
     InputError
-        Radii that do not meet in a point.
+        For radii without a point contact.
 
     Examples
     --------
@@ -235,7 +240,7 @@ def hertz_point(
         )
     both = _two(material)
     E = _combined(both)
-    # long and short half axis: the long one lies where the gap opens slowly
+    # the long half axis is in the direction of the smaller relative curvature
     ratio = max(A, B) / min(A, B)
     k = _axis_ratio(ratio)  # short over long
     K, L = _elliptic(k)
@@ -252,7 +257,7 @@ def hertz_point(
 
 
 def _elliptic(k: float) -> tuple[float, float]:
-    """Complete elliptic integrals K and E of the modulus sqrt(1 - k^2)."""
+    """Return the complete elliptic integrals K and E of the modulus sqrt(1 - k^2)."""
     from scipy.special import ellipe, ellipk
 
     return float(ellipk(1.0 - k * k)), float(ellipe(1.0 - k * k))
@@ -284,15 +289,16 @@ def _within(p0: float, materials: tuple[Material, Material]) -> None:
 
 
 def _line_stress(x: Array, z: Array, a: float, p0: float, nu: float, mu: float) -> Array:
-    """Flamant's solution integrated over ``p0 sqrt(1 - s^2/a^2)`` and mu times it.
+    """Return the stress (..., 6) of a line contact: Flamant's solution integrated over the contact.
 
-    With ``F(w) = int p(s)/(w - s) ds = (pi p0/a) (w - sqrt(w^2 - a^2))``, ``w = x + i z``, all
-    integrals of Johnson 1985, eq. 2.23, are real and imaginary parts of F and z F'.
+    The normal traction is ``p = p0 sqrt(1 - s^2/a^2)``, the tangential one ``mu p``. With
+    ``F(w) = int p(s)/(w - s) ds = (pi p0/a) (w - sqrt(w^2 - a^2))``, ``w = x + i z``, all integrals
+    of Johnson 1985, eq. 2.23, are real and imaginary parts of F and z F'.
     """
     w = x + 1j * z
     root = np.sqrt(w - a) * np.sqrt(w + a)
     F = math.pi * p0 / a * (w - root)
-    # z F' vanishes at the surface
+    # z F' is 0 at the surface
     zF = math.pi * p0 / a * z * (1.0 - w / np.where(root == 0.0, 1.0, root))
     zF = np.where(z > 0.0, zF, 0.0)
     sx = (F.imag + zF.real) / math.pi
@@ -310,7 +316,10 @@ def _line_stress(x: Array, z: Array, a: float, p0: float, nu: float, mu: float) 
 
 
 def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
-    """Superpose the point loads of Boussinesq and Cerruti over the contact ellipse, y = 0."""
+    """Return the stress (..., 6) of a point contact at y = 0.
+
+    The solutions of Boussinesq and Cerruti for point loads are summed over the contact ellipse.
+    """
     out = np.zeros((*x.shape, 6))
     if not x.size:
         return out
@@ -319,15 +328,15 @@ def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
         raise InputError(
             Problem(
                 "contact",
-                f"depth {z.min():g} m of a point contact is above {SHALLOW:g} of its short half "
-                f"axis, {short:g} m; the stress is integrated numerically and needs more depth",
+                f"depth {z.min():g} m of a point contact is less than {SHALLOW:g} times its short "
+                f"half axis of {short:g} m, too little for the numerical integration of the stress",
             )
         )
     flat, X, Z = out.reshape(-1, 6), x.ravel(), z.ravel()
     for depth in np.unique(Z):
         rows = np.flatnonzero(Z == depth)
         points = _ellipse_rule(c, float(depth))
-        # some places at a time, so that the distances fit into the cache
+        # number of points at a time, such that the distances fit into the cache
         step = max(1, 40_000 // len(points[0]))
         for i in range(0, len(rows), step):
             chosen = rows[i : i + step]
@@ -337,9 +346,9 @@ def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
 
 
 def _ellipse_rule(c: HertzContact, z: float) -> tuple[Array, Array, Array]:
-    """Return points (x, y) of half the ellipse, y > 0, and twice the forces on them."""
+    """Return points x, y of half of the ellipse, y > 0, and twice the forces on them, N."""
     fine = int(np.clip(8.0 * max(c.a, c.b) / z, 24, 400))
-    # p = p0 cos(f) at the radius sin(f) of the ellipse: a smooth integrand
+    # substitution r = sin(f), p = p0 cos(f), which makes the integrand smooth
     u, weight = np.polynomial.legendre.leggauss(fine)
     f = 0.25 * math.pi * (u + 1.0)
     load = 0.25 * math.pi * weight * c.p0 * np.cos(f) ** 2 * np.sin(f) * c.a * c.b
@@ -352,7 +361,7 @@ def _ellipse_rule(c: HertzContact, z: float) -> tuple[Array, Array, Array]:
 def _superpose(
     x: Array, z: float, points: tuple[Array, Array, Array], nu: float, mu: float
 ) -> Array:
-    """Stress (k, 6) at places x (k, 1) of the depth z, times 2 pi."""
+    """Return 2 pi times the stress (k, 6) at points x (k, 1) of the depth z."""
     S, T, P = points
     g = 1.0 - 2.0 * nu
     d, y2 = x - S, T * T
@@ -389,12 +398,13 @@ class RollingContact:
     ----------
     contact : HertzContact
     x : (nt,) array
-        Position of the point relative to the contact, m; one pass from the right to the left.
+        Coordinate of the material point relative to the contact, m, descending over one pass.
     depth : (nd,) array
         Depth below the surface, m.
     stress : (nd, nt, 6) array
-        ``[s11 s22 s33 s12 s23 s13]``, 1 = rolling direction, 2 = across, 3 = into the body, Pa.
+        ``[s11 s22 s33 s12 s23 s13]``, Pa; 1 = rolling direction, 2 = transverse, 3 = into the body.
     friction : float
+        Ratio of tangential to normal traction.
     """
 
     contact: HertzContact
@@ -413,26 +423,27 @@ def rolling_contact(
     reach: float = 5.0,
     samples: int = 201,
 ) -> RollingContact:
-    """Return the stress at some depths while the contact rolls over it once.
+    """Return the stress history at given depths in one pass of the contact.
 
     Parameters
     ----------
     contact : HertzContact
         From `hertz_line` or `hertz_point`.
     depths : (nd,) array_like, optional
-        m; None takes 24 depths from 0.1 to 2.4 times the half width in the rolling direction
-        (of the shorter axis, for a point contact).
+        Depths, m; None takes 24 depths from 0.1 to 2.4 times the half width in the rolling
+        direction (of the shorter axis, for a point contact).
     friction : float
-        Tangential over normal traction; full sliding, the safe side of partial slip.
+        Ratio of tangential to normal traction in full sliding, which is conservative for partial
+        slip.
     reach : float
-        How far the contact is followed to both sides, half widths.
+        Range of the pass to both sides of the contact, half widths.
     samples : int
-        Positions.
+        Number of positions in the pass.
 
     Raises
     ------
     InputError
-        Depths that are not below the surface, or settings out of range.
+        For depths that are not below the surface, or settings out of range.
     """
     problems = Problems()
     problems.number("rolling contact", "friction", friction, "", "in [0, 2]", lambda f: 0 <= f <= 2)
@@ -449,17 +460,16 @@ def rolling_contact(
 
 
 def shakedown_limit(friction: float = 0.0) -> float:
-    """Return the largest p0/k at which a rolling line contact shakes down, k = yield in shear.
+    """Return the shakedown limit p0/k of a rolling line contact, with the shear yield stress k.
 
-    Residual stresses may take over every component but the orthogonal shear s13, which no
-    equilibrated residual stress of the half-plane can hold (Johnson 1985, section 9.2): the limit
-    is the pressure at which the largest s13 reaches k. 4.00 without friction; 1/friction where the
-    surface decides.
+    Residual stresses in equilibrium can balance every stress component of the half-plane except
+    the orthogonal shear s13 (Johnson 1985, section 9.2): at the limit the largest s13 is k. The
+    limit is 4.00 without friction, and 1/friction if the largest s13 is at the surface.
 
     Parameters
     ----------
     friction : float
-        Tangential over normal traction, full sliding.
+        Ratio of tangential to normal traction, full sliding.
 
     Examples
     --------

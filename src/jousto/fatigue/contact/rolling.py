@@ -1,4 +1,4 @@
-"""Life of the material below a rolling contact, under forces that differ from pass to pass."""
+"""Fatigue life of the material below a rolling contact under variable normal forces."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ POINT_DEPTHS = np.concatenate([[SHALLOW], BELOW])
 @described
 @dataclass(frozen=True, eq=False)
 class RollingLife:
-    """Damage below a rolling contact.
+    """Damage at depths below a rolling contact.
 
     Attributes
     ----------
     depth : (nd,) array
-        m.
+        Depths below the surface, m.
     damage : (nd,) array
-        Miner's sum of all the passes; zero where Dang Van's limit alone was asked for.
+        Miner's sum of all passes; zero for Dang Van's criterion.
     utilisation : (nd,) array
-        Largest value of the criterion over the passes, over its limit: Dang Van's b, or the S-N
-        curve's amplitude at its knee for Findley.
+        Largest value of the criterion over all passes, divided by its limit: b of Dang Van, or
+        for Findley the amplitude at the knee of the S-N curve.
     passes : float
-        How many passes the forces describe.
+        Number of passes of all forces.
     """
 
     depth: Array
@@ -46,19 +46,19 @@ class RollingLife:
 
     @property
     def worst(self) -> float:
-        """Depth of the largest damage (of the largest utilisation if there is none), m."""
+        """Depth of the largest damage, m; without damage that of the largest utilisation."""
         by = self.damage if self.damage.max() > 0.0 else self.utilisation
         return float(self.depth[int(np.argmax(by))])
 
     @property
     def life(self) -> float:
-        """Passes until the first crack; inf if nothing does damage."""
+        """Number of passes to crack initiation; inf without damage."""
         top = float(self.damage.max())
         return np.inf if top == 0.0 else self.passes / top
 
     @property
     def safety(self) -> float:
-        """Factor on the stress that the limit still allows."""
+        """Safety factor on the stress, the inverse of the largest utilisation."""
         return float(1.0 / self.utilisation.max())
 
     def __str__(self) -> str:
@@ -73,7 +73,7 @@ class RollingLife:
 def _relative(
     unit: HertzContact, friction: float, criterion: Findley | DangVan
 ) -> tuple[float, ...]:
-    """Return the criterion at the relative depths of a contact of unit size and pressure."""
+    """Return values of the criterion at the relative depths, for unit size and pressure."""
     depths = LINE_DEPTHS if unit.kind == "line" else POINT_DEPTHS
     roll = rolling_contact(unit, depths, friction=friction, samples=101)
     return tuple(critical_plane(s, criterion).value for s in roll.stress)
@@ -90,40 +90,38 @@ def rolling_life(
     friction: float = 0.0,
     depths: ArrayLike | None = None,
 ) -> RollingLife:
-    """Return damage and life of the material that a contact rolls over again and again.
+    """Return damage and life of the material below a rolling contact.
 
-    Every pass is one cycle. Contacts of one pair of bodies are similar: with the force F the
-    pressure and the size grow like ``F^(1/2)`` (line) or ``F^(1/3)`` (point), so that the criterion
-    is worked out once for relative depths and then scaled to every force.
+    Every pass is one cycle. Pressure and size of the contact are proportional to ``F^(1/2)`` (line)
+    or ``F^(1/3)`` (point) of the force F, so that the criterion is evaluated once at relative
+    depths and scaled to every force.
 
     Parameters
     ----------
     contact : HertzContact
-        Of any force.
+        Contact under any force.
     forces : (k,) array_like
-        Normal force of each pass, N; or of classes of passes with `counts`.
+        Normal force of each pass, N, or of each class of passes with `counts`.
     criterion : Findley or DangVan
     sn : SN, optional
         S-N curve of alternating tension, for Findley.
     counts : (k,) array_like, optional
-        How many passes have each force; 1 if not given.
+        Number of passes with each force; None is 1 each.
     friction : float
-        Tangential over normal traction.
+        Ratio of tangential to normal traction.
     depths : (nd,) array_like, optional
-        m; None takes depths that suit the largest force: of a line from the surface, which decides
-        under friction, of a point from 0.04 of its short half axis, where its stress begins to be
-        known.
+        Depths, m; None takes depths for the largest force: from the surface for a line contact,
+        from 0.04 times the short half axis, the smallest possible depth, for a point contact.
 
     Warns
     -----
     JoustoWarning
-        If the worst of several depths is the shallowest one and the material above it is worse, or
-        not known.
+        If the largest damage is at the smallest depth, and is larger or unknown above it.
 
     Raises
     ------
     InputError
-        Forces that are not positive, counts that do not fit, or a missing S-N curve.
+        For forces that are not positive, counts of another length, or a missing S-N curve.
     """
     problems = Problems()
     F = problems.array("rolling life", "forces", forces, (None,))
@@ -132,11 +130,11 @@ def rolling_life(
         "rolling life", "counts", np.ones(n or 0) if counts is None else counts, (n,)
     )
     if F is not None and (not len(F) or F.min() < 0.0 or F.max() <= 0.0):
-        problems.add("rolling life", "forces must be positive, and at least one")
+        problems.add("rolling life", "forces must be one or more positive numbers, N")
     if c is not None and len(c) and c.min() < 0.0:
         problems.add("rolling life", "counts must not be negative")
     if isinstance(criterion, Findley) and sn is None:
-        problems.add("rolling life", "Findley needs an S-N curve, which holds the limit")
+        problems.add("rolling life", "Findley needs an S-N curve: sn=...")
     problems.raise_if_any()
     assert F is not None and c is not None
 
@@ -159,7 +157,7 @@ def rolling_life(
     used = scale > 0.0
     with np.errstate(divide="ignore"):
         relative = np.asarray(z)[:, None] / (size * scale[None, used])
-    # above the first depth of a point as there; below the last it fades as 1/z
+    # constant above the first depth of a point contact; proportional to 1/z below the last depth
     each = np.interp(relative, grid, value)
     far = relative > grid[-1]
     each = np.where(far, value[-1] * grid[-1] / np.maximum(relative, 1e-300), each)
@@ -168,16 +166,19 @@ def rolling_life(
     if isinstance(criterion, Findley):
         damage = np.array([float(sn.damage(row, c[used])) for row in stress])
     life = RollingLife(np.asarray(z), damage, stress.max(axis=1) / limit, float(c.sum()))
-    # of a point nothing above its first depth is known; of a line everything
+    # smallest depth with known stress: the first of the grid for a point, the surface for a line
     least = max(float(life.depth.min()), size * scale.max() * grid[0])
     if len(z) > 1 and 0.0 < life.worst <= least:
         at = life.worst / (size * scale.max())
         above = value[grid <= at].max(initial=0.0)
         if contact.kind == "point" and at <= grid[0]:
-            remedy = "the stress of a point contact is not worked out nearer to the surface"
+            remedy = "the stress of a point contact is not computed nearer to the surface"
         elif above > 1.05 * np.interp(at, grid, value):
-            remedy = "above it is worse; ask for depths nearer to the surface"
+            remedy = "the damage above it is larger; give depths nearer to the surface"
         else:
             return life
-        warn("rolling life", f"worst at the shallowest depth, {1e3 * life.worst:.3g} mm: {remedy}")
+        warn(
+            "rolling life",
+            f"the largest damage is at the smallest depth, {1e3 * life.worst:.3g} mm; {remedy}",
+        )
     return life

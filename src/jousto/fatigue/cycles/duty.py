@@ -1,4 +1,4 @@
-"""Duty cycles: what a part goes through in its life, event after event."""
+"""Duty cycles: events of the life of a part with their numbers of repetitions."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from jousto.fatigue.cycles.rainflow import (
 from jousto.recovery.fields.field import StressField
 
 TRANSITIONS = ("separate", "sequence", "worst")
-"""What happens between the events of a duty cycle."""
+"""Rules for the transitions between the events of a duty cycle."""
 
 _EXPLAIN = (
-    'say what happens between the events: "separate" (each counts alone; cycles from the peak of'
-    ' one to the valley of another are lost), "sequence" (they follow one another in this order,'
-    ' each repeated before the next) or "worst" (any order: the highest peak of all pairs with the'
+    'give "separate" (each event is counted alone; cycles from the peak of one event to the valley'
+    ' of another are neglected), "sequence" (the events follow in this order, each with all its'
+    ' repetitions before the next) or "worst" (any order: the highest peak of all pairs with the'
     " lowest valley)"
 )
 
@@ -37,23 +37,23 @@ _EXPLAIN = (
 @described
 @dataclass(frozen=True, eq=False)
 class DutyEvent:
-    """One thing that happens so many times.
+    """Event of a duty cycle: stress histories with a number of repetitions.
 
     Parameters
     ----------
     source : StressField or (nt,) array_like
-        Stress of a body during the event, Pa; an array is the history of a single place.
+        Stress of a body during the event, Pa; an array is the history of a single site.
     repeats : float
-        How often it happens in one duty cycle.
+        Number of repetitions in one duty cycle.
     name : str
-        For tables.
+        Name in tables.
     duration : float, optional
-        Of one repeat, s; of a field the time of its run.
+        Duration of one repetition, s; the default for a field is the time of its run.
 
     Raises
     ------
     InputError
-        If the repeats are not positive, or the source is neither.
+        If the repeats are not positive, or the source is neither a field nor an array.
     """
 
     source: Any
@@ -74,7 +74,7 @@ class DutyEvent:
 
     @property
     def seconds(self) -> float:
-        """Duration of one repeat, s; 1 if it is not known."""
+        """Duration of one repetition, s; 1 if it is not known."""
         if self.duration is not None:
             return float(self.duration)
         if isinstance(self.source, StressField):
@@ -86,29 +86,30 @@ class DutyEvent:
 @described
 @dataclass(frozen=True, eq=False, init=False)
 class DutyCycle:
-    """Events with their repeats, and what happens between them.
+    """Events with their numbers of repetitions and the rule for the transitions between them.
 
     Parameters
     ----------
     events : sequence of DutyEvent, or of tuples (source, repeats) or (source, repeats, name)
-        Fields of the same places, from one or several results; or histories of one place.
+        Fields of the same sites, from one or several results; or histories of one site.
     transitions : str
         "separate", "sequence" or "worst"; needed if there are several events.
 
-        * separate: each event counts alone, by the residue rule. Cycles between the peak of one
-          event and the valley of another are lost; right if the part rests between them.
-        * sequence: the first event so many times, then the second ..., counted exactly as the
-          rainflow of that whole history, however long.
-        * worst: any order. The cycles that close within an event count as they are; the peaks and
-          valleys that it leaves open pair with those of all others, the highest with the lowest (as
-          ASME III, NB-3222.4 sums ranges). No order does more damage with a curve without limit
-          and without mean stress correction; with an endurance limit or cut-off, or a correction,
+        * separate: each event is counted alone, by the residue rule. Cycles between the peak of
+          one event and the valley of another are neglected; exact if the stress returns to zero
+          between events.
+        * sequence: all repetitions of the first event, then of the second ...; the result is the
+          exact rainflow count of the whole history, of any length.
+        * worst: any order. Cycles that close within an event are counted; the open peaks and
+          valleys of all events are paired, the highest with the lowest (as ASME III, NB-3222.4
+          sums ranges). This is an upper bound of the damage of all orders for a curve without
+          limit and without mean stress correction; with an endurance limit, cut-off or correction
           compare with "separate". For ``residue="repeat"``.
 
     Raises
     ------
     InputError
-        If transitions are not given, or the events do not fit together.
+        If transitions are missing, or the events have different sites or types.
 
     Examples
     --------
@@ -133,7 +134,7 @@ class DutyCycle:
             else:
                 problems.add(where, f"events[{i}] must be a DutyEvent or (field, repeats)")
         if not made and not problems.found:
-            problems.add(where, "there are no events")
+            problems.add(where, "has no events; give one or more (field, repeats)")
         if len(made) > 1 and transitions is None:
             problems.add(where, f"transitions is missing: {_EXPLAIN}")
         elif transitions is not None and transitions not in TRANSITIONS:
@@ -154,8 +155,8 @@ class DutyCycle:
             if other.labels != fields[0].labels:
                 problems.add(
                     where,
-                    f"events[{i}] has {other.ns} places, events[0] {fields[0].ns}, or others; all"
-                    " must be of the same part and sites",
+                    f"events[{i}] with {other.ns} sites and events[0] with {fields[0].ns} sites"
+                    " differ; all events must be of the same part and sites",
                 )
         problems.raise_if_any()
         object.__setattr__(self, "events", tuple(made))
@@ -163,17 +164,17 @@ class DutyCycle:
 
     @property
     def duration(self) -> float:
-        """Of one duty cycle, s."""
+        """Duration of one duty cycle, s."""
         return float(sum(event.seconds * event.repeats for event in self.events))
 
     @property
     def field(self) -> StressField:
-        """The field of the first event, for places and names.
+        """Field of the first event, for the sites and their names.
 
         Raises
         ------
         InputError
-            If the events are histories of one place.
+            If the events are histories of one site.
         """
         source = self.events[0].source
         if not isinstance(source, StressField):
@@ -181,7 +182,7 @@ class DutyCycle:
         return source
 
     def cycles(self, *, residue: str | None = None) -> Cycles:
-        """Count the cycles of a single place.
+        """Return the cycles of the duty cycle of a single site.
 
         Parameters
         ----------
@@ -191,7 +192,7 @@ class DutyCycle:
         Raises
         ------
         InputError
-            If the events are fields of several places, or the residue rule is missing.
+            If the events are fields of several sites, or the residue rule is missing.
         """
         rule = check_residue(residue, "DutyCycle")
         check_duty(self, rule)
@@ -199,7 +200,7 @@ class DutyCycle:
         for event in self.events:
             if isinstance(event.source, StressField):
                 raise InputError(
-                    Problem("DutyCycle", "has fields: damage_field counts them, place by place")
+                    Problem("DutyCycle", "its events are fields; use damage_field or site_cycles")
                 )
             histories.append(event.source)
         return count_duty(histories, [e.repeats for e in self.events], self.transitions, rule)
@@ -213,13 +214,13 @@ class DutyCycle:
 
 
 def check_duty(duty: DutyCycle, residue: str) -> None:
-    """Raise InputError if the residue rule does not go with the transitions."""
+    """Raise InputError if the residue rule does not fit the rule for transitions."""
     if duty.transitions == "worst" and residue != "repeat":
         raise InputError(
             Problem(
                 "DutyCycle",
-                f'transitions="worst" closes every event, so it goes with residue="repeat", not'
-                f" {residue!r}",
+                f'residue is {residue!r}, but transitions="worst" closes all cycles and needs'
+                ' residue="repeat"',
             )
         )
 
@@ -230,7 +231,7 @@ def count_duty(
     transitions: str,
     residue: str,
 ) -> Cycles:
-    """Return the cycles of one place over a duty cycle; see `DutyCycle`.
+    """Return the cycles of one site over a duty cycle; see `DutyCycle`.
 
     Parameters
     ----------
@@ -263,7 +264,7 @@ def _joined(ranges: Array, means: Array, counts: Array, residue: str) -> Cycles:
 
 
 def _sequence(histories: Sequence[Array], repeats: Sequence[int], residue: str) -> Cycles:
-    """Count events that follow one another: closed cycles, then what their residues close."""
+    """Return the cycles of events in sequence: those closed in an event, then in the residues."""
     found: list[tuple[Array, Array, float]] = []
 
     def add(values: Array, pairs: Any, times: float) -> None:
@@ -282,7 +283,7 @@ def _sequence(histories: Sequence[Array], repeats: Sequence[int], residue: str) 
             pairs, rest = close(open_, own)
             open_ = joined[rest]
             now = (joined[pairs].tolist(), open_.tolist())
-            if now == last:  # from here on every repeat closes the same
+            if now == last:  # all further repetitions close the same cycles
                 add(joined, pairs, float(n - done + 1))
                 break
             add(joined, pairs, 1.0)
@@ -303,10 +304,10 @@ def _sequence(histories: Sequence[Array], repeats: Sequence[int], residue: str) 
 
 
 def _worst(each: Sequence[Cycles], repeats: Sequence[float]) -> Cycles:
-    """Pair the highest peaks that events leave open with the lowest valleys.
+    """Return the cycles of events in any order: open peaks and valleys paired by size.
 
-    In any order of the events every open cycle has one of these peaks and one of these valleys; of
-    all pairings the sorted one has the largest sum of a convex function of the ranges.
+    In any order of the events each remaining cycle has one of the open peaks and one of the open
+    valleys; of all pairings the sorted one has the largest sum of a convex function of the ranges.
     """
     ranges, means, counts = ([getattr(c, n) for c in each] for n in ("range", "mean", "count"))
     peaks: list[list[float]] = []

@@ -1,4 +1,4 @@
-"""Rainflow counting by the engine, with a residue rule that must be given."""
+"""Rainflow counting by the engine, with a mandatory residue rule."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from jousto.base.object_repr import described
 from jousto.model.native.damage_meter import count_cycles
 
 RESIDUES = ("half", "repeat", "ignore")
-"""What happens to the cycles that the end of a history leaves open."""
+"""Rules for the residue: the cycles that are open at the end of a history."""
 
 _EXPLAIN = (
-    'say what counts of the cycles that the history leaves open: "half" (half cycles, ASTM E1049),'
-    ' "repeat" (the history starts again from its beginning, as in a duty cycle) or "ignore" (for'
-    " pieces of a longer history whose residues are counted later); of one random walk they give"
+    'give the rule for cycles open at the end of the history: "half" (half cycles, ASTM E1049),'
+    ' "repeat" (the history repeats from its beginning, as in a duty cycle) or "ignore" (for'
+    " pieces of a longer history whose residues are counted later); for one random walk they give"
     " damages of 3.6e-6, 5.1e-6 and 5.1e-7, a factor of ten"
 )
 
 
 def check_residue(residue: str | None, where: str = "rainflow") -> str:
-    """Return the rule.
+    """Return the residue rule if it is valid.
 
     Raises
     ------
     InputError
-        If it is missing or unknown; the sentence explains what it is about.
+        If the rule is missing or unknown; the message explains the rules.
     """
     if residue is None:
         raise InputError(Problem(where, f"residue is missing: {_EXPLAIN}"))
@@ -44,18 +44,18 @@ def check_residue(residue: str | None, where: str = "rainflow") -> str:
 @described
 @dataclass(frozen=True, eq=False)
 class RainflowMatrix:
-    """Cycles sorted into classes.
+    """Rainflow matrix: numbers of cycles in classes of range and mean, or of from and to.
 
     Attributes
     ----------
     kind : str
         "range-mean" or "from-to".
     x, y : (n + 1,) array
-        Edges of the classes of range or from (x), and of mean or to (y), Pa.
+        Limits of the classes of range or from (x), and of mean or to (y), Pa.
     counts : (n, n) array
-        Cycles of class [x, y].
+        Number of cycles in class [x, y].
     residue : str
-        Rule by which they were counted.
+        Residue rule of the count.
     """
 
     kind: str
@@ -68,31 +68,32 @@ class RainflowMatrix:
         n = int(np.count_nonzero(self.counts))
         return (
             f"rainflow matrix {self.kind}, {len(self.x) - 1} x {len(self.y) - 1} classes, {n} of"
-            f" them hold {self.counts.sum():g} cycles; residue: {self.residue}"
+            f" them with {self.counts.sum():g} cycles; residue: {self.residue}"
         )
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Cycles(Tabular):
-    """Cycles counted in a history.
+    """Cycles of a history by rainflow counting.
 
     Attributes
     ----------
     range, mean : (nc,) array
-        Pa (or the unit of the history).
+        Range and mean of each cycle, Pa (or the unit of the history).
     count : (nc,) array
-        1 of closed cycles, 0.5 of half ones; more where a duty cycle repeats them.
+        Number of cycles: 1 for a closed cycle, 0.5 for a half cycle, times the repetitions of a
+        duty cycle.
     from_index, to_index : (nc,) int array
-        Samples of the history at which a cycle begins and turns.
+        Samples of the history at the first and the second extreme of a cycle.
     residue : str
-        The rule: "half", "repeat" or "ignore".
+        Residue rule: "half", "repeat" or "ignore".
     turning : (nr,) array
         Turning points of the history, its ends included.
     open : (no,) array
-        The residue: turning points that no closed cycle took.
+        Residue: turning points of cycles that do not close.
     rising : (nc,) bool array
-        Whether a cycle begins with its minimum.
+        Whether the first extreme of a cycle is its minimum.
     """
 
     range: Array
@@ -114,7 +115,7 @@ class Cycles(Tabular):
 
     @property
     def amplitude(self) -> Array:
-        """Half of the range."""
+        """Amplitude (nc,): half of the range."""
         return 0.5 * self.range
 
     @property
@@ -123,7 +124,7 @@ class Cycles(Tabular):
         return float(self.count.sum())
 
     def sums(self, digits: int = 12) -> dict[float, float]:
-        """Return the number of cycles of each range, the ranges rising (rounded to digits).
+        """Return the number of cycles of each range, ascending, rounded to `digits`.
 
         Examples
         --------
@@ -139,19 +140,19 @@ class Cycles(Tabular):
         return {float(f"{v:.12g}"): float(c) for v, c in zip(values, counts, strict=True)}
 
     def matrix(self, bins: int = 32, kind: str = "range-mean") -> RainflowMatrix:
-        """Return the cycles sorted into classes.
+        """Return the rainflow matrix.
 
         Parameters
         ----------
         bins : int
-            Classes on each side.
+            Number of classes in each direction.
         kind : str
-            "range-mean", or "from-to" (turning points; half cycles count half).
+            "range-mean", or "from-to" (first and second extreme).
 
         Raises
         ------
         InputError
-            If bins or kind make no sense.
+            If `bins` or `kind` is invalid.
         """
         problems = Problems()
         if bins < 1 or bins != int(bins):
@@ -173,14 +174,14 @@ class Cycles(Tabular):
             spans = [(0.0, _positive(float(x.max(initial=0.0)))), means]
         edges = []
         for low, high in spans:
-            if not high > low:  # a single value in the middle of the classes
+            if not high > low:  # a single value: classes centred about it
                 low, high = low - 0.5 * _positive(abs(low)), high + 0.5 * _positive(abs(high))
             edges.append(np.linspace(low, high, bins + 1))
         counts, _, _ = np.histogram2d(x, y, bins=edges, weights=self.count)
         return RainflowMatrix(kind, edges[0], edges[1], counts, self.residue)
 
     def levels(self, count: int = 64) -> tuple[Array, Ints]:
-        """Return levels (count,) and how often the history crosses each of them upwards.
+        """Return levels (count,) and the number of upward crossings of each (count,).
 
         Examples
         --------
@@ -198,12 +199,12 @@ class Cycles(Tabular):
         return levels, np.asarray(begun - passed, dtype=np.int64)
 
     def exceedance(self) -> tuple[Array, Array]:
-        """Return amplitudes (nc,), falling, and how many cycles are as large or larger."""
+        """Return amplitudes (nc,), descending, and the number of cycles of at least each."""
         order = np.argsort(self.range)[::-1]
         return self.amplitude[order], np.cumsum(self.count[order])
 
     def times(self, repeats: float) -> Cycles:
-        """Return the cycles counted so many times over."""
+        """Return the cycles with their numbers multiplied by `repeats`."""
         return replace(self, count=self.count * repeats)
 
     def _csv(self) -> Rows:
@@ -237,12 +238,12 @@ class Cycles(Tabular):
 
 
 def check_history(series: ArrayLike, where: str = "history") -> Array:
-    """Return the samples (nt,).
+    """Return the samples (nt,) of a history if they are valid.
 
     Raises
     ------
     InputError
-        If there are fewer than two, or values that are not finite.
+        If there are fewer than two samples, or values that are not finite.
     """
     try:
         x = np.asarray(series, dtype=np.float64)
@@ -258,8 +259,8 @@ def check_history(series: ArrayLike, where: str = "history") -> Array:
     elif not np.all(np.isfinite(x)):
         bad = np.flatnonzero(~np.isfinite(x))
         problem = (
-            f"sample {bad[0]} is {x[bad[0]]} ({len(bad)} of {len(x)} are not finite); leave such"
-            " samples out or fill them first"
+            f"sample {bad[0]} is {x[bad[0]]} ({len(bad)} of {len(x)} are not finite); remove or"
+            " interpolate these samples first"
         )
     if problem:
         raise InputError(Problem(where, problem))
@@ -267,11 +268,11 @@ def check_history(series: ArrayLike, where: str = "history") -> Array:
 
 
 def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
-    """Count the cycles of a history by the rainflow method.
+    """Return the cycles of a history by the rainflow method.
 
     Four-point rule: of turning points S1..S4 the inner range ``|S2 - S3|`` is a closed cycle if it
-    lies within S1 and S4. It is taken out, and so on; what remains is the residue. With
-    ``residue="half"`` the ranges of the residue count as half cycles, which is the count of
+    lies within S1 and S4. S2 and S3 are removed and the search continues; the remaining turning
+    points are the residue. With ``residue="half"`` the ranges of the residue are half cycles, as in
     ASTM E1049-85, 5.4.4.
 
     Parameters
@@ -279,7 +280,7 @@ def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
     series : (nt,) array_like
         History, Pa.
     residue : str
-        "half", "repeat" or "ignore"; must be given.
+        "half", "repeat" or "ignore"; mandatory.
 
     Returns
     -------
@@ -305,7 +306,7 @@ def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
         pairs = np.concatenate([pairs, np.stack([rest[:-1], rest[1:]], axis=1)])
     elif rule == "repeat":
         again = close(left, left)[0]
-        # places in the two copies of the residue
+        # indices into two copies of the residue, one after the other
         pairs = np.concatenate([pairs, rest[again % len(rest)]])
         whole = len(pairs)
     closed = np.full(len(pairs), 0.5)
@@ -318,9 +319,9 @@ def rainflow(series: ArrayLike, *, residue: str | None = None) -> Cycles:
 
 
 def turning_points(x: Array) -> tuple[Array, Ints]:
-    """Return the turning points (nr,) of a history and their samples; both ends are among them.
+    """Return the turning points (nr,) of a history and their indices (nr,), both ends included.
 
-    Of a plateau the first sample is taken; a constant history has one.
+    The index of a plateau is its first sample; a constant history has one turning point.
     """
     kept = np.ones(len(x), dtype=bool)
     np.not_equal(x[1:], x[:-1], out=kept[1:])
@@ -335,14 +336,14 @@ def turning_points(x: Array) -> tuple[Array, Ints]:
 
 
 def close(first: Array, second: Array) -> tuple[Ints, Ints]:
-    """Apply the four-point rule to two residues one after the other.
+    """Return the cycles that two residues in sequence close, by the four-point rule.
 
     Returns
     -------
     pairs : (nc, 2) int array
-        Places in ``[first, second]`` of the cycles that close.
+        Indices into ``[first, second]`` of the extremes of each cycle.
     rest : (nr,) int array
-        Places that remain.
+        Indices of the remaining turning points.
     """
     values, index = turning_points(np.concatenate([first, second]))
     pairs, rest = count_turning(values)
@@ -350,7 +351,7 @@ def close(first: Array, second: Array) -> tuple[Ints, Ints]:
 
 
 def count_turning(values: Array) -> tuple[Ints, Ints]:
-    """Return the closed cycles (nc, 2) of turning points and what remains, as places in them."""
+    """Return closed cycles (nc, 2) and residue (nr,) of turning points, as indices into them."""
     _, pairs, _, rest = count_cycles(values)
     return pairs, rest
 

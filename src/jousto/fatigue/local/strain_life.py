@@ -1,9 +1,9 @@
-"""Local stress and strain at a notch from linear elastic stress, and the life they leave.
+"""Strain life: local stress and strain at a notch from linear elastic stress, and damage.
 
-The stress of a modal body is linear elastic. Where it exceeds the cyclic yield stress the true one
-is lower and the strain higher: Neuber's rule ``s e = S^2/E`` or Glinka's equal strain energy give
-both. Hysteresis branches are the cyclic curve doubled (Masing), and a branch that closes a loop
-continues along the curve it left (material memory), so that every loop gets its own mean stress.
+The stress of a modal body is linear elastic. Above the cyclic yield stress the local stress is
+lower and the strain higher, by Neuber's rule ``s e = S^2/E`` or Glinka's equal strain energy.
+Hysteresis branches are the doubled cyclic curve (Masing); after a loop is closed, the branch
+continues on the interrupted curve (material memory), so that every loop has its own mean stress.
 """
 
 from __future__ import annotations
@@ -69,14 +69,14 @@ def glinka(stress: ArrayLike, material: StrainLife) -> tuple[Array, Array]:
 
 
 def _notch(stress: ArrayLike, material: StrainLife, share: float) -> tuple[Array, Array]:
-    """Solve ``s^2/E + share s (s/K')^(1/n') = S^2/E`` by Newton from above."""
+    """Return stress and strain from ``s^2/E + share s (s/K')^(1/n') = S^2/E``, by Newton."""
     S = np.asarray(stress, dtype=np.float64)
     if not np.all(np.isfinite(S)):
         raise InputError(Problem("notch", "the elastic stress has values that are not finite"))
     K, n = material.hardening
     E, size = material.E, np.abs(S)
     energy = size * size / E
-    # both terms alone are bounds from above; the left side is convex
+    # start at the upper bound by each term alone; the left side is convex
     s = np.minimum(size, (energy / share * K ** (1.0 / n)) ** (n / (1.0 + n)))
     for _ in range(60):
         plastic = share * s * (s / K) ** (1.0 / n)
@@ -97,7 +97,7 @@ class LocalPath:
     Attributes
     ----------
     index : (n,) int array
-        Samples of the history that are turning points.
+        Indices of the turning points in the history.
     elastic, stress, strain : (n,) arrays
         Linear elastic and local stress in Pa, local strain in m/m.
     """
@@ -110,7 +110,7 @@ class LocalPath:
 
 @explained
 def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber") -> LocalPath:
-    """Follow the local stress and strain at a notch through a history, from the virgin state.
+    """Return local stress and strain at a notch over a history that starts in the virgin state.
 
     Parameters
     ----------
@@ -118,24 +118,26 @@ def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber"
         Linear elastic stress, Pa.
     material : StrainLife
     rule : {"neuber", "glinka", "elastic"}
-        Notch rule; ``elastic`` leaves the stress as it is.
+        Notch rule; ``elastic`` keeps the linear elastic stress.
 
     Raises
     ------
     InputError
-        Empty or not finite history, unknown rule.
+        For an empty history, values that are not finite, or an unknown rule.
     """
     x = _checked(series, rule)
     S, index = turning_points(x)
-    start = np.full(len(S), -1, dtype=np.intp)  # the turning point a branch comes from, -1 virgin
+    start = np.full(
+        len(S), -1, dtype=np.intp
+    )  # turning point at the start of the branch, -1: virgin curve
     stack: list[int] = []
     largest = 0.0
     for k, value in enumerate(S):
-        # close the loops that this branch runs through
+        # close the loops that are smaller than this branch
         while len(stack) >= 2 and abs(value - S[stack[-1]]) >= abs(S[stack[-1]] - S[stack[-2]]):
             del stack[-2:]
-        # on the first loading curve; what was before is forgotten. rounding of equal ranges may
-        # close every loop a little below the largest value
+        # on the virgin curve: clear the memory. round-off of equal ranges may close all loops a
+        # little below the largest value
         if abs(value) >= largest or not stack:
             stack, largest = [k], max(largest, abs(float(value)))
         else:
@@ -175,7 +177,7 @@ def _checked(series: ArrayLike, rule: str) -> Array:
 @described
 @dataclass(frozen=True, eq=False)
 class LocalCycles(Tabular):
-    """Closed hysteresis loops at a notch, and the damage each of them does.
+    """Hysteresis loops at a notch with their damage.
 
     Attributes
     ----------
@@ -188,9 +190,9 @@ class LocalCycles(Tabular):
     count : (n,) array
         1 for a closed loop, 0.5 for a half cycle of the residue.
     cycles : (n,) array
-        Life if the loop came alone, cycles.
+        Life of each loop at constant amplitude, cycles.
     residue, rule, form : str
-        How the residue was counted, notch rule and form of the mean stress.
+        Residue rule, notch rule and form of the mean stress correction.
     material : str
     """
 
@@ -206,17 +208,17 @@ class LocalCycles(Tabular):
 
     @property
     def damage(self) -> float:
-        """Miner's sum of one pass of the history."""
+        """Miner's sum of one repetition of the history."""
         return float(np.sum(self.count / self.cycles)) if len(self.count) else 0.0
 
     @property
     def life(self) -> float:
-        """How many passes of the history last to the first crack; inf if nothing does damage."""
+        """Number of repetitions of the history to crack initiation; inf without damage."""
         with np.errstate(divide="ignore"):
             return float(np.float64(1.0) / self.damage)
 
     def table(self, rows: int = 10) -> str:
-        """Return the most damaging loops as a table."""
+        """Return a table of the loops with the largest damage."""
         share = self.count / self.cycles
         order = ranking(share)[:rows]
         lines = [
@@ -235,7 +237,7 @@ class LocalCycles(Tabular):
         return "\n".join(lines)
 
     def _csv(self) -> Rows:
-        """Return every loop."""
+        """Return the table of all loops."""
         head = ("strain amplitude", "stress amplitude (Pa)", "mean (Pa)", "count", "cycles")
         columns = (self.strain, self.stress, self.mean, self.count, self.cycles)
         rows = zip(*(column.tolist() for column in columns), strict=True)
@@ -254,27 +256,27 @@ def local_cycles(
     rule: Rule = "neuber",
     form: Form = "swt",
 ) -> LocalCycles:
-    """Count the hysteresis loops at a notch and the damage they do.
+    """Return the hysteresis loops at a notch over a stress history, with their damage.
 
     Parameters
     ----------
     series : (nt,) array_like
-        Linear elastic stress at the place, signed (a component, a principal or the signed von
-        Mises stress), Pa.
+        Linear elastic stress at the notch, Pa, with its sign (a component, a principal or the
+        signed von Mises stress).
     material : StrainLife
     residue : {"half", "repeat", "ignore"}
-        What is counted of loops that do not close within the history: halves (ASTM E1049), those
-        of endless repetitions of the history (the first pass, which starts from the virgin state,
-        left out), or nothing. There is no default: the choice may change a life tenfold.
+        Rule for loops that do not close within the history: half loops (ASTM E1049), the loops
+        closed by further repetitions of the history (without the first one, which starts in the
+        virgin state), or none. Mandatory, since it may change a life by a factor of ten.
     rule : {"neuber", "glinka", "elastic"}
         Notch rule.
     form : {"coffin-manson", "morrow", "swt"}
-        How the mean stress counts.
+        Form of the mean stress correction.
 
     Raises
     ------
     InputError
-        Empty or not finite history, unknown rule, residue or form.
+        For an empty history, values that are not finite, or an unknown rule, residue or form.
 
     Examples
     --------
@@ -299,7 +301,7 @@ def local_cycles(
             f" {material.sf / 1e6:.4g} MPa; are the stresses in MPa? SI needs Pa",
         )
     if residue == "repeat":
-        # from the largest value round to it again: every loop closes
+        # start and end at the largest value, so that every loop closes
         turn = int(np.argmax(np.abs(x)))
         x = np.concatenate([x[turn:], x[: turn + 1]])
     path = local_path(x, material, rule=rule)
@@ -322,15 +324,15 @@ def local_cycles(
 @described
 @dataclass(frozen=True, eq=False)
 class StrainDamage(Tabular):
-    """Strain life at several places of a body.
+    """Strain life at several sites of a body.
 
     Attributes
     ----------
     labels : tuple of str
     loops : tuple of LocalCycles
-        One for each label.
+        Hysteresis loops of each site.
     criterion : str
-        The elastic stress that was followed.
+        Name of the linear elastic stress.
     """
 
     labels: tuple[str, ...]
@@ -339,16 +341,16 @@ class StrainDamage(Tabular):
 
     @property
     def damage(self) -> Array:
-        """Miner's sums of one pass of the history, (ns,)."""
+        """Miner's sums (ns,) of one repetition of the history."""
         return np.array([loops.damage for loops in self.loops])
 
     @property
     def life(self) -> Array:
-        """Passes of the history to the first crack, (ns,)."""
+        """Number of repetitions of the history to crack initiation, (ns,)."""
         return np.array([loops.life for loops in self.loops])
 
     def table(self, rows: int = 10) -> str:
-        """Return the most damaged places as a table."""
+        """Return a table of the sites with the largest damage."""
         first = self.loops[0]
         width = max(12, *(len(label) for label in self.labels))
         lines = [
@@ -368,7 +370,7 @@ class StrainDamage(Tabular):
         return "\n".join(lines)
 
     def _csv(self) -> Rows:
-        """Return damage and life of every place."""
+        """Return the table of damage and life of all sites."""
         rows = zip(self.labels, self.damage.tolist(), self.life.tolist(), strict=True)
         residue = f"residue: {self.loops[0].residue}"
         return ("site", "damage", "life (passes)", residue), rows
@@ -388,7 +390,7 @@ def strain_damage(
     form: Form = "swt",
     sites: Sequence[str] | str | None = None,
 ) -> StrainDamage:
-    """Count the hysteresis loops at several places of a stress field.
+    """Return the hysteresis loops and the damage at sites of a stress field.
 
     Parameters
     ----------
@@ -396,25 +398,24 @@ def strain_damage(
         From `stress_field` or `field_from`: linear elastic stress.
     material : StrainLife
     residue : {"half", "repeat", "ignore"}
-        As for `local_cycles`; there is no default.
+        As for `local_cycles`; mandatory.
     criterion : str
-        The stress that is followed, with its sign: "signed-von-mises", "signed-principal" or a
-        component.
+        Stress with a sign: "signed-von-mises", "signed-principal" or a component.
     rule, form : str
         As for `local_cycles`.
     sites : sequence of str, optional
-        Labels of the places; None takes all: choose the hot spots first.
+        Labels of the sites; None takes all, which is slow: find the hot spots first.
 
     Raises
     ------
     InputError
-        Unknown sites or options, or a criterion that has lost the sign of the stress.
+        For unknown sites or options, or a criterion without sign.
     """
     if criterion in ("von-mises", "max-shear"):
         raise InputError(
             Problem(
                 "strain life",
-                f"criterion '{criterion}' has no sign, so that loops would be half as large; take "
+                f"criterion '{criterion}' has no sign and would halve the loops; take "
                 "'signed-von-mises', 'signed-principal' or a component",
             )
         )
@@ -427,13 +428,13 @@ def strain_damage(
 
 
 def loops(S: Array, residue: str) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """Return first and last turning point of every cycle, and how often it counts."""
+    """Return first (n,) and last (n,) turning point and number (n,) of each cycle."""
     found, rest = count_turning(S)
     count = np.ones(len(found))
     ends = np.stack([rest[:-1], rest[1:]], axis=1)[S[rest[:-1]] != S[rest[1:]]]
     if residue == "half":
         found, count = np.concatenate([found, ends]), np.append(count, np.full(len(ends), 0.5))
     elif residue == "repeat" and len(ends) >= 2:
-        # between the two equal ends only the largest loop is left
+        # the largest loop remains between the two equal ends
         found, count = np.concatenate([found, rest[None, :2]]), np.append(count, 1.0)
     return found[:, 0], found[:, 1], count

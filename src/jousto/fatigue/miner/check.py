@@ -1,4 +1,4 @@
-"""What a model file asks of the fatigue of a body."""
+"""FatigueCheck: settings of the fatigue assessment of a body in a model file."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from jousto.mechanism.sensors.damage_rule import RESIDUES
 
 
 class StressSites(Field["str | tuple[str | int, ...]", "tuple[str | int, ...]"]):
-    """Places where stress is known; None for all."""
+    """Field with labels of stress sites, names of node sets or nodes; None for all."""
 
     form = "stress sites"
     noun = "str or sequence of str or int"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the labels as a tuple."""
         return (value,) if isinstance(value, str) else tuple(value)
 
 
 class FatigueCheck(Declared):
-    """A body whose life is to be found: the arguments of `damage_field`."""
+    """Fatigue assessment of a body: the arguments of `damage_field`."""
 
     kind = "check"
-    name: OptionalText = field("For tables; that of the body if not given", default=None)
+    name: OptionalText = field("Name in tables; that of the body if not given", default=None)
     body: Text = field("Name of a flexible body", kw_only=True)
-    sn: Curve = field("A curve: a name of curves or of the library, or its keys", kw_only=True)
+    sn: Curve = field("S-N curve: a name of curves or of the library, or its keys", kw_only=True)
     residue: Residue = field(
-        "What counts of cycles that the history leaves open; must be given",
+        "Rule for cycles open at the end of the history; must be given",
         words=RESIDUES,
         default=None,
         kw_only=True,
@@ -40,27 +40,30 @@ class FatigueCheck(Declared):
         "Sites, node sets or nodes; all if not given", default=None, kw_only=True
     )
     criterion: AnyField = field(
-        "signed-von-mises if not given", form="criterion", default=None, kw_only=True
+        "Stress that is counted; signed-von-mises if not given",
+        form="criterion",
+        default=None,
+        kw_only=True,
     )
     plane: AnyField = field(
         "Normal of a plane, instead of a criterion", form="plane", default=None, kw_only=True
     )
     mean: Correction = field("Mean stress correction", default=None, kw_only=True)
-    required: OptionalDuration = field("Life required", default=None, kw_only=True)
+    required: OptionalDuration = field("Required life", default=None, kw_only=True)
     allowable: OptionalNumber = field(
-        "Miner's sum allowed, 1 if not given", default=None, kw_only=True
+        "Allowable Miner's sum, 1 if not given", default=None, kw_only=True
     )
     survival: OptionalNumber = field(
         "Probability of survival of the results", default=None, kw_only=True
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Take the name of the body where none is given."""
+        """Set a missing name to that of the body."""
         set_fields(self, name=self.name or self.body)
 
     @property
     def options(self) -> dict[str, Any]:
-        """Further arguments of `damage_field`."""
+        """Keyword arguments of `damage_field`."""
         keys = ("mean", "required", "allowable", "survival")
         found = {"criterion": self.criterion if self.plane is None else self.plane}
         found |= {key: getattr(self, key) for key in keys}

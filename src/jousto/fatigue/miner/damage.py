@@ -19,14 +19,14 @@ from jousto.materials.strength.mean_stress import MeanStress, PartCompression, W
 from jousto.materials.strength.sn import SN, miner
 
 FACTORS = (1e-9, 1e9)
-"""Factors on the load between which the safety is sought."""
+"""Limits of the factor on the load in the search for the safety."""
 
 
 def reference(sn: SN, mean: MeanStress | None) -> SN:
-    """Return the curve for the amplitudes that a mean stress correction gives: fully reversed.
+    """Return the S-N curve at R = -1, for amplitudes after the mean stress correction.
 
-    Of a curve from tests at another stress ratio R, S_D becomes the equivalent of the cycle with
-    amplitude S_D and mean ``S_D (1 + R) / (1 - R)``.
+    For a curve from tests at another stress ratio R, S_D is replaced by the corrected amplitude of
+    the cycle with amplitude S_D and mean ``S_D (1 + R) / (1 - R)``.
     """
     S_D = _reversed(sn, mean, sn.S_D)
     if S_D == sn.S_D:
@@ -43,7 +43,7 @@ def reference(sn: SN, mean: MeanStress | None) -> SN:
 
 
 def _reversed(sn: SN, mean: MeanStress | None, S_D: float) -> float:
-    """Return the fully reversed equivalent of an amplitude at the stress ratio of the curve."""
+    """Return the equivalent amplitude at R = -1, Pa, of an amplitude at the R of the curve."""
     if mean is None or sn.R is None or sn.R == -1.0:
         return S_D
     if isinstance(mean, WeldRatio | PartCompression):
@@ -60,9 +60,9 @@ def check_stress(
     ----------
     sn : SN
     amplitude, peak : float
-        The largest amplitude and the largest stress, Pa.
+        Largest amplitude and largest stress, Pa.
     mean : MeanStress or None
-        The correction, whose strength limits stress as that of the curve does.
+        Mean stress correction, whose tensile strength is checked like that of the curve.
     """
     if sn.S_D >= 1e6 and 1e-2 < amplitude < min(5e3, 1e-4 * sn.S_D):
         warn(
@@ -85,20 +85,24 @@ def check_stress(
             warn(
                 where,
                 f"the largest stress, {peak / 1e6:.4g} MPa, is above the {name}"
-                f" {strength / 1e6:.4g} MPa: not a question of fatigue, or a notch for strain life",
+                f" {strength / 1e6:.4g} MPa: check the load and the unit, or use strain life at a"
+                " notch",
             )
             return
 
 
 def equivalents(cycles: Cycles, mean: MeanStress | None) -> Array:
-    """Return the amplitudes (nc,) that count, in Pa: corrected for their mean stress."""
+    """Return equivalent amplitudes (nc,), Pa, corrected for their mean stress."""
     if mean is None:
         return cycles.amplitude
     return mean.equivalent(cycles.amplitude, cycles.mean)
 
 
 def proportional(mean: MeanStress | None) -> bool:
-    """Return whether equivalent amplitudes grow as the load does; Goodman's and Gerber's do not."""
+    """Return whether equivalent amplitudes are proportional to the load.
+
+    Those of Goodman and Gerber are not.
+    """
     return mean is None or mean.law[0] not in ("line", "gerber")
 
 
@@ -112,12 +116,12 @@ def damage(cycles: Cycles, sn: SN, mean: MeanStress | None = None) -> float:
         From `rainflow`, Pa.
     sn : SN
     mean : MeanStress, optional
-        Correction such as ``Goodman(S_u)``; None takes the amplitudes as they are.
+        Correction such as ``Goodman(S_u)``; None is no correction.
 
     Returns
     -------
     float
-        inf if a mean stress alone breaks the part.
+        Miner's sum; inf if a mean stress exceeds the strength.
 
     Warns
     -----
@@ -132,9 +136,7 @@ def damage(cycles: Cycles, sn: SN, mean: MeanStress | None = None) -> float:
     2.07025146e-06
     """
     if not isinstance(cycles, Cycles):
-        raise InputError(
-            Problem("damage", "cycles must be counted first: rainflow(history, residue=...)")
-        )
+        raise InputError(Problem("damage", "cycles must be Cycles: rainflow(history, residue=...)"))
     if not len(cycles):
         check_stress(sn, 0.0, float(np.max(np.abs(cycles.open), initial=0.0)), mean)
         return math.inf if _breaks(cycles, mean) else 0.0
@@ -144,14 +146,14 @@ def damage(cycles: Cycles, sn: SN, mean: MeanStress | None = None) -> float:
 
 @explained
 def life(cycles: Cycles, sn: SN, mean: MeanStress | None = None, *, duration: float = 1.0) -> float:
-    """Return how long the part lives, ``duration / D``; inf for ever.
+    """Return the life ``duration / D`` with Miner's sum D; inf without damage.
 
     Parameters
     ----------
     cycles, sn, mean
         As for `damage`.
     duration : float
-        Of the history, s (the life is then in s); 1 gives the number of repeats.
+        Duration of the history, s, for a life in s; 1 for a number of repetitions.
     """
     problems = Problems()
     problems.positive("life", "duration", duration, "s")
@@ -165,7 +167,7 @@ def _peak(cycles: Cycles) -> float:
 
 
 def _breaks(cycles: Cycles, mean: MeanStress | None, factor: float = 1.0) -> bool:
-    """Return whether a stress that stays constant, times a factor, is above the strength."""
+    """Return whether a mean stress times a factor exceeds the strength."""
     if mean is None or len(cycles):
         return False
     top = factor * float(np.max(cycles.open, initial=0.0))
@@ -173,7 +175,7 @@ def _breaks(cycles: Cycles, mean: MeanStress | None, factor: float = 1.0) -> boo
 
 
 def _sum(cycles: Cycles, sn: SN, mean: MeanStress | None, factor: float = 1.0) -> float:
-    """Return Miner's sum with stresses times a factor."""
+    """Return Miner's sum with all stresses multiplied by a factor."""
     if _breaks(cycles, mean, factor):
         return math.inf
     S = cycles.amplitude * factor
@@ -188,16 +190,16 @@ def _sum(cycles: Cycles, sn: SN, mean: MeanStress | None, factor: float = 1.0) -
 def stress_safety(
     cycles: Cycles, sn: SN, mean: MeanStress | None = None, *, allowable: float = 1.0
 ) -> float:
-    """Return the largest factor on all stresses with which Miner's sum stays at the allowable one.
+    """Return the safety in stress: the largest factor on all stresses with an allowable sum.
 
-    The safety in stress. Where the sum jumps at an endurance limit, the factor just below.
+    If Miner's sum jumps over the allowable one at an endurance limit, it is the factor just below.
 
     Parameters
     ----------
     cycles, sn, mean
         As for `damage`.
     allowable : float
-        Miner's sum that is allowed: 1, or 0.5 or 0.3 as guidelines recommend.
+        Allowable Miner's sum: 1, or 0.5 or 0.3 by some guidelines.
 
     Examples
     --------
@@ -219,7 +221,7 @@ def stress_safety(
     low, high = math.log(FACTORS[0]), math.log(FACTORS[1])
     if _sum(cycles, curve, mean, FACTORS[1]) <= allowable:
         return math.inf
-    # 41 halved so often
+    # bisection: the interval of 41 (logarithm of the factor) over 2^48
     for _ in range(48):
         middle = 0.5 * (low + high)
         if _sum(cycles, curve, mean, math.exp(middle)) <= allowable:
@@ -232,18 +234,18 @@ def stress_safety(
 def survival_of(
     cycles: Cycles, sn: SN, mean: MeanStress | None = None, *, allowable: float = 1.0
 ) -> float:
-    """Return the probability of survival of counted cycles: the P whose curve just allows them.
+    """Return the probability of survival P of counted cycles.
 
-    Solves ``sum n_i / N_P(S_i) = allowable`` with the curve N_P of `SN.at_survival`. Miner's sum
-    of the curve alone does not tell: as the curve falls, cycles below its knee become cycles above
-    it, with another slope or with damage where there was none.
+    P solves ``sum n_i / N_P(S_i) = allowable`` with the curve N_P of `SN.at_survival`. It does not
+    follow from Miner's sum of one curve, because cycles below the knee of one curve are above the
+    knee of a lower one and have another slope.
 
     Parameters
     ----------
     cycles, sn, mean
         As for `damage`; the curve must have a scatter.
     allowable : float
-        Miner's sum that is allowed.
+        Allowable Miner's sum.
 
     Raises
     ------
@@ -261,12 +263,15 @@ def survival_of(
     def survives(z: float) -> bool:
         S_D, N_D, k, k2, limit = sn.numbers_at(float(ndtr(z)))
         strength = _reversed(sn, mean, S_D)
-        if not (math.isfinite(strength) and strength > 0.0):  # stronger than the static strength
+        if not (math.isfinite(strength) and strength > 0.0):  # curve above the static strength
             return True
         at = (strength, N_D, k, k2, limit * strength / S_D)
         return float(np.sum(cycles.count * miner(S, at))) <= allowable
 
-    low, high = -8.0, 8.0  # standard deviations; beyond it is 0 or 1 in double precision
+    low, high = (
+        -8.0,
+        8.0,
+    )  # limits of z, standard deviations; P is 0 or 1 in double precision beyond them
     if np.any(np.isinf(S)) or _breaks(cycles, mean) or not survives(low):
         return 0.0
     if survives(high):
@@ -280,29 +285,31 @@ def survival_of(
 @described
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """What a history does to a place.
+    """Fatigue assessment of a stress history.
 
     Attributes
     ----------
     damage : float
-        Miner's sum of the history, once.
+        Miner's sum of one repetition of the history.
     duration : float
-        Of the history, s; 1 if not known.
+        Duration of the history, s; 1 if not known.
     life : float
-        ``allowable duration / damage``, s (or repeats); inf for ever.
+        ``allowable duration / damage``, s (or repetitions); inf without damage.
     safety : float
-        Factor on the stress that uses the life required, or one repeat, up: see `stress_safety`.
+        Factor on the stress with which the required life, or one repetition, has the allowable
+        sum, see `stress_safety`.
     life_safety : float
-        Life over the life required.
+        Life over required life.
     probability : float
-        Of survival over the life required, see `survival_of`; nan if the curve has no scatter.
+        Probability of survival of the required life, see `survival_of`; nan if the curve has no
+        scatter.
     survival : float
-        Probability of survival of damage, life and safety.
+        Probability of survival to which damage, life and safety refer.
     allowable, required : float
-        Miner's sum allowed; life required in s (or repeats), the duration if none was asked.
+        Allowable Miner's sum; required life, s (or repetitions), by default the duration.
     cycles : Cycles
     sn : SN
-        The curve for that survival.
+        S-N curve at that probability of survival.
     mean : MeanStress or None
     """
 
@@ -331,20 +338,22 @@ class Assessment:
             ("mean stress", mean),
             ("cycles", f"{self.cycles.total:g}, residue: {self.residue}"),
             ("damage", f"{self.damage:.6g} (Miner's sum, allowed {self.allowable:g})"),
-            ("life", f"{told(self.life)} for a history of {told(self.duration)}"),
+            ("life", f"{duration_text(self.life)} for a history of {duration_text(self.duration)}"),
             ("safety", f"{self.safety:.4g} in stress, {self.life_safety:.4g} in life"),
         ]
         if not math.isnan(self.probability):
-            rows.append(("survival", f"{100 * self.probability:.6g} % after {told(self.required)}"))
+            rows.append(
+                ("survival", f"{100 * self.probability:.6g} % after {duration_text(self.required)}")
+            )
         return "\n".join(f"{name:12s} {text}" for name, text in rows)
 
 
-def told(seconds: float) -> str:
-    """Return a time for people.
+def duration_text(seconds: float) -> str:
+    """Return a time, s, as a text, with a larger unit if it is long.
 
     Examples
     --------
-    >>> told(90.0), told(7.3e8), told(float("inf"))
+    >>> duration_text(90.0), duration_text(7.3e8), duration_text(float("inf"))
     ('90 s', '7.3e+08 s (23.1 years)', 'for ever')
     """
     if math.isinf(seconds):
@@ -368,31 +377,31 @@ def assess(
     allowable: float = 1.0,
     survival: float | None = None,
 ) -> Assessment:
-    """Count the cycles of a history; return their damage and its safety.
+    """Return damage, life and safety of a stress history.
 
     Parameters
     ----------
     history : (nt,) array_like or Cycles
-        Stress, Pa; or cycles counted before.
+        Stress, Pa; or counted cycles.
     sn : SN
-        The S-N curve.
+        S-N curve.
     residue : str
         "half", "repeat" or "ignore", see `rainflow`; needed unless the cycles are counted.
     mean : MeanStress, optional
         Mean stress correction.
     duration : float
-        Of the history, s; 1 counts life in repeats.
+        Duration of the history, s; 1 for a life in repetitions.
     required : float, optional
-        Life wanted, in the unit of `duration`; one repeat if None.
+        Required life, in the unit of `duration`; None is one repetition.
     allowable : float
-        Miner's sum that is allowed.
+        Allowable Miner's sum.
     survival : float, optional
-        Probability of survival at which damage, life and safety hold; that of the curve if None.
+        Probability of survival of damage, life and safety; None is that of the curve.
 
     Raises
     ------
     InputError
-        As `rainflow`; if the curve has no scatter but another survival is asked for.
+        As `rainflow`; or if `survival` differs from that of a curve without scatter.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Damage at every place of a body."""
+"""Damage field: damage, life and safety at all stress sites of a body."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from jousto.fatigue.cycles.rainflow import Cycles, check_residue
 from jousto.fatigue.miner.damage import (
     _sum,
     check_stress,
+    duration_text,
     equivalents,
     proportional,
     reference,
     stress_safety,
-    told,
 )
 from jousto.fatigue.miner.spectrum import Spectrum
 from jousto.materials.strength.mean_stress import MeanStress
@@ -39,51 +39,50 @@ from jousto.recovery.hotspots.measures import measure
 
 CRITICAL_PLANE = "critical-plane"
 MEMORY = 64 << 20
-"""Bytes of the histories that are counted at a time."""
-
-SHOWN = 10  # places in a table
+"""Memory of the histories counted at a time, bytes."""
+SHOWN = 10  # number of sites in a table
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class DamageField(Tabular):
-    """Damage, life and safety at every place of a body.
+    """Damage, life and safety at all stress sites of a body.
 
     Attributes
     ----------
     body : str
         Name of the body.
     labels : tuple of str
-        Places (ns).
+        Labels of the ns sites.
     positions : (ns, 3) array
-        Where they are, part frame, m.
+        Positions of the sites, part frame, m.
     nodes : (ns,) int array or None
-        Their nodes from 0.
+        Nodes of the sites, from 0.
     damage : (ns,) array
-        Miner's sum of the history or duty cycle, once.
+        Miner's sum of one repetition of the history or duty cycle.
     safety : (ns,) array
-        Factor on all stresses with which the allowable sum is reached in the required life. Of
-        pruned places a lower bound.
+        Factor on all stresses with which the required life has the allowable sum; a lower bound
+        where cycles were not counted.
     peak : (ns,) array
-        Stress of the largest magnitude, with its sign, Pa; where it is not `exact` an upper bound
-        of the magnitude.
+        Stress of the largest magnitude, with its sign, Pa; an upper bound of the magnitude where
+        `exact` is False.
     counted : (ns,) bool array
-        Whether cycles were counted. Those of other places are all below the endurance limit: the
-        largest magnitude of their stress is, by a bound or worked out.
+        Whether cycles were counted. They are not where the largest stress, or an upper bound of
+        it, is below the endurance limit.
     normals : (ns, 3) array or None
-        Of the criterion "critical-plane", the normal of the plane with the largest damage.
+        For the criterion "critical-plane": normal of the plane with the largest damage.
     duration, required, allowable : float
-        Of the history, s; life required, s; Miner's sum allowed.
+        Duration of the history, s; required life, s; allowable Miner's sum.
     criterion : str or Plane
-        The stress that was counted.
+        Stress that was counted.
     residue, transitions : str
-        How it was counted.
+        Residue rule, and rule for transitions between events.
     sn : SN
-        The curve.
+        S-N curve.
     mean : MeanStress or None
-        The mean stress correction.
+        Mean stress correction.
     exact : (ns,) bool array
-        Whether the peak was worked out.
+        Whether the peak was computed exactly.
     """
 
     body: str
@@ -117,17 +116,17 @@ class DamageField(Tabular):
 
     @property
     def life(self) -> Array:
-        """Life (ns,), s: ``allowable duration / damage``; inf for ever."""
+        """Life (ns,), s: ``allowable duration / damage``; inf without damage."""
         with np.errstate(divide="ignore"):
             return np.asarray(self.allowable * self.duration / self.damage)
 
     @property
     def pruned(self) -> int:
-        """Places that cannot be damaged, by their largest stress."""
+        """Number of sites without damage because of their largest stress."""
         return int(np.count_nonzero(~self.counted))
 
     def cycles(self, source: StressField | DutyCycle, site: str | None = None) -> Cycles:
-        """Return the cycles of a place, the worst one if None, of the source it was made from."""
+        """Return the cycles of a site of the source; None is the site of the largest damage."""
         label = self.worst(1)[0] if site is None else site
         criterion = self.criterion
         if self.normals is not None:
@@ -136,16 +135,16 @@ class DamageField(Tabular):
         return site_cycles(source, label, criterion=criterion, residue=self.residue)
 
     def worst(self, count: int = SHOWN) -> list[str]:
-        """Return the labels of the places with the largest damage, then the least safety."""
+        """Return the labels of the sites with the largest damage, then the lowest safety."""
         return [self.labels[i] for i in self._order()[:count]]
 
     def at(self, site: str) -> tuple[float, float, float]:
-        """Return damage, life (s) and safety of a place.
+        """Return damage, life (s) and safety of a site.
 
         Raises
         ------
         InputError
-            If there is no such place.
+            If there is no such site.
         """
         if site not in self.labels:
             raise InputError(Problem("damage", f"no site '{site}'{suggest(site, self.labels)}"))
@@ -156,13 +155,13 @@ class DamageField(Tabular):
         return ranking(self.damage, self.labels, then=-self.safety)
 
     def table(self, count: int = SHOWN) -> list[tuple[str, ...]]:
-        """Return the head and the worst places as rows of text."""
+        """Return a header and the sites of the largest damage as rows of texts."""
         rows: list[tuple[str, ...]] = [
             ("site", "position (mm)", "peak (MPa)", "damage", "life", self.safety_of)
         ]
         for i in self._order()[:count]:
             place = " ".join(f"{1e3 * x:.4g}" for x in self.positions[i])
-            some = abs(self.peak[i]) > SHARE * self.sn.S_D  # more than rounding
+            some = abs(self.peak[i]) > SHARE * self.sn.S_D  # larger than round-off
             least = "" if some and self.counted[i] else "> "
             rows.append(
                 (
@@ -170,7 +169,7 @@ class DamageField(Tabular):
                     place,
                     f"{'' if self.exact[i] else '< '}{self.peak[i] / 1e6:.5g}" if some else "0",
                     f"{self.damage[i]:.5g}",
-                    told(float(self.life[i])),
+                    duration_text(float(self.life[i])),
                     f"{least}{min(float(self.safety[i]), 1.0 / SHARE):.4g}",
                 )
             )
@@ -178,26 +177,29 @@ class DamageField(Tabular):
 
     @property
     def once(self) -> bool:
-        """Whether the safety is that of one pass of the history, for no life was required."""
+        """Whether the safety is that of one repetition, since no required life was given."""
         return self.required == self.duration
 
     @property
     def safety_of(self) -> str:
-        """What the safety is of."""
+        """Heading of the safety in tables: of one repetition, or for the required life."""
         return f"safety {'of one pass' if self.once else 'for the life required'}"
 
     def head(self) -> list[tuple[str, str]]:
-        """Return how it was counted, as pairs of name and text."""
+        """Return the settings of the assessment as pairs of name and text."""
         mean = "not corrected" if self.mean is None else str(self.mean)
-        required = f", required {told(self.required)}"
+        required = f", required {duration_text(self.required)}"
         if self.once:
-            required = " once, which the safety is for; give the life required for that of a life"
+            required = " once; the safety is that of one repetition, required=... gives another"
         return [
             ("body", f"{self.body}, {len(self)} places, {self.pruned} below the endurance limit"),
             ("stress", f"{self.criterion}, mean stress: {mean}"),
             ("S-N curve", str(self.sn)),
             ("cycles", f"rainflow, residue: {self.residue}, transitions: {self.transitions}"),
-            ("history", f"{told(self.duration)}{required}, damage allowed {self.allowable:g}"),
+            (
+                "history",
+                f"{duration_text(self.duration)}{required}, damage allowed {self.allowable:g}",
+            ),
         ]
 
     def __str__(self) -> str:
@@ -211,7 +213,7 @@ class DamageField(Tabular):
         return "\n".join(lines)
 
     def _csv(self) -> Rows:
-        """Return every place with its damage, life and safety."""
+        """Return the table of damage, life and safety of all sites."""
         head = ["site", "node", "x (m)", "y (m)", "z (m)", "peak (Pa)", "damage", "life (s)"]
         head += [self.safety_of, "counted"]
         head += [f"{self.criterion}; residue: {self.residue}; S-N: {self.sn.name or self.sn}"]
@@ -231,7 +233,7 @@ class DamageField(Tabular):
 
 
 def half_sphere(count: int) -> Array:
-    """Return unit normals (count, 3) spread evenly over half a sphere (Fibonacci's spiral)."""
+    """Return evenly distributed unit normals (count, 3) on a half-sphere (Fibonacci spiral)."""
     k = np.arange(count) + 0.5
     z = k / count
     turn = np.pi * (1.0 + 5.0**0.5) * k
@@ -239,19 +241,19 @@ def half_sphere(count: int) -> Array:
     return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
 
 
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # of the six components
+PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # indices of the six components
 
 
 def special_normals(history: Array) -> Array:
-    """Return unit normals (12, 3) that a grid would miss.
+    """Return unit normals (12, 3) of special planes, in addition to a grid.
 
-    The principal directions at the instants of the largest and the smallest principal stress, those
-    of the change between the two, and the coordinate axes.
+    They are the principal directions at the instants of the largest and of the smallest principal
+    stress, those of the difference of the two, and the coordinate axes.
 
     Parameters
     ----------
     history : (nt, 6) array
-        Components of the stress.
+        Stress components, Pa.
     """
     T = history[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
     principal = np.linalg.eigvalsh(T)
@@ -261,7 +263,7 @@ def special_normals(history: Array) -> Array:
 
 
 def _around(normal: Array, angle: float) -> Array:
-    """Return six unit normals (6, 3) at an angle (rad) from one."""
+    """Return six unit normals (6, 3) at an angle, rad, from a normal."""
     across = np.linalg.svd(normal[None])[2][1:]
     turn = np.arange(6) * (np.pi / 3.0)
     ring = np.cos(turn)[:, None] * across[0] + np.sin(turn)[:, None] * across[1]
@@ -281,42 +283,42 @@ def damage_field(
     survival: float | None = None,
     planes: int = 200,
 ) -> DamageField:
-    """Return damage, life and safety at every place of a body.
+    """Return damage, life and safety at all stress sites of a body.
 
-    Places whose largest stress is below the endurance limit or cut-off of the curve are not
-    counted: no amplitude, corrected for its mean, is larger than the largest stress. Most of them
-    are found by the bounds of `hot_spots`, without working out their stress.
+    Cycles are not counted where the largest stress is below the endurance limit or cut-off of the
+    curve, since no amplitude, corrected for its mean, exceeds the largest stress. The bounds of
+    `hot_spots` exclude most of these sites without computing their stress.
 
     Parameters
     ----------
     source : StressField or DutyCycle
-        Stress of a run (`stress_field`), or several with their repeats.
+        Stress of a run (`stress_field`), or a duty cycle of several runs.
     sn : SN
-        The S-N curve.
+        S-N curve.
     criterion : str or Plane
-        The stress that is counted: "signed-von-mises", "signed-principal", a component such as
-        "s11", a `Plane`, or "critical-plane": the normal stress on the plane where it does most
-        damage. "von-mises" has no sign, so that a full reversal looks like two small cycles; it is
-        refused.
+        Stress that is counted: "signed-von-mises", "signed-principal", a component such as
+        "s11", a `Plane`, or "critical-plane": the normal stress on the plane of the largest
+        damage. "von-mises" is not allowed: it has no sign, so that a full reversal would be two
+        small cycles.
     residue : str
         "half", "repeat" or "ignore", see `rainflow`.
     mean : MeanStress, optional
         Mean stress correction.
     required : float, optional
-        Life required, s, for the safety; once through the history if None.
+        Required life for the safety, s; None is one repetition of the history.
     allowable : float
-        Miner's sum that is allowed.
+        Allowable Miner's sum.
     survival : float, optional
-        Probability of survival at which it is valid; that of the curve if None.
+        Probability of survival of the results; None is that of the curve.
     planes : int
-        Normals tried for "critical-plane", spread over half a sphere, besides the coordinate axes
-        and the principal directions at the extreme instants; the best is refined to about a
-        degree. Exact where the principal axes stand still; else a search, not a proof.
+        Number of normals on a half-sphere for "critical-plane". The coordinate axes and the
+        principal directions at the extreme instants are added, and the best normal is refined to
+        about a degree. Exact for constant principal directions, otherwise approximate.
 
     Raises
     ------
     InputError
-        If the residue rule is missing, the criterion makes no cycles, or a value is impossible.
+        If the residue rule is missing, the criterion has no sign, or a value is invalid.
 
     Warns
     -----
@@ -343,7 +345,7 @@ def damage_field(
     if planes < 3 or planes != int(planes):
         problems.add(where, f"planes is {planes!r}, must be a whole number from 3 on")
     if field.strain:
-        problems.add(where, "counts stress, not strain: make the field with strain=False")
+        problems.add(where, "source is a field of strain, must be stress: strain=False")
     if criterion in ("von-mises", "max-shear"):
         problems.add(
             where,
@@ -355,7 +357,9 @@ def damage_field(
         check_criterion(criterion, field.strain)
     for event in duty.events:
         if event.source.nt < 2:
-            raise InputError(Problem(where, "a field has one instant; cycles need a history"))
+            raise InputError(
+                Problem(where, "a field has one instant; give one of two or more instants")
+            )
     curve = sn if survival is None or survival == sn.survival else sn.at_survival(survival)
     work = _Work(duty, reference(curve, mean), mean, criterion, rule)
     wanted = duty.duration if required is None else required
@@ -416,7 +420,7 @@ def damage_field(
 
 
 def _farthest(values: Array) -> Array:
-    """Return of each column of (nt, k) the value of the largest magnitude, with its sign."""
+    """Return the value of the largest magnitude, with its sign, of each column of (nt, k)."""
     at = np.argmax(np.abs(values), axis=0)
     return np.asarray(values[at, np.arange(values.shape[1])])
 
@@ -428,19 +432,19 @@ def site_cycles(
     criterion: Criterion = "signed-von-mises",
     residue: str | None = None,
 ) -> Cycles:
-    """Return the cycles of one place, as `damage_field` counts them.
+    """Return the cycles of a stress site, as `damage_field` counts them.
 
     Parameters
     ----------
     source, criterion, residue
-        As for `damage_field`; of a critical plane give its `Plane`.
+        As for `damage_field`; for a critical plane give its `Plane`.
     site : str
-        Label of the place.
+        Label of the site.
 
     Raises
     ------
     InputError
-        If there is no such place, or the residue rule is missing.
+        If there is no such site, or the residue rule is missing.
     """
     rule = check_residue(residue, "site_cycles")
     duty = source if isinstance(source, DutyCycle) else DutyCycle([(source, 1.0)])
@@ -450,7 +454,7 @@ def site_cycles(
 
 
 class _Work:
-    """Counts the places of a duty cycle one after the other."""
+    """Counting of the sites of a duty cycle, with curve, criterion and rules."""
 
     def __init__(
         self,
@@ -467,11 +471,11 @@ class _Work:
 
     @property
     def bounding(self) -> Criterion:
-        """The criterion whose magnitude no amplitude exceeds."""
+        """Criterion whose largest magnitude is an upper bound of all amplitudes."""
         return "signed-principal" if self.criterion == CRITICAL_PLANE else self.criterion
 
     def bounds(self) -> Array | None:
-        """Return bounds (ns,) of the largest stress in all events, Pa; None in turning axes."""
+        """Return upper bounds (ns,) of the stress in all events, Pa; None for rotating axes."""
         if any(f.A is not None for f in self.fields):
             return None
         sought = measure(self.bounding, "magnitude")
@@ -482,7 +486,7 @@ class _Work:
         return np.asarray(np.max(found, axis=0))
 
     def chunks(self, chosen: Index) -> Iterator[tuple[Index, list[Array]]]:
-        """Yield places and the stress (nt, places) in each event, whole histories."""
+        """Yield indices of sites and their stress histories (nt, sites) in each event."""
         rows = sum(f.nt for f in self.fields)
         width = max(1, min(len(chosen), MEMORY // (8 * rows)))
         for start in range(0, len(chosen), width):
@@ -491,11 +495,11 @@ class _Work:
             yield places, [f.take(places).values(self.bounding, memory=size) for f in self.fields]
 
     def cycles(self, histories: Sequence[Array]) -> Cycles:
-        """Return the cycles of one place."""
+        """Return the cycles of one site."""
         return count_duty(histories, self.repeats, self.duty.transitions, self.residue)
 
     def count(self, histories: Sequence[Array], share: float) -> tuple[float, float, float]:
-        """Return damage, safety and the largest amplitude of one place."""
+        """Return damage, safety and the largest amplitude of one site."""
         cycles = self.cycles(histories)
         if not len(cycles):
             return 0.0, math.inf, 0.0
@@ -510,7 +514,7 @@ class _Work:
     def plane(
         self, place: int, directions: Array, share: float
     ) -> tuple[float, float, float, Array]:
-        """Return damage, safety, largest amplitude and normal of the plane with most damage."""
+        """Return damage, safety, amplitude and normal of the plane with the largest damage."""
         histories = [f.take([place]).history(None)[:, 0] for f in self.fields]
         best = (-1.0, math.inf, 0.0, directions[0])
 
@@ -526,7 +530,9 @@ class _Work:
             return best
 
         best = tried(np.concatenate([special_normals(np.concatenate(histories)), directions]), best)
-        step = 1.0 / math.sqrt(len(directions))  # 4 degrees of 200
+        step = 1.0 / math.sqrt(
+            len(directions)
+        )  # half of the spacing of the normals, rad: 4 degrees for 200
         for _ in range(3):
             best = tried(_around(best[3], step), best)
             step /= 2.0

@@ -1,4 +1,4 @@
-"""Miner's sum as a function of a factor on the load, at once for all factors."""
+"""Miner's sum as a function of a factor on the load."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from jousto.materials.strength.sn import SN
 
 
 class Spectrum:
-    """Equivalent amplitudes with counts, sorted once, so that ``D(f)`` costs two searches.
+    """Spectrum of equivalent amplitudes with counts, sorted for a fast evaluation of D(f).
 
-    With ``x = f S / S_D``: ``D(f) N_D = sum n x^k`` over x >= 1 and ``sum n x^k2`` over those below
-    that reach the limit.
+    Miner's sum with a factor f on the stresses S is ``D(f) N_D = sum n x^k`` over x >= 1 plus
+    ``sum n x^k2`` over x < 1 above the limit, with ``x = f S / S_D``. An evaluation needs two
+    binary searches.
 
     Parameters
     ----------
     amplitude, count : (nc,) array
-        Pa; equivalent to the mean stress.
+        Equivalent amplitudes, Pa, and numbers of cycles.
     sn : SN
     """
 
@@ -33,8 +34,8 @@ class Spectrum:
         self.N_D, self.k, self.k2 = N_D, k, k2
         self.limit = limit / S_D
         self.falls = -self.x
-        # sums over the largest ones with k and over the smallest ones with k2, of which few terms
-        # are taken away again: nothing is lost in large sums. Powers are relative to the largest
+        # cumulative sums of x^k from the largest amplitude and of x^k2 from the smallest one, so
+        # that a difference of sums loses no digits; x is relative to the largest amplitude
         self.top = float(self.x[0]) if len(self.x) else 1.0
         y = self.x / self.top
         self.above = np.zeros(len(y) + 1)
@@ -44,7 +45,7 @@ class Spectrum:
             self.below[:-1] = np.cumsum((n * y**k2)[::-1])[::-1]
 
     def damage(self, factor: float = 1.0) -> float:
-        """Return Miner's sum with all stresses times a factor."""
+        """Return Miner's sum with all stresses multiplied by a factor."""
         if not len(self.x):
             return 0.0
         i = int(np.searchsorted(self.falls, -1.0 / factor, side="right"))
@@ -57,11 +58,11 @@ class Spectrum:
         return total / self.N_D
 
     def factor(self, allowable: float) -> float:
-        """Return the largest factor with which Miner's sum stays at the allowable one."""
+        """Return the largest factor with which Miner's sum does not exceed the allowable one."""
         if not len(self.x):
             return math.inf
         low, high = math.log(1e-9 / self.top), math.log(1e9 / self.top)
-        if self.k == self.k2 and self.limit == 0.0:  # one power
+        if self.k == self.k2 and self.limit == 0.0:  # a single power law: explicit solution
             whole = self.damage(1.0 / self.top)
             return math.exp(math.log(allowable / whole) / self.k) / self.top
         for _ in range(48):
@@ -74,7 +75,7 @@ class Spectrum:
 
 
 def _times(value: float, power: float) -> float:
-    """Return ``value exp(power)``, inf where that is too large."""
+    """Return ``value exp(power)``; inf in case of overflow."""
     if value <= 0.0:
         return 0.0
     return math.inf if power > 700.0 else value * math.exp(power)

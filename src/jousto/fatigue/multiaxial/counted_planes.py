@@ -1,4 +1,4 @@
-"""Damage plane by plane: rainflow of shear along lines in every plane, or of the normal stress."""
+"""Damage on planes: rainflow count of shear along directions in a plane, or of normal stress."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ from jousto.materials.strength.strain_life import StrainLife
 from jousto.model.native.planes import PlaneCounter, StrainCurve
 
 AT_ONCE = 64
-"""Places whose histories are held at the same time."""
+"""Number of sites whose histories are in memory at the same time."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class PlaneDamage(Tabular):
-    """Damage on the worst plane of every place.
+    """Damage on the plane of the largest damage of each site.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class PlaneDamage(Tabular):
         Plane of the largest damage.
     criterion : object
     residue : str
-        How the residue was counted.
+        Residue rule of the count.
     """
 
     labels: tuple[str, ...]
@@ -63,12 +63,12 @@ class PlaneDamage(Tabular):
 
     @property
     def life(self) -> Array:
-        """Passes of the history to failure."""
+        """Number of repetitions of the history to failure, (ns,)."""
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / self.damage)
 
     def table(self, rows: int = 10) -> str:
-        """Return the most damaged places as a table."""
+        """Return a table of the sites with the largest damage."""
         width = max(12, *(len(label) for label in self.labels))
         lines = [
             f"{self.criterion}, residue '{self.residue}', {self.sn}",
@@ -83,7 +83,7 @@ class PlaneDamage(Tabular):
         return "\n".join(lines)
 
     def _csv(self) -> Rows:
-        """Return damage, life and plane of every place."""
+        """Return the table of damage, life and plane of all sites."""
         columns = (self.damage.tolist(), self.life.tolist(), *self.normal.T.tolist())
         head = ("site", "damage", "life (passes)", "n1", "n2", "n3", f"residue: {self.residue}")
         return head, zip(self.labels, *columns, strict=True)
@@ -103,36 +103,36 @@ def plane_damage(
     sites: Sequence[str] | str | None = None,
     step: float = 10.0,
 ) -> PlaneDamage:
-    """Count cycles plane by plane and return the damage of the worst plane of each place.
+    """Return the largest damage over all planes at each site, by counting cycles on every plane.
 
     On every plane the shear stress is resolved in directions `step` apart and counted by rainflow;
-    each cycle takes the largest normal stress while it lasts. `NormalStress` counts the normal
-    stress of each plane. Where shear turns in its plane no line sees all of it: the amplitude may
-    be up to 13 % (``1 - sqrt(3)/2``, an equilateral triangle) below the smallest circle, which
-    `critical_plane` takes. Of planes whose damage is equal to 1e-9, as those along a bar are, it is
-    the one whose normal is nearest to the first axis, then to the second.
+    each cycle has the largest normal stress during it. For `NormalStress` the normal stress of each
+    plane is counted. If the shear vector rotates in its plane, the amplitude along a direction may
+    be up to 13 % (``1 - sqrt(3)/2``, equilateral triangle) below the radius of the smallest circle
+    of `critical_plane`. Among planes of equal damage to 1e-9, such as those along a bar, the normal
+    nearest to the first axis is chosen, then to the second.
 
     Parameters
     ----------
     stress : StressField or (ns, nt, 6) array_like
-        Pa.
+        Stress field, or histories of several sites, Pa.
     criterion : Findley, FatemiSocie or NormalStress
     sn : SN or StrainLife
         S-N curve of alternating tension for `Findley` and `NormalStress`, strain-life curve for
         `FatemiSocie`.
     residue : {"half", "repeat", "ignore"}
-        What is counted of cycles that do not close; there is no default, see `local_cycles`.
+        Rule for cycles that do not close; mandatory, see `local_cycles`.
     mean : mean stress correction, optional
-        For `NormalStress` only.
+        Correction, for `NormalStress` only.
     sites : sequence of str, optional
-        Labels of the places; None takes all.
+        Labels of the sites; None takes all.
     step : float
-        Degrees between planes, and between directions in a plane.
+        Angle between planes, and between directions in a plane, degrees.
 
     Raises
     ------
     InputError
-        Unknown residue, a curve that does not belong to the criterion, or a bad history.
+        For an unknown residue rule, a curve that does not fit the criterion, or an invalid history.
     """
     problems = Problems()
     if residue not in RESIDUES:
@@ -147,11 +147,13 @@ def plane_damage(
             f"{type(criterion).__name__} needs {wanted}, not {type(sn).__name__}",
         )
     if isinstance(criterion, DangVan):
-        problems.add("plane damage", "Dang Van's criterion is a limit; it counts no damage")
+        problems.add(
+            "plane damage", "Dang Van's criterion has no damage; use multiaxial for its safety"
+        )
     if mean is not None and not isinstance(criterion, NormalStress):
         problems.add(
             "plane damage",
-            f"mean= is for NormalStress; {type(criterion).__name__} heeds the mean stress itself",
+            f"mean= is for NormalStress; {type(criterion).__name__} includes the mean stress",
         )
     problems.number("plane damage", "step", step, "deg", "in [1, 45]", lambda d: 1.0 <= d <= 45.0)
     problems.raise_if_any()
@@ -171,7 +173,7 @@ def plane_damage(
 def _counter(
     criterion: PlaneCriterion, curve: Any, residue: Residue, mean: Any, n: Array, angles: Array
 ) -> PlaneCounter:
-    """Return what counts the lines of planes of normals n (m, 3) at angles (l,) in them."""
+    """Return the counter of cycles along angles (l,) in planes of normals n (m, 3)."""
     turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     rows = plane_rows(n)
     if isinstance(criterion, FatemiSocie):

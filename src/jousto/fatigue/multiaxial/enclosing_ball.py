@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 
-SLACK = 1e-10
+SLACK = 1e-10  # relative distance outside a circle or ball, below which a point is inside
 PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 TRIPLES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 
@@ -16,8 +16,9 @@ TRIPLES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
 def enclosing_circles(points: Array) -> tuple[Array, Array]:
     """Return centres (m, 2) and radii (m,) of the smallest circles around m sets of points.
 
-    The circle through at most three of four points is exact; the point farthest outside takes part
-    until none is outside, which ends because the radius grows every time.
+    The smallest circle around four points is exact: it passes through two or three of them. The
+    point farthest outside is added to these until no point is outside; the iteration ends because
+    the radius grows in every step.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ def _of_four(four: Array) -> tuple[Array, Array, Array]:
     C, R = np.stack(centres, axis=1), np.stack(radii, axis=1)
     reach = np.linalg.norm(four[:, None] - C[:, :, None], axis=3).max(axis=2)
     R = np.where(reach <= R + 0.1 * SLACK, R, np.inf)
-    # rounding may leave no circle that holds all four: then the smallest reach around a centre
+    # if round-off leaves no circle around all four: the centre with the smallest largest distance
     lost = np.isinf(R).all(axis=1)
     R[lost] = reach[lost]
     best = np.argmin(R, axis=1)
@@ -83,8 +84,8 @@ def _of_four(four: Array) -> tuple[Array, Array, Array]:
 def enclosing_ball(points: Array) -> tuple[Array, float]:
     """Return centre (d,) and radius of the smallest ball around points (nt, d), exact.
 
-    The ball is fixed by at most d + 1 of its points; the farthest point outside joins them, and of
-    all balls through some of these the smallest that holds all is taken.
+    At most d + 1 points determine the ball. In each step the farthest point outside is added to
+    them, and the smallest ball through a subset that encloses all of them is the next one.
     """
     size = float(np.abs(points).max()) if points.size else 0.0
     if size == 0.0:
@@ -112,7 +113,7 @@ def _of_few(points: Array) -> tuple[Array, Array, float]:
             if np.linalg.matrix_rank(G, tol=1e-13) < k - 1:
                 continue
             weights = np.linalg.solve(G, np.sum(A * A, axis=1))
-            # a centre outside the simplex is that of a smaller set
+            # a centre outside the simplex belongs to a smaller subset
             if weights.min() < -1e-9 or weights.sum() > 1.0 + 1e-9:
                 continue
             centre = S[0] + weights @ A

@@ -1,8 +1,8 @@
-"""Critical planes: stress on every plane through a place, and the plane where cracks begin.
+"""Critical planes: stress on all planes through a point, and the plane of crack initiation.
 
 On a plane of normal n the traction ``t = S n`` has the normal stress ``n . t`` and the shear vector
-``t - n (n . t)``, whose tip draws a closed curve in the plane. The shear amplitude is the radius of
-the smallest circle around that curve, which is right for non-proportional loading, too.
+``t - n (n . t)``, whose path is a closed curve in the plane. The shear amplitude is the radius of
+the smallest circle around this curve, which is valid for non-proportional loading too.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from jousto.base.object_repr import described
 from jousto.base.ranking import largest, ranking
 from jousto.fatigue.multiaxial.enclosing_ball import enclosing_ball, enclosing_circles
 from jousto.materials.strength.strain_life import StrainLife
-from jousto.recovery.fields.planes import outward
+from jousto.recovery.fields.planes import positive_normal
 
-BLOCK_BYTES = 64 << 20
-COARSE = math.radians(9.0)
-PLANE_TIE = 1e-7  # of a value on the finest net, which lies up to 0.01 degrees beside the largest
+BLOCK_BYTES = 64 << 20  # memory for the stresses on planes at a time, bytes
+COARSE = math.radians(9.0)  # angle between normals of the first search, rad
+PLANE_TIE = 1e-7  # relative difference of values on the finest grid (0.01 degrees) that are equal
 SENSITIVITY = "in [0, 10]"
 VOIGT = ((0, 3, 5), (3, 1, 4), (5, 4, 2))
 
@@ -67,13 +67,13 @@ class Findley(Declared, by_value=True):
     def equivalent(self, value: ArrayLike) -> Array:
         """Return the uniaxial stress amplitude at R = -1 with the same f, Pa.
 
-        ``2 f / (k + sqrt(1 + k^2))``: what an S-N curve of alternating tension takes.
+        It is ``2 f / (k + sqrt(1 + k^2))``, for an S-N curve of alternating tension.
         """
         return np.asarray(2.0 * np.asarray(value) / (self.k + math.sqrt(1.0 + self.k**2)))
 
 
 class FatemiSocie(Declared, by_value=True):
-    """Fatemi and Socie's criterion: shear strain amplitude, opened by the normal stress.
+    """Fatemi and Socie's criterion: shear strain amplitude, increased by the normal stress.
 
     ``max over planes of g_a (1 + k s_n,max / S_y)`` (*Fatigue Fract. Eng. Mater. Struct.* 11 (1988)
     149-165) with elastic strains ``g = t / G``.
@@ -93,9 +93,9 @@ class FatemiSocie(Declared, by_value=True):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Warn of a yield stress that was perhaps given in MPa."""
+        """Warn of a yield stress that is probably in MPa."""
         if self.S_y < 1e5:
-            warn("FatemiSocie", f"S_y = {self.S_y:g} Pa is very weak; was it given in MPa?")
+            warn("FatemiSocie", f"S_y = {self.S_y:g} Pa is very low; was it given in MPa?")
 
     @property
     def G(self) -> float:
@@ -108,7 +108,7 @@ class FatemiSocie(Declared, by_value=True):
         return np.asarray(np.asarray(shear) / self.G * opened)
 
     def cycles(self, value: ArrayLike, material: StrainLife) -> Array:
-        """Return the life of a parameter on the shear strain-life curve of a material.
+        """Return the life (cycles) of a parameter on the shear strain-life curve of a material.
 
         ``t_f/G (2N)^b + g_f (2N)^c`` with ``t_f = sf / sqrt(3)`` and ``g_f = sqrt(3) ef``.
         """
@@ -122,26 +122,26 @@ class FatemiSocie(Declared, by_value=True):
 
 @dataclass(frozen=True)
 class NormalStress:
-    """Criterion of brittle materials and welds: the plane of the largest normal stress amplitude.
+    """Criterion of brittle materials and welds: the largest normal stress amplitude.
 
-    ``max over planes of s_n,a``; its mean can be heeded by a mean stress correction.
+    ``max over planes of s_n,a``; a mean stress correction may follow.
     """
 
     def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
-        """Return the normal stress amplitude; `shear` takes its place."""
+        """Return the normal stress amplitude, which the caller passes as `shear`."""
         return np.asarray(shear, dtype=np.float64)
 
     def equivalent(self, value: ArrayLike) -> Array:
-        """Return the uniaxial amplitude: the same."""
+        """Return the uniaxial stress amplitude, Pa, which equals the value."""
         return np.asarray(value, dtype=np.float64)
 
 
 class DangVan(Declared, by_value=True):
-    """Dang Van's criterion: no endless life where ``max_t (t(t) + a s_h(t)) > b``.
+    """Dang Van's criterion: infinite life if ``max_t (t(t) + a s_h(t)) <= b``.
 
-    t is the Tresca shear stress of the grain after shakedown, whose residual stress is the centre
-    of the smallest ball around the path of the deviator; s_h is the hydrostatic stress (K. Dang Van
-    et al., ASTM STP 1020 (1989) 72-102).
+    t is the Tresca shear stress in a grain after shakedown. Its residual stress is the centre of
+    the smallest ball around the path of the stress deviator; s_h is the hydrostatic stress (K. Dang
+    Van et al., ASTM STP 1020 (1989) 72-102).
 
     Examples
     --------
@@ -159,10 +159,10 @@ class DangVan(Declared, by_value=True):
 
 
 class PlaneCriterion(Protocol):
-    """What a criterion on planes must say: its value from shear amplitude and normal stress."""
+    """Interface of a criterion on planes."""
 
     def value(self, shear: ArrayLike, normal: ArrayLike) -> Array:
-        """Return the parameter on a plane."""
+        """Return the parameter of a plane from shear amplitude and largest normal stress, Pa."""
         ...
 
 
@@ -183,15 +183,15 @@ def _ratio(where: str, torsion: float, bending: float) -> float:
 
 
 def normals(step: float = COARSE) -> Array:
-    """Return unit normals (m, 3) of a half-sphere, about evenly spread, `step` in rad.
+    """Return about evenly distributed unit normals (m, 3) on a half-sphere, `step` in rad.
 
-    They stand in the order in which one is chosen of planes that are equally bad, see `nearness`.
+    They are sorted by `nearness`, the rule for the choice among planes of equal value.
     """
     rings = max(2, round(0.5 * math.pi / step))
     out = [np.array([[0.0, 0.0, 1.0]])]
     for ring in range(1, rings + 1):
         theta = 0.5 * math.pi * ring / rings
-        # on the equator opposite normals are the same plane
+        # opposite normals on the equator are the same plane: half of the circle
         turn = math.pi if ring == rings else 2.0 * math.pi
         count = max(3, round(turn * math.sin(theta) / step))
         phi = np.arange(count) * turn / count
@@ -202,12 +202,12 @@ def normals(step: float = COARSE) -> Array:
 
 
 def nearness(normal: Array) -> tuple[float, ...]:
-    """Return what is largest for the normal nearest to the first axis, then to the second.
+    """Return a sort key, the largest for the normal nearest to the first axis, then to the second.
 
-    Of mirrored normals those to positive axes come first. 1e-3: further than the finest net lets
-    two normals of one plane differ.
+    Among mirrored normals positive components come first. Components are rounded to 1e-3, which is
+    above the difference of two normals of one plane on the finest grid.
     """
-    n = outward(normal).round(3)
+    n = positive_normal(normal).round(3)
     return (*np.abs(n).tolist(), *n.tolist())
 
 
@@ -224,7 +224,7 @@ def plane_rows(n: Array) -> Array:
     u, v = tangents(n)
 
     def rows(a: Array) -> Array:
-        """Rows of ``a . S n`` over the Voigt components."""
+        """Return the rows of ``a . S n`` over the Voigt components."""
         return np.stack(
             [
                 a[:, 0] * n[:, 0],
@@ -249,20 +249,21 @@ def on_planes(s: Array, n: Array) -> tuple[Array, Array]:
 @described
 @dataclass(frozen=True, eq=False)
 class CriticalPlane:
-    """The worst plane through a place.
+    """Critical plane through a point.
 
     Attributes
     ----------
     normal : (3,) array
         Unit normal, axes of the stress; nan where the criterion has no plane (Dang Van).
     value : float
-        Of the criterion, Pa (strain for Fatemi-Socie).
+        Value of the criterion, Pa (strain for Fatemi-Socie).
     shear : float
-        Shear stress amplitude there, Pa; for `NormalStress` the amplitude of the normal stress.
+        Shear stress amplitude on the plane, Pa; for `NormalStress` the amplitude of the normal
+        stress.
     normal_stress : float
-        Largest normal stress there, Pa; for Dang Van the hydrostatic stress.
+        Largest normal stress on the plane, Pa; for Dang Van the hydrostatic stress.
     index : int
-        Sample at which the normal stress (Dang Van: the sum) is largest.
+        Sample of the largest normal stress (for Dang Van, of the largest sum).
     """
 
     normal: Array
@@ -274,12 +275,12 @@ class CriticalPlane:
 
 @explained
 def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> CriticalPlane:
-    """Return the plane on which a criterion is worst for a whole stress history.
+    """Return the plane with the largest value of a criterion over a stress history.
 
-    Planes are tried every 9 degrees over the half-sphere, the three best then refined to 0.01
-    degrees. The shear amplitude of a plane is the radius of the smallest circle around its shear
-    path, found exactly. Of planes that are equally bad to 1e-7, as loads in phase have in pairs, it
-    is the one whose normal is nearest to the first axis, then to the second.
+    Planes are evaluated every 9 degrees on the half-sphere; the three with the largest values are
+    refined to 0.01 degrees. The shear amplitude of a plane is the radius of the smallest circle
+    around its shear path, computed exactly. Among planes of equal value to 1e-7, such as the pairs
+    of in-phase loads, the normal nearest to the first axis is chosen, then to the second.
 
     Parameters
     ----------
@@ -290,7 +291,7 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
     Raises
     ------
     InputError
-        A history that is empty, not finite or of another shape.
+        For a history that is empty, not finite or of another shape.
 
     Examples
     --------
@@ -308,11 +309,13 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
     values = np.concatenate([_values(s, part, criterion)[0] for part in _split(n, len(s))])
     refined: list[tuple[float, Array]] = []
     for start in n[ranking(values)[:3]]:
-        # a net around the best normal that gets finer
+        # grids around the best normal, each finer than the last
         centre, reach = start, COARSE
         while reach > math.radians(0.01):
             u, v = tangents(centre[None])
-            g = reach * np.array([0.0, -0.5, 0.5, -1.0, 1.0])  # of equal ones the centre stays
+            g = reach * np.array(
+                [0.0, -0.5, 0.5, -1.0, 1.0]
+            )  # the centre is first, so that it remains if values are equal
             net = centre + g[:, None, None] * u[0] + g[None, :, None] * v[0]
             net = net.reshape(-1, 3) / np.linalg.norm(net.reshape(-1, 3), axis=1, keepdims=True)
             found = _values(s, net, criterion)[0]
@@ -321,7 +324,7 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
         refined.append((float(found.max()), centre))
     top = max(value for value, _ in refined)
     equal = [normal for value, normal in refined if value >= top - PLANE_TIE * abs(top)]
-    best = outward(max(equal, key=nearness))
+    best = positive_normal(max(equal, key=nearness))
     value, shear, normal, index = (x[0] for x in _values(s, best[None], criterion))
     return CriticalPlane(best, float(value), float(shear), float(normal), int(index))
 
@@ -358,7 +361,7 @@ def _dang_van(s: Array, criterion: DangVan) -> CriticalPlane:
     hydrostatic = s[:, :3].mean(axis=1)
     deviator = s.copy()
     deviator[:, :3] -= hydrostatic[:, None]
-    # coordinates whose length is sqrt(S : S)
+    # scaled components, in which the Euclidean norm is sqrt(S : S)
     d = deviator * np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
     centre, _ = enclosing_ball(d)
     grain = deviator - centre / np.sqrt([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
@@ -374,14 +377,14 @@ def _dang_van(s: Array, criterion: DangVan) -> CriticalPlane:
 @described
 @dataclass(frozen=True, eq=False)
 class Multiaxial(Tabular):
-    """A multiaxial criterion at several places, the worst first in its table.
+    """Values of a multiaxial criterion at several sites.
 
     Attributes
     ----------
     labels : tuple of str
     criterion : object
     planes : tuple of CriticalPlane
-        One for each label.
+        Critical plane of each site.
     """
 
     labels: tuple[str, ...]
@@ -395,18 +398,18 @@ class Multiaxial(Tabular):
 
     @property
     def safety(self) -> Array:
-        """Factor on the load that Dang Van's criterion still allows.
+        """Factors (ns,) on the load up to the limit of Dang Van's criterion.
 
         Raises
         ------
         InputError
-            The criterion has no limit of its own; use `plane_damage` with an S-N curve.
+            For a criterion without a limit; use `plane_damage` with an S-N curve.
         """
         if not isinstance(self.criterion, DangVan):
             raise InputError(
                 Problem(
                     type(self.criterion).__name__,
-                    "has no limit of its own; compare its equivalent amplitude with an S-N curve, "
+                    "has no limit; compare its equivalent amplitude with an S-N curve, "
                     "or use plane_damage",
                 )
             )
@@ -414,7 +417,7 @@ class Multiaxial(Tabular):
             return np.where(self.values > 0.0, self.criterion.b / self.values, np.inf)
 
     def table(self, rows: int = 10) -> str:
-        """Return the worst places as a table."""
+        """Return a table of the sites with the largest values."""
         strain = isinstance(self.criterion, FatemiSocie)
         unit, factor = ("um/m", 1e6) if strain else ("MPa", 1e-6)
         width = max(12, *(len(label) for label in self.labels))
@@ -435,7 +438,7 @@ class Multiaxial(Tabular):
         return "\n".join(head + lines)
 
     def _csv(self) -> Rows:
-        """Return value and plane of every place."""
+        """Return the table of value and plane of all sites."""
         head = ("site", "value", "shear (Pa)", "normal stress (Pa)", "n1", "n2", "n3", "sample")
         rows = [
             (label, p.value, p.shear, p.normal_stress, *p.normal.tolist(), p.index)
@@ -451,20 +454,20 @@ class Multiaxial(Tabular):
 def multiaxial(
     stress: Any, criterion: PlaneCriterion | DangVan, *, sites: Sequence[str] | str | None = None
 ) -> Multiaxial:
-    """Evaluate a multiaxial criterion at several places of a stress field.
+    """Return the critical planes of a multiaxial criterion at sites of a stress field.
 
     Parameters
     ----------
     stress : StressField or (ns, nt, 6) array_like
-        From `stress_field`, or histories of several places, Pa.
+        Field from `stress_field`, or histories of several sites, Pa.
     criterion : Findley, FatemiSocie, NormalStress or DangVan
     sites : sequence of str, optional
-        Labels of the places; None takes all of them, which is slow for thousands: about 20 ms each.
+        Labels of the sites; None takes all, at about 20 ms per site.
 
     Raises
     ------
     InputError
-        Unknown sites, or histories that are empty or not finite.
+        For unknown sites, or histories that are empty or not finite.
     """
     labels, histories = _places(stress, sites)
     planes = tuple(critical_plane(next_, criterion) for next_ in histories)
@@ -489,9 +492,9 @@ def _places(stress: Any, sites: Sequence[str] | str | None) -> tuple[tuple[str, 
     if s.ndim != 3 or s.shape[2] != 6:
         problems.add(
             "multiaxial",
-            f"stress has shape {s.shape}, must be (places, instants, 6) or (instants, 6)",
+            f"stress has shape {s.shape}, must be (sites, instants, 6) or (instants, 6)",
         )
     elif not len(s):
-        problems.add("multiaxial", "there is no place to look at")
+        problems.add("multiaxial", "stress has no sites; give one or more")
     problems.raise_if_any()
     return tuple(str(i) for i in range(len(s))), iter(s)

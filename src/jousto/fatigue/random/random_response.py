@@ -30,23 +30,24 @@ Complex = NDArray[np.complex128]
 COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 V = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
 V[:3, :3] -= 0.5 * (np.ones((3, 3)) - np.eye(3))
-RIGID = 1e-6  # of the highest natural frequency
+RIGID = 1e-6  # natural frequency over the highest one, below which a mode is a rigid motion
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class RandomResponse:
-    """Spectral density of the modal coordinates of a part, and what follows from it.
+    """Spectral density of the modal coordinates of a part under random excitation.
 
-    ``S_ss = Sigma H S_ff H* Sigma^T`` with the stress Sigma of each mode.
+    The density of the stress is ``S_ss = Sigma H S_ff H* Sigma^T``, with the stress modes Sigma,
+    the transfer functions H of the modal coordinates and the density S_ff of the excitation.
 
     Attributes
     ----------
     reduced : ReducedPart
     frequency : (nf,) array
-        Hz; the given frequencies and those that the resonances need.
+        Frequencies, Hz: the given ones and those added at resonances.
     transfer : (nf, n, m) complex array
-        Modal coordinates per unit input.
+        Transfer functions: modal coordinates per unit excitation.
     modal : (nf, n, n) complex array
         One-sided density of the modal coordinates.
     natural : (k,) array
@@ -63,11 +64,13 @@ class RandomResponse:
     damping: Array
 
     def sites(self, sites: Sequence[str] | str | None = None) -> tuple[tuple[str, ...], Array]:
-        """Return labels and stress modes (ns, 6, n) of some places."""
+        """Return labels and stress modes (ns, 6, n) of stress sites, of all if None."""
         stress = self.reduced.stress
         where = f"part '{self.reduced.name}'"
         if stress is None:
-            raise InputError(Problem(where, "no stress modes; the part has no stress data"))
+            raise InputError(
+                Problem(where, "the part has no stress modes; add stress sites before reduction")
+            )
         known = {label: i for i, label in enumerate(stress.labels)}
         wanted = tuple(known) if sites is None else (sites,) if isinstance(sites, str) else sites
         problems = Problems()
@@ -92,7 +95,7 @@ class RandomResponse:
             None takes all.
         """
         _, S = self.sites(sites)
-        real = self.modal.real  # only the symmetric part counts in a density of one quantity
+        real = self.modal.real  # the density of one quantity depends on the symmetric part alone
         if isinstance(criterion, str) and criterion == "von-mises":
             A = np.einsum("scj,cd,sdk->sjk", S, V, S)
             return np.asarray(np.maximum(np.einsum("sjk,fjk->sf", A, real), 0.0))
@@ -102,15 +105,17 @@ class RandomResponse:
                 raise InputError(
                     Problem(
                         "random response",
-                        f"criterion is {criterion!r}{suggest(criterion, known)}, or the normal "
-                        "of a plane",
+                        f"criterion is {criterion!r}, must be {', '.join(known)} or a normal (3,)"
+                        f"{suggest(criterion, known)}",
                     )
                 )
             rows = S[:, COMPONENTS.index(criterion)]
         else:
             n = np.asarray(criterion, dtype=np.float64)
             if n.shape != (3,) or not np.linalg.norm(n) > 0.0:
-                raise InputError(Problem("random response", f"{criterion} is no normal of a plane"))
+                raise InputError(
+                    Problem("random response", f"criterion is {criterion}, must be a normal (3,)")
+                )
             n = n / np.linalg.norm(n)
             weights = [n[0] ** 2, n[1] ** 2, n[2] ** 2]
             weights += [2 * n[0] * n[1], 2 * n[1] * n[2], 2 * n[0] * n[2]]
@@ -133,16 +138,18 @@ class RandomResponse:
         method: Method = "dirlik",
         sites: Sequence[str] | str | None = None,
     ) -> SpectralLife:
-        """Return the damage in a second at some places.
+        """Return the damage per second at stress sites.
 
         Parameters
         ----------
         sn : SN
+            S-N curve.
         criterion : str or (3,) array_like
             As for `psd`.
         method : {"dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light"}
+            See `amplitude_density` and `spectral_damage`.
         sites : sequence of str, optional
-            None takes all.
+            Labels of the sites; None takes all.
         """
         if method not in METHODS:
             raise InputError(
@@ -157,8 +164,8 @@ class RandomResponse:
     def synthesise(self, duration: float, *, rate: float, seed: int = 0) -> tuple[Array, Array]:
         """Return times (nt,) in s and modal coordinates (nt, n) of a random history.
 
-        Every frequency gets independent normal coefficients with the covariance of the modal
-        density, so that all cross correlations are right, too.
+        The coefficients of every frequency are normal random numbers with the covariance of the
+        modal density, so that the history has its cross correlations too.
         """
         problems = Problems()
         problems.positive("synthesise", "duration", duration, "s")
@@ -191,14 +198,15 @@ class RandomResponse:
 @described
 @dataclass(frozen=True, eq=False)
 class SpectralLife(Tabular):
-    """Random fatigue at several places.
+    """Damage per second of random stress at several sites.
 
     Attributes
     ----------
     labels : tuple of str
     rows : tuple of SpectralDamage
-        One for each label.
+        Damage of each site.
     criterion, sn : str
+        Names of the stress and of the S-N curve.
     """
 
     labels: tuple[str, ...]
@@ -208,7 +216,7 @@ class SpectralLife(Tabular):
 
     @property
     def damage(self) -> Array:
-        """Miner's sum in a second, (ns,)."""
+        """Miner's sum per second, (ns,), 1/s."""
         return np.array([row.damage for row in self.rows])
 
     @property
@@ -217,7 +225,7 @@ class SpectralLife(Tabular):
         return np.array([row.life for row in self.rows])
 
     def table(self, rows: int = 10) -> str:
-        """Return the most damaged places as a table."""
+        """Return a table of the sites with the largest damage."""
         width = max(12, *(len(label) for label in self.labels))
         lines = [
             f"{self.rows[0].method if self.rows else ''} of {self.criterion}, {self.sn}",
@@ -234,7 +242,7 @@ class SpectralLife(Tabular):
         return "\n".join(lines)
 
     def _csv(self) -> Rows:
-        """Return every place."""
+        """Return the table of all sites."""
         head = ("site", "rms (Pa)", "crossings (1/s)", "peaks (1/s)", "damage (1/s)", "life (s)")
         rows = [
             (label, r.rms, r.crossings, r.peaks, r.damage, r.life)
@@ -259,36 +267,37 @@ def random_response(
 ) -> RandomResponse:
     """Return the response of a part to stationary random acceleration of its base, or to forces.
 
-    The part stands still but for small vibrations. Nodes of the base are held, or move together
-    with the random acceleration.
+    The response is linear, about rest. The nodes of the base are clamped, or move together with
+    the random acceleration.
 
     Parameters
     ----------
     reduced : ReducedPart
-        With the base among its interfaces, so that the modes hold what its clamping needs.
+        Reduced part whose interfaces include the base, so that its modes represent the clamping.
     frequency : (nf,) array_like
-        Hz, ascending.
+        Frequencies of the density, Hz, ascending.
     psd : (nf,) or (nf, m, m) array_like
-        One-sided density: of the base's acceleration in (m/s^2)^2/Hz, or of m forces in N^2/Hz
+        One-sided density of the base acceleration, (m/s^2)^2/Hz, or of m forces, N^2/Hz
         (Hermitian). Linear between the frequencies, zero outside.
     base : str or sequence of str, optional
-        Names of the nodes that are clamped to the base; None leaves the part free.
+        Names of the nodes clamped to the base; None for a free part.
     direction : (3,) array_like, optional
-        Of the base's acceleration, part frame. Without it the base is at rest and `forces` act.
+        Direction of the base acceleration, part frame. None: the base is at rest and `forces` act.
     forces : sequence of (node name, (3,) direction), or mapping
-        Unit forces on nodes, part frame.
+        Directions of the forces on nodes, part frame.
     damping : float or (k,) array_like
         Damping ratio of the natural modes of the supported part.
 
     Raises
     ------
     InputError
-        Neither or both of acceleration and forces, unknown nodes, or a spectrum that is none.
+        If acceleration and forces are both given or both missing, for unknown nodes, or an invalid
+        density.
 
     Warns
     -----
     JoustoWarning
-        If natural frequencies just above or inside the band are the last that the modes hold.
+        If the highest natural frequency of the modes is inside or just above the band.
     """
     where = f"random response of '{reduced.name}'"
     names = () if base is None else (base,) if isinstance(base, str) else tuple(base)
@@ -299,9 +308,9 @@ def random_response(
         if len(reduced.node_sets.get(name, ())) != 1:
             problems.add(where, f"no node '{name}'{suggest(name, reduced.node_sets)}")
     if (direction is None) == (not loads):
-        problems.add(where, "needs either the direction of the base's acceleration or forces")
+        problems.add(where, "needs either the direction of the base acceleration or forces")
     if direction is not None and not names:
-        problems.add(where, "acceleration needs a base: base='name of a node'")
+        problems.add(where, "direction= needs a base: base='name of a node'")
     problems.raise_if_any()
     assert f is not None
 
@@ -311,7 +320,9 @@ def random_response(
     if direction is not None:
         a = np.asarray(direction, dtype=np.float64)
         if a.shape != (3,) or not np.linalg.norm(a) > 0.0:
-            raise InputError(Problem(where, f"direction {direction!r} is no direction"))
+            raise InputError(
+                Problem(where, f"direction is {direction!r}, must be 3 numbers, not all zero")
+            )
         B = -M[:, :3] @ (a / np.linalg.norm(a))[:, None]
     else:
         columns = []
@@ -329,7 +340,7 @@ def random_response(
     if S.shape != (len(f), m, m):
         problems.add(where, f"psd has shape {S.shape}, must be ({len(f)},) or ({len(f)}, {m}, {m})")
     elif len(f) < 2 or f[0] < 0.0 or np.any(np.diff(f) <= 0.0):
-        problems.add(where, "frequencies must ascend, two or more")
+        problems.add(where, "frequency must be two or more ascending numbers")
     elif not np.all(np.isfinite(S)) or np.linalg.eigvalsh(S).min() < -1e-9 * np.abs(S).max():
         problems.add(where, "psd must be finite, Hermitian and not negative")
     problems.raise_if_any()
@@ -348,9 +359,10 @@ def random_response(
     if natural[-1] < f[-1]:
         warn(
             where,
-            f"the modes end at {natural[-1]:.4g} Hz, the spectrum at {f[-1]:.4g} Hz; keep more",
+            f"the modes end at {natural[-1]:.4g} Hz, the spectrum at {f[-1]:.4g} Hz; reduce the "
+            "part with more modes",
         )
-    # resonances want points much closer than their half-power width
+    # add points at resonances, much closer than the half-power bandwidth
     grid = [f]
     for f0, z in zip(natural, zeta, strict=True):
         if f[0] < f0 < f[-1]:
@@ -372,7 +384,7 @@ def random_response(
 
 
 def _small_motion(reduced: ReducedPart) -> tuple[Array, Array]:
-    """Mass and stiffness (6 + n) of translation, rotation and modes about rest."""
+    """Return mass and stiffness (6 + n, 6 + n) of translation, rotation and modes about rest."""
     i, n = reduced.invariants, reduced.n
     M = np.zeros((6 + n, 6 + n))
     c = i.first_moment
@@ -389,7 +401,7 @@ def _small_motion(reduced: ReducedPart) -> tuple[Array, Array]:
 
 
 def _motion(reduced: ReducedPart, node: int) -> Array:
-    """Translation and, if it turns, rotation of a node (3 or 6, 6 + n)."""
+    """Return the Jacobian (3 or 6, 6 + n) of the translation and any rotation of a node."""
     x = reduced.nodes[node]
     tilde = np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
     rows = np.concatenate([np.eye(3), -tilde, reduced.modes[node]], axis=1)

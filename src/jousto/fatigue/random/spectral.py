@@ -16,8 +16,8 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 
 Method = Literal["dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light"]
 METHODS = ("dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light")
-POINTS = 6001
-REACH = 12.0  # standard deviations; Dirlik's exponential part gets more
+POINTS = 6001  # number of amplitudes of the integral of the damage
+REACH = 12.0  # largest amplitude, standard deviations; Dirlik's exponential term goes further
 
 
 @explained
@@ -31,21 +31,21 @@ def spectral_moments(
     Parameters
     ----------
     frequency : (nf,) array_like
-        Hz, ascending.
+        Frequencies, Hz, ascending.
     psd : (..., nf) array_like
-        Unit squared per Hz.
+        One-sided density, unit squared per Hz.
     orders : sequence of int
-        n.
+        Orders n of the moments.
 
     Returns
     -------
     array (..., len(orders))
-        Unit squared times Hz^n.
+        Moments, unit squared times Hz^n.
 
     Raises
     ------
     InputError
-        Frequencies that do not ascend, or densities that are negative or not finite.
+        For frequencies that do not ascend, or densities that are negative or not finite.
 
     Examples
     --------
@@ -61,7 +61,7 @@ def spectral_moments(
         first = (f1 ** (n + 1) - f0 ** (n + 1)) / (n + 1)
         second = (f1 ** (n + 2) - f0 ** (n + 2)) / (n + 2)
         out.append(np.sum(level * first + slope * second, axis=-1))
-    # rounding of nearly cancelling terms must not turn a moment negative
+    # lower bound 0, since terms that nearly cancel may give a negative moment by round-off
     return np.asarray(np.maximum(np.stack(out, axis=-1), 0.0))
 
 
@@ -75,7 +75,9 @@ def _spectrum(frequency: ArrayLike, psd: ArrayLike) -> tuple[Array, Array]:
         elif f[0] < 0.0 or np.any(np.diff(f) <= 0.0):
             problems.add("spectrum", "frequencies must ascend from zero or more, each once")
         if S.shape[-1:] != f.shape:
-            problems.add("spectrum", f"{S.shape[-1:]} densities for {f.shape} frequencies")
+            problems.add(
+                "spectrum", f"psd has {S.shape[-1:]} values for {f.size} frequencies, must be equal"
+            )
     if not np.all(np.isfinite(S)) or (S.size and S.min() < 0.0):
         problems.add("spectrum", "spectral densities must be finite and not negative")
     problems.raise_if_any()
@@ -85,7 +87,7 @@ def _spectrum(frequency: ArrayLike, psd: ArrayLike) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class SpectralDamage:
-    """Damage of a stationary Gaussian stress in the unit of time.
+    """Damage per second of a stationary Gaussian stress.
 
     Attributes
     ----------
@@ -93,13 +95,13 @@ class SpectralDamage:
     rms : float
         Standard deviation of the stress, Pa.
     crossings : float
-        Upward crossings of the mean, 1/s.
+        Rate of upward crossings of the mean, 1/s.
     peaks : float
-        Maxima, 1/s.
+        Rate of maxima, 1/s.
     irregularity : float
         ``crossings / peaks``; 1 for a narrow band.
     damage : float
-        Miner's sum in a second.
+        Miner's sum per second, 1/s.
     """
 
     method: str
@@ -125,21 +127,22 @@ class SpectralDamage:
 def amplitude_density(
     moments: ArrayLike, amplitude: ArrayLike, method: Method = "dirlik"
 ) -> tuple[Array, float]:
-    """Return the probability density of rainflow amplitudes (1/Pa), and cycles in a second.
+    """Return the probability density of rainflow amplitudes, 1/Pa, and the cycle rate, 1/s.
 
-    * ``narrow-band``: Rayleigh's density, once for every crossing of the mean (Miles 1954);
-    * ``dirlik``: one exponential and two Rayleigh densities fitted to simulated histories, once for
-      every peak (T. Dirlik, PhD thesis, Warwick 1985);
-    * ``tovo-benasciutti``: between level crossing and range counting (D. Benasciutti and R. Tovo,
-      *Int. J. Fatigue* 27 (2005) 867-877).
+    * ``narrow-band``: Rayleigh's density, one cycle per upward crossing of the mean (Miles 1954);
+    * ``dirlik``: one exponential and two Rayleigh densities fitted to simulated histories, one
+      cycle per peak (T. Dirlik, PhD thesis, Warwick 1985);
+    * ``tovo-benasciutti``: weighted mean of level-crossing and range counting (D. Benasciutti and
+      R. Tovo, *Int. J. Fatigue* 27 (2005) 867-877).
 
     Parameters
     ----------
     moments : (4,) array_like
         m0, m1, m2, m4 of `spectral_moments`.
     amplitude : array_like
-        Pa.
+        Stress amplitudes, Pa.
     method : str
+        "narrow-band", "dirlik" or "tovo-benasciutti".
     """
     m0, m1, m2, m4 = (float(m) for m in np.asarray(moments))
     a = np.asarray(amplitude, dtype=np.float64)
@@ -153,7 +156,7 @@ def amplitude_density(
         a1 = min(m1 / math.sqrt(m0 * m2), 1.0)
         share = 1.112 * (1.0 + a1 * a2 - (a1 + a2)) * math.exp(2.11 * a2) + (a1 - a2)
         b = min(max((a1 - a2) * share / (a2 - 1.0) ** 2, 0.0), 1.0)
-        # crossings nu0 and ranges nup: as one density of the peaks
+        # both densities per peak: level crossings at the rate nu0, ranges at the rate nup
         return b * a2 * narrow + (1.0 - b) * _rayleigh(a, a2 * s), nup
     z = a / s
     x = m1 / m0 * math.sqrt(m2 / m4)
@@ -178,30 +181,29 @@ def _rayleigh(a: Array, s: float) -> Array:
 def spectral_damage(
     frequency: ArrayLike, psd: ArrayLike, sn: Any, *, method: Method = "dirlik"
 ) -> SpectralDamage:
-    """Return the damage in a second of a Gaussian stress of given one-sided density.
+    """Return the damage per second of a Gaussian stress with a given one-sided density.
 
     ``D = cycles/s * int p(a) / N(a) da`` over the rainflow amplitudes a, for S-N curves of any
-    shape; `wirsching-light` multiplies the narrow band by a factor that depends on the slope k of
-    the curve (P. H. Wirsching and M. C. Light, *J. Struct. Div. ASCE* 106 (1980) 1593-1607).
-
-    No method is exact. Against counted histories Dirlik's gives 0.81 to 1.02 times the damage for
-    one band at k = 5, 0.70 to 1.04 for several bands, less for steeper curves; the narrow band is
-    on the safe side (`docs/verified-life.md` has the table).
+    shape. `wirsching-light` multiplies the narrow-band damage by a factor of the slope k of the
+    curve (P. H. Wirsching and M. C. Light, *J. Struct. Div. ASCE* 106 (1980) 1593-1607).
+    All methods are approximate. Dirlik's gives 0.81 to 1.02 times the damage of counted histories
+    for one band at k = 5, 0.70 to 1.04 for several bands, less for larger k; the narrow-band
+    method is conservative (table in `docs/verified-life.md`).
 
     Parameters
     ----------
     frequency : (nf,) array_like
-        Hz.
+        Frequencies, Hz.
     psd : (nf,) array_like
-        Pa^2/Hz, one-sided; of a stress without mean.
+        One-sided density of a stress with zero mean, Pa^2/Hz.
     sn : SN
-        S-N curve; its rule decides what small cycles do.
+        S-N curve; its rule defines the damage of cycles below the knee.
     method : {"dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light"}
 
     Raises
     ------
     InputError
-        Unknown method, or a spectrum that is none.
+        For an unknown method or an invalid density.
     """
     if method not in METHODS:
         raise InputError(
@@ -211,7 +213,7 @@ def spectral_damage(
 
 
 def damage_of_moments(moments: ArrayLike, sn: Any, *, method: Method = "dirlik") -> SpectralDamage:
-    """Return the damage in a second from the moments m0, m1, m2, m4 of a stress density."""
+    """Return the damage per second from the moments m0, m1, m2, m4 of a stress density."""
     m0, _, m2, m4 = (float(m) for m in np.asarray(moments))
     if m0 <= 0.0 or m2 <= 0.0 or m4 <= 0.0:
         return SpectralDamage(method, math.sqrt(max(m0, 0.0)), 0.0, 0.0, 1.0, 0.0)
@@ -222,7 +224,7 @@ def damage_of_moments(moments: ArrayLike, sn: Any, *, method: Method = "dirlik")
         low = 0.926 - 0.033 * sn.k
         factor = low + (1.0 - low) * (1.0 - width) ** (1.587 * sn.k - 2.323)
         inner = "narrow-band"
-    # quadratic spacing: fine where densities are steep; far enough for slopes up to about 20
+    # amplitudes in quadratic spacing, fine near 0; the range suffices for slopes k up to about 20
     u = np.linspace(0.0, 1.0, POINTS)[1:]
     far = REACH * s * (2.5 if inner == "dirlik" else 1.0)
     a = far * u * u
@@ -237,24 +239,26 @@ def damage_of_moments(moments: ArrayLike, sn: Any, *, method: Method = "dirlik")
 def synthesise(
     frequency: ArrayLike, psd: ArrayLike, duration: float, *, rate: float, seed: int = 0
 ) -> tuple[Array, Array]:
-    """Return a Gaussian history (nt,) of a one-sided density, and its times (nt,) in s.
+    """Return times (nt,), s, and a Gaussian history (nt,) of a one-sided density.
 
-    Independent normal Fourier coefficients: amplitudes and phases are both random.
+    Its Fourier coefficients are independent normal numbers, so that amplitudes and phases are
+    random.
 
     Parameters
     ----------
     frequency, psd : (nf,) array_like
-        Hz; unit squared per Hz.
+        Frequencies, Hz, and one-sided density, unit squared per Hz.
     duration : float
-        s.
+        Length of the history, s.
     rate : float
-        Samples in a second; 10 or more times the highest frequency for rainflow.
+        Samples per second; 10 or more times the highest frequency for rainflow counting.
     seed : int
+        Seed of the random numbers.
 
     Raises
     ------
     InputError
-        A rate below twice the highest frequency, or a duration of no sample.
+        For a rate below twice the highest frequency, or a duration below one sample.
     """
     f, S = _spectrum(frequency, psd)
     problems = Problems()

@@ -1,4 +1,4 @@
-"""Structural hot-spot stress of welds: the surface stress before a weld toe, extrapolated to it."""
+"""Structural hot-spot stress of welds: surface stress extrapolated to the weld toe."""
 
 from __future__ import annotations
 
@@ -33,16 +33,17 @@ READINGS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "edge": ((0.004, 0.008, 0.012), (3.0, -3.0, 1.0)),
     "edge-coarse": ((0.005, 0.015), (1.5, -0.5)),
 }
-"""Distances from the toe (in plate thicknesses; in m for edges) and the weights of the stress:
-A. F. Hobbacher, Recommendations for Fatigue Design of Welded Joints and Components, IIW 2016."""
+"""Distances of the reading points from the toe, plate thicknesses (m for edges), and the weights of
+their stresses: A. F. Hobbacher, Recommendations for Fatigue Design of Welded Joints and
+Components, IIW 2016."""
 
 SMOOTH = 0.5
-"""Least cosine between the normals of faces that make one surface: a toe is sharper."""
+"""Smallest cosine of the angle between neighbouring faces of one surface; smaller at a toe."""
 
 
 @explained
 def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Array:
-    """Return the structural hot-spot stress of stresses read before a weld toe.
+    """Return the structural hot-spot stress at a weld toe from stresses at its reading points.
 
     * ``fine``: ``1.67 s(0.4 t) - 0.67 s(1.0 t)``, elements of 0.4 t or less;
     * ``coarse``: ``1.50 s(0.5 t) - 0.50 s(1.5 t)``, one element through the plate;
@@ -53,13 +54,14 @@ def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Array:
     Parameters
     ----------
     stress : (m, ...) array_like
-        At the distances of the reading, the nearest first; from gauges or elements, any component.
+        Stresses at the reading points, the nearest first; from gauges or elements, any component.
     reading : str
+        One of the five readings above.
 
     Raises
     ------
     InputError
-        Unknown reading, another number of stresses, or one that is not finite.
+        For an unknown reading, a wrong number of stresses, or one that is not finite.
 
     Examples
     --------
@@ -69,7 +71,7 @@ def hot_spot_stress(stress: ArrayLike, reading: Reading = "fine") -> Array:
     _, weights = _reading("hot-spot stress", reading)
     s = np.asarray(stress, dtype=np.float64)
     if s.shape[:1] != (len(weights),):
-        message = f"reading '{reading}' takes {len(weights)} stresses, not {s.shape[:1]}"
+        message = f"stress has shape {s.shape}, reading '{reading}' needs {len(weights)} stresses"
         raise InputError(Problem("hot-spot stress", message))
     if not np.all(np.isfinite(s)):
         raise InputError(Problem("hot-spot stress", "stresses must be finite numbers"))
@@ -83,44 +85,44 @@ def _reading(where: str, reading: str) -> tuple[tuple[float, ...], tuple[float, 
 
 
 class ReadingWord(Choice):
-    """A reading; close words are suggested."""
+    """Field with the name of a reading; a message suggests the nearest name."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the word."""
+        """Return the name if it is valid."""
         if value not in self.words:
             problems.add(where, f"{self.name} is {value!r}{suggest(value, self.words)}")
         return value
 
 
 class Triple(Vector):
-    """Three numbers, kept as a tuple."""
+    """Field with three numbers, stored as a tuple."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the tuple."""
+        """Return the numbers as a tuple."""
         found = super().check(problems, where, value)
         return None if found is None else tuple(found.tolist())
 
 
 class WeldToe(Declared, by_value=True):
-    """A place on the toe of a weld, where its structural hot-spot stress is wanted.
+    """Point on a weld toe for its structural hot-spot stress.
 
     Raises
     ------
     InputError
-        Values out of range; all problems at once.
+        With all values out of range.
     """
 
     kind = "weld toe"
     name: Label = field("Name of the stress site")
-    at: Triple = field("Place on the toe, part frame", unit="m")
+    at: Triple = field("Point on the toe, part frame", unit="m")
     away: Triple = field(
-        "Direction along the plate's surface, square to the toe, away from the weld; part frame"
+        "Direction in the surface of the plate, normal to the toe, away from the weld; part frame"
     )
     thickness: Number = field(
-        "Of the plate; not used by the readings of edges", unit="m", default=0.0
+        "Plate thickness; not used by the readings of edges", unit="m", default=0.0
     )
     reading: ReadingWord = field(
-        "Where the stress is read before the toe, see `hot_spot_stress`",
+        "Reading points and weights, see `hot_spot_stress`",
         words=tuple(READINGS),
         default="fine",
     )
@@ -128,15 +130,15 @@ class WeldToe(Declared, by_value=True):
     __repr__ = describe
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a toe without direction, and a plate without thickness."""
+        """Add problems for a zero direction and a plate without thickness."""
         if not np.any(self.away):
-            problems.add(where, "away is (0, 0, 0), must be a direction")
+            problems.add(where, "away is (0, 0, 0), must be a direction other than zero")
         if str(self.reading) in READINGS and not self.reading.startswith("edge"):
             problems.positive(where, "thickness", self.thickness, "m")
 
     @property
     def places(self) -> Array:
-        """Where the stress is read, (m, 3), part frame, m."""
+        """Reading points (m, 3), part frame, m."""
         distances, _ = READINGS[self.reading]
         scale = 1.0 if self.reading.startswith("edge") else self.thickness
         way = np.asarray(self.away) / np.linalg.norm(self.away)
@@ -152,30 +154,31 @@ def weld_stress(
 ) -> StressOperator:
     """Return the structural hot-spot stress of weld toes as stress sites of a part of solids.
 
-    The stress of the free surface (`Part.surface_stress`) is interpolated over the outer faces at
-    the places of each toe's reading and extrapolated to the toe. Axis 1 of a site is square to the
-    toe along the plate, 2 along the toe, 3 the outward normal: ``s11`` is the stress that the FAT
-    classes of fillet welds (FAT 90 or 100) are for. Faces beyond the toe, which the plate's surface
-    meets at an angle, take no part.
+    The stress of the free surface (`Part.surface_stress`) is interpolated on the outer faces at
+    the reading points of each toe and extrapolated to the toe. Axis 1 of a site is normal to the
+    toe in the surface of the plate, axis 2 along the toe, axis 3 the outward normal: the FAT
+    classes of fillet welds (FAT 90 or 100) apply to ``s11``. Faces beyond the toe, at an angle to
+    the surface of the plate, are not used.
 
     Parameters
     ----------
     part : Part
-        Of solids.
+        Part of solids.
     toes : WeldToe or sequence of them
+        Weld toes.
     add : StressOperator or SolidStress, optional
-        Other sites to keep, such as ``part.surface_stress()`` or ``part.stress``.
+        Further stress sites of the result, such as ``part.surface_stress()`` or ``part.stress``.
 
     Returns
     -------
     StressOperator
-        For ``part.with_stress``; the reduction, results, sensors and fatigue then find the toes by
-        name.
+        Operator for ``part.with_stress``; reduction, results, sensors and fatigue refer to the
+        toes by name.
 
     Raises
     ------
     InputError
-        A part without solids, a place that is not on the surface, or names used twice.
+        For a part without solids, a reading point off the surface, or a name used twice.
     """
     problems = Problems()
     every = problems.several("weld_stress", "toes", toes, WeldToe)
@@ -213,7 +216,7 @@ def weld_stress(
 def _site(
     part: Part, toe: WeldToe, problems: Problems
 ) -> tuple[Sparse, Array, tuple[float, float] | None]:
-    """Return rows (6, ndof), axes and material of one toe; note places off the surface."""
+    """Return rows (6, ndof), axes and material of a toe; add problems off the surface."""
     where = f"weld toe '{toe.name}'"
     _, weights = READINGS[toe.reading]
     away = np.asarray(toe.away) / np.linalg.norm(toe.away)
@@ -225,10 +228,10 @@ def _site(
     for place, weight in zip(toe.places, weights, strict=True):
         found = locate(part, place)
         if found is None or found.distance > 0.05 * span:
-            how = "nothing near" if found is None else f"{1e3 * found.distance:.3g} mm off"
+            how = "no face near" if found is None else f"{1e3 * found.distance:.3g} mm off"
             problems.add(
                 where,
-                f"the reading place {np.round(place, 6).tolist()} m is not on the surface ({how}); "
+                f"the reading point {np.round(place, 6).tolist()} m is not on the surface ({how}); "
                 "check at, away and thickness",
             )
             return as_csr(total), axes, known
@@ -236,8 +239,8 @@ def _site(
         if found.edge:
             problems.add(
                 where,
-                f"the reading place {np.round(place, 6).tolist()} m lies on an edge of the part; "
-                "move the toe a little onto the surface that is meant",
+                f"the reading point {np.round(place, 6).tolist()} m lies on an edge of the part; "
+                "move the toe a little onto the intended surface",
             )
             return as_csr(total), axes, known
         operator = part.surface_stress(_smooth_patch(part, found))
@@ -248,7 +251,7 @@ def _site(
             share[:, 6 * i : 6 * i + 6] += weight * N * np.eye(6)
             if operator.elasticity is not None:
                 known = (float(operator.elasticity[i, 0]), float(operator.elasticity[i, 1]))
-        # axes: square to the toe in the surface, along it, outward
+        # axes: normal to the toe in the surface, along the toe, outward normal
         first = away - (away @ n) * n
         first /= np.linalg.norm(first)
         axes = np.stack([first, np.cross(n, first), n], axis=1)
@@ -258,9 +261,9 @@ def _site(
 
 @dataclass(frozen=True, eq=False)
 class OnSurface:
-    """A place on an outer face: nodes, their weights, outward normal and distance, m.
+    """Point on an outer face: nodes, shape functions, outward normal and distance, m.
 
-    `edge` means that another face, which meets this one at an angle, is as near.
+    `edge` is True if a neighbouring face at an angle is equally near.
     """
 
     nodes: Ints
@@ -271,7 +274,7 @@ class OnSurface:
 
 
 def locate(part: Part, place: ArrayLike) -> OnSurface | None:
-    """Return the place of the surface of a part of solids that is nearest to a point (3,), m."""
+    """Return the point on the surface of a part of solids nearest to a point (3,), m."""
     x = np.asarray(place, dtype=np.float64)
     best: OnSurface | None = None
     others: list[tuple[Array, float]] = []
@@ -320,7 +323,7 @@ def _nearest(nodes: Array, kind: str, x: Array) -> tuple[Array, Array, float]:
 
 
 def _smooth_patch(part: Part, found: OnSurface) -> Ints:
-    """Return the nodes of the faces around a face that make one smooth surface with it."""
+    """Return the nodes of the faces that form one smooth surface with a face."""
     assert part.solids is not None
     mine = np.zeros(len(part.nodes), dtype=bool)
     mine[found.nodes] = True
@@ -338,7 +341,7 @@ def _smooth_patch(part: Part, found: OnSurface) -> Ints:
 
 
 def _turn(axes: Array) -> Array:
-    """Return (6, 6): stress in part axes to stress in these axes (columns), Voigt order."""
+    """Return the matrix (6, 6) from stress in part axes to stress in `axes` (columns), Voigt."""
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
     T = np.zeros((6, 6))
     for row, (a, b) in enumerate(pairs):

@@ -65,12 +65,12 @@ def one_file(made: Plan) -> str:
         " * The engine in it is under the BSD-3-Clause licence of jousto. */\n"
     )
     head = "#define JO_ONE_FILE\n#include <math.h>\n"
-    return f"{about}{head}{sources.joined(_code(made), _headers(made))}"
+    return f"{about}{head}{sources.join_files(_code(made), _headers(made))}"
 
 
 def public_header(made: Plan) -> str:
     """Return the header for users of `one_file`."""
-    body = sources.joined({f"{made.name}_h": f'#include "{made.name}.h"\n'}, _headers(made))
+    body = sources.join_files({f"{made.name}_h": f'#include "{made.name}.h"\n'}, _headers(made))
     guard = f"{made.name.upper()}_TWIN_H"
     return f"#ifndef {guard}\n#define {guard}\n{body}\n#endif\n"
 

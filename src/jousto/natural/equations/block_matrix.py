@@ -1,7 +1,7 @@
-"""Matrices of machines: sums of small blocks over bodies, dense for small ones, sparse for large.
+"""Matrices of machines as sums of blocks of bodies, dense for small machines, sparse for large.
 
-Every product is one of blocks of a body: large dense products would wake the threads of BLAS, which
-cost more than they do.
+Products are of blocks of single bodies, since large dense products would start threads of BLAS,
+which cost more time than the product.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from jousto.base.arrays import Array, Index
 LARGE = 199
 """Number of coordinates above which matrices are sparse."""
 CHUNK = 8
-"""Constraints that are multiplied at once."""
+"""Number of constraints multiplied at a time."""
 
 Solve = Callable[[Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """A matrix ``B^T H B`` of derivatives B with respect to a few bodies.
+    """Matrix ``B^T H B`` with derivatives B of functions by the coordinates of a few bodies.
 
     Attributes
     ----------
     bodies : int array (k, 2)
-        Bodies of both ends of each function; the number of bodies stands for the ground.
+        Bodies of both ends of each function; index nb is the ground.
     blocks : array (k, 2, w)
-        Derivatives with respect to their coordinates.
+        Derivatives B by the coordinates of these bodies.
     H : array (k, k)
-        What stands between them.
+        Inner matrix, e.g. stiffness.
     """
 
     bodies: Index
@@ -44,7 +44,7 @@ class Term:
     H: Array
 
     def add(self, W: Array | list[tuple[Index, Index, Array]], nb: int) -> None:
-        """Add it to a matrix (nb, w, nb, w), or to a list of blocks."""
+        """Add the matrix to a dense one (nb, w, nb, w), or append its blocks to a list."""
         found, place = np.unique(self.bodies, return_inverse=True)
         place = place.reshape(self.bodies.shape)
         w = self.blocks.shape[2]
@@ -64,12 +64,12 @@ class Term:
 
 
 class Ends:
-    """Which bodies functions depend on.
+    """Bodies on which functions depend.
 
     Parameters
     ----------
     bodies : int array (k, e)
-        Bodies of every function; nb stands for the ground or none.
+        Bodies of every function; index nb is the ground or none.
     nb : int
         Number of bodies.
     """
@@ -82,14 +82,14 @@ class Ends:
 
 
 class Slopes:
-    """Derivatives of functions with respect to the coordinates of bodies.
+    """Derivatives of functions by the coordinates of bodies.
 
     Parameters
     ----------
     ends : Ends
-        Which bodies each function depends on.
+        Bodies on which each function depends.
     blocks : array (k, e, w)
-        Derivatives with respect to the coordinates of each.
+        Derivatives by the coordinates of each of these bodies.
     """
 
     def __init__(self, ends: Ends, blocks: Array) -> None:
@@ -102,7 +102,7 @@ class Slopes:
         return np.asarray(np.einsum("kew,kew->k", self.blocks, V[self.ends.bodies]))
 
     def sizes(self, v: Array) -> Array:
-        """Return the largest terms (k,) of the rates with velocities v (N,)."""
+        """Return the largest term (k,) of each rate, as a scale of its round-off."""
         V = np.zeros((self.ends.nb + 1, self.blocks.shape[2]))
         V[:-1] = v.reshape(self.ends.nb, -1)
         return np.asarray(np.abs(self.blocks * V[self.ends.bodies]).max(axis=(1, 2), initial=0.0))
@@ -113,28 +113,28 @@ class Slopes:
         return np.asarray((self.ends.gather @ flat).ravel())
 
     def term(self, numbers: Index, H: Array) -> Term:
-        """Return ``B^T H B`` of some of the functions."""
+        """Return the term ``B^T H B`` of functions given by their indices."""
         return Term(self.ends.bodies[numbers], self.blocks[numbers], H)
 
 
 class Layout:
-    """Which bodies the scalar functions and constraints of a machine depend on.
+    """Sparsity of a machine: bodies of its scalar functions and constraints.
 
     Parameters
     ----------
     F : array (m, ns)
-        Constraints are ``F s``.
+        Constraint factors, ``C = F s``.
     bodies : int array (ns, 2)
-        Bodies of both ends of every function; nb stands for the ground.
+        Bodies of both ends of every function; index nb is the ground.
     modes : int array (nb,)
         Number of modes of every body.
     w : int
-        Number of coordinates that every body is given.
+        Number of coordinates per body, with padding.
 
     Attributes
     ----------
     functions, constraints : Ends
-        Bodies of every function, two, and of every constraint, each once.
+        The two bodies of every function, and the bodies of every constraint.
     """
 
     def __init__(self, F: Array, bodies: Index, modes: Index, w: int) -> None:
@@ -147,13 +147,13 @@ class Layout:
         self._pair()
 
     def rows(self, slopes: Slopes) -> Slopes:
-        """Return the derivatives of the constraints from those of the functions."""
+        """Return the derivatives of the constraints from those of the scalar functions."""
         flat = self._select @ slopes.blocks.reshape(-1, self.w)
         shape = (*self.constraints.bodies.shape, self.w)
         return Slopes(self.constraints, np.asarray(flat).reshape(shape))
 
     def _held(self, bodies: Index) -> Index:
-        """Return the bodies of every constraint (m, k), each once, filled up with nb."""
+        """Return the bodies (m, k) of every constraint, without repetition, padded by nb."""
         rows: list[dict[int, int]] = [{} for _ in range(self.F.shape[0])]
         at, which, factors = [], [], []
         entries = self.F.tocoo()
@@ -173,7 +173,7 @@ class Layout:
         return held
 
     def _pair(self) -> None:
-        """List which rows of constraints meet in each block of the matrix, in chunks."""
+        """Set the index arrays of the constraint rows of each block of the matrix, in chunks."""
         held = self.constraints.bodies
         m, k = held.shape
         met: dict[tuple[int, int], list[tuple[int, int]]] = {}
@@ -201,13 +201,13 @@ class Layout:
         Cq : Slopes
             Derivatives of constraints.
         weight : array (m,)
-            Weights of theirs.
+            Weight of each constraint.
         """
         rows, w = Cq.blocks, self.w
         none = np.zeros((1, w))
         one = np.concatenate([rows.reshape(-1, w), none])
         other = np.concatenate([(weight[:, None, None] * rows).reshape(-1, w), none])
-        # (CHUNK, chunks, w) each
+        # left and right factors (CHUNK, chunks, w)
         left, right = one[self._left.T], other[self._right.T]
         blocks = np.swapaxes(left, 1, 2) @ right
         if len(self._starts):
@@ -220,7 +220,7 @@ class Layout:
         )
 
     def solver(self, M: Array, Cq: Slopes, weight: Array, terms: list[Term]) -> Solve:
-        """Return what solves ``(blockdiag(M) + Cq^T diag(weight) Cq + terms) x = r``.
+        """Return the solver of ``(blockdiag(M) + Cq^T diag(weight) Cq + terms) x = r``.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class Layout:
         weight : array (m,)
             Weights of the constraints.
         terms : list of Term
-            What forces add.
+            Stiffness and damping terms of forces.
         """
         p, q, blocks = self.squares(Cq, weight)
         each = np.arange(self.nb)
@@ -268,11 +268,11 @@ class Layout:
 
 
 def csr(rows: Index, columns: Index, values: Array, shape: tuple[int, int]) -> Any:
-    """Return a sparse matrix of entries."""
+    """Return a sparse matrix of given entries."""
     return sp.csr_array(sp.coo_array((values, (rows, columns)), shape=shape))
 
 
 def factorised(W: Array) -> Solve:
-    """Return what solves ``W x = r`` with a dense matrix."""
-    lu, pivots, _ = dgetrf(W.T, overwrite_a=True)  # in the order in which LAPACK has it
+    """Return the solver of ``W x = r`` with a dense matrix."""
+    lu, pivots, _ = dgetrf(W.T, overwrite_a=True)  # column order of LAPACK, without a copy
     return lambda r: np.asarray(dgetrs(lu, pivots, r, trans=1)[0])

@@ -19,9 +19,9 @@ from jousto.base.arrays import Array, Index
 from jousto.mechanism.bodies.body import FlexibleBody, MovingBody
 
 FRAME = 12
-"""Coordinates of a body frame: its origin and its three axes."""
+"""Number of coordinates of a body frame: origin and three axes."""
 LEAST = 1e-10
-"""Share of its largest inertia that a body is given about a line of mass, to scale constraints."""
+"""Smallest inertia of a body over its largest one, in the scale of constraints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Mass integrals of all bodies; those with fewer modes are filled up with modes that rest.
+    """Mass integrals of all bodies, padded to equal numbers of modes by modes without motion.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Bodies:
 
     @property
     def n(self) -> int:
-        """Number of modes that every body is given."""
+        """Number of modes per body, with padding."""
         return int(self.K.shape[1])
 
     @property
@@ -142,7 +142,7 @@ class Bodies:
         return G, C
 
     def shaped(self, q: Array) -> Shape:
-        """Return the bodies at a position."""
+        """Return frames, deformed shapes and mass integrals of the bodies at a position."""
         X, xi = self.split(q)
         return Shape(X, xi, *self.integrals(xi))
 
@@ -161,10 +161,10 @@ class Bodies:
         return M
 
     def loads(self, shape: Shape, v: Array, gravity: Array) -> Array:
-        """Return ``Q_v + Q_g - K xi - D xi'`` (nb, 12 + n).
+        """Return the forces ``Q_v + Q_g - K xi - D xi'`` (nb, 12 + n) of inertia, weight and modes.
 
-        ``Q_v = -B^T M B' q'`` with ``B' q' = 2 A' Phi xi'`` (S61): that of the frame is
-        ``-2 A' C_a xi'``, that of mode j ``-2 sum_k (A^T A') : E_jk xi'_k``.
+        ``Q_v = -B^T M B' q'`` with ``B' q' = 2 A' Phi xi'`` (S61): the part of the frame is
+        ``-2 A' C_a xi'``, the part of mode j ``-2 sum_k (A^T A') : E_jk xi'_k``.
         """
         X, xi, G, C = shape.X, shape.xi, shape.G, shape.C
         V, rate = self.split(v)
@@ -185,7 +185,7 @@ class Bodies:
         return Q
 
     def potential(self, shape: Shape, gravity: Array) -> float:
-        """Return ``-g . int r dm``, J."""
+        """Return the potential energy ``-g . int r dm``, J."""
         return -float(np.einsum("ba,bak,k->", shape.G[:, 0], shape.X, gravity))
 
     def strain(self, shape: Shape) -> float:
@@ -193,26 +193,26 @@ class Bodies:
         return 0.5 * float(np.sum(self.K * shape.xi * shape.xi))
 
     def yielding(self, shape: Shape, gradients: Array, held: Index) -> Array:
-        """Return y (m, k, 6 + n) of constraints, ``y_i . y_j = Cq_i M^-1 Cq_j^T`` of each body.
+        """Return y (m, k, 6 + n) of constraints, ``y_i . y_j = Cq_i M^-1 Cq_j^T`` per body.
 
-        Each frame moves as a rigid body of the present shape, and modes of mass 1 with it.
+        M is approximated by the rigid body of the deformed shape and unit modal masses.
 
         Parameters
         ----------
         shape : Shape
             The bodies at a position.
         gradients : array (m, k, 12 + n)
-            Derivatives of the constraints with respect to the bodies of each.
+            Derivatives of the constraints by the coordinates of their bodies.
         held : int array (m, k)
-            Which bodies; nb stands for none.
+            Indices of these bodies; nb is none.
         """
         axes, G = shape.X[:, 1:], shape.G
         centre = ((G[:, :1, 1:] / self.mass[:, None, None]) @ axes)[:, 0]
         easy = np.linalg.inv(np.linalg.cholesky(self.inertia(G)))
-        at = np.minimum(held, len(axes) - 1)  # derivatives with respect to none are zero
+        at = np.minimum(held, len(axes) - 1)  # any index for "none", where the derivatives are zero
         g = gradients[:, :, :FRAME].reshape(*held.shape, 4, 3)
         force, axes = g[:, :, 0], axes[at]
-        # the torque about the centre is that of T, with T_ij = sum of axis component i and load j
+        # torque about the centre of mass: antisymmetric part of T_ij = sum of axis i times load j
         T = np.swapaxes(axes, -1, -2) @ g[:, :, 1:] - centre[at][..., None] * force[:, :, None]
         torque = np.stack(
             [
@@ -228,15 +228,15 @@ class Bodies:
         return np.concatenate([moved, turned, gradients[:, :, FRAME:]], axis=2)
 
     def inertia(self, G: Array) -> Array:
-        """Return the inertia tensors (nb, 3, 3) about the centres, slightly enlarged."""
+        """Return the inertia tensors (nb, 3, 3) about the centres of mass, bounded from below."""
         U = G[:, 1:, 1:] - G[:, 1:, :1] * G[:, :1, 1:] / self.mass[:, None, None]
         size = np.trace(U, axis1=1, axis2=2)[:, None, None]
         return np.asarray(((1.0 + LEAST) * size + 1e-300) * np.eye(3) - U)
 
     def stiffness_of_axes(self, shape: Shape) -> Array:
-        """Return a mass (nb, 6) for each condition of axes, a.a, b.b, c.c, a.b, a.c, b.c.
+        """Return an effective mass (nb, 6) of each axis condition, a.a, b.b, c.c, a.b, a.c, b.c.
 
-        To b.c the turn about a answers, to a.a the easier one of the turns about b and c.
+        For b.c it is the inertia about a, for a.a the smaller of the inertias about b and c.
         """
         U = shape.G[:, [1, 2, 3], [1, 2, 3]]
         x, y, z = (U.sum(axis=1, keepdims=True) * (1.0 + LEAST) + 1e-300 - U).T

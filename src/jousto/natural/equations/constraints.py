@@ -1,4 +1,4 @@
-"""Constraint rows: joints, couplings and drives, and axes that stay orthonormal."""
+"""Constraint rows: joints, couplings, drives, and the orthonormality of body axes."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ Terms = list[tuple[float, tuple[str, int]]]
 
 
 class Rows:
-    """Relations ``C = F s - offset - signal(t) = 0``, linear in scalar functions s.
+    """Constraints ``C = F s - offset - signal(t) = 0``, linear in scalar functions s.
 
     Attributes
     ----------
     of : dict
         Rows of every joint, coupling and drive, by its id.
     names : list of str
-        Name of what each row belongs to.
+        Name of the joint, coupling or drive of each row.
     F : array (m, ns)
-        Factors.
+        Factors of the scalar functions.
     offset : array (m,)
         Constants.
     signals : list
-        Number of a row and its signal.
+        Pairs of row index and signal.
     together : list of int arrays (k, n)
-        Rows of joints with n rows each, k joints, for every n.
+        Rows of the k joints with n rows, for every n.
     """
 
     def __init__(self, mechanism: Mechanism, frames: Frames, scalars: Scalars) -> None:
@@ -82,7 +82,7 @@ class Rows:
         ]
 
     def close(self, scalars: Scalars) -> None:
-        """Make the arrays, when all scalar functions are known."""
+        """Build the arrays after all scalar functions were added."""
         self.F = np.zeros((len(self._rows), scalars.count))
         for row, (terms, _) in enumerate(self._rows):
             for factor, place in terms:
@@ -91,13 +91,13 @@ class Rows:
         self._time, self._jets = np.nan, np.zeros((3, len(self._rows)))
 
     def scales(self, scalars: Scalars, length: float) -> Array:
-        """Return what constraints (m,) are measured with: lengths with one, others with 1."""
+        """Return the scale (m,) of each constraint: `length` for lengths, 1 for others."""
         each = np.where(scalars.long, length, 1.0)
         return np.asarray((np.abs(self.F) * each).max(axis=1, initial=0.0))
 
     def driven(self, t: float, order: int) -> Array:
-        """Return the signals of all rows (m,) at a time, or a derivative of theirs."""
-        if t != self._time:  # a step asks for one time again and again
+        """Return the signals of all rows (m,) at a time, or their derivative of an order."""
+        if t != self._time:  # cached, since a step uses one time repeatedly
             jets = np.zeros((3, len(self.offset)))
             for row, signal in self.signals:
                 jets[:, row] = signal.jet(np.array(t))

@@ -1,8 +1,8 @@
-"""Scalar functions of two markers: what constraints hold and forces act along.
+"""Scalar functions of two markers, for constraints and for forces along coordinates.
 
-Every kind has the value, the derivatives with respect to the points and axes of both markers, and
-the second derivative in time of a motion. Points and axes are linear in the frames of bodies, so
-that all of them but distances and angles are linear or quadratic.
+Every kind has the value, the derivatives by points and axes of both markers, and the second
+derivative by time. Points and axes are linear in the body frames, so that all functions except
+distances and angles are linear or quadratic.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ PASCAL = ((1,), (1, 1), (1, 2, 1))
 
 
 class Kind(Protocol):
-    """One kind of function; `ends` (k, 2) are the markers a and b of each."""
+    """Interface of a kind of scalar function; `ends` (k, 2) are the markers a, b of each."""
 
     ends: Index
 
@@ -27,21 +27,21 @@ class Kind(Protocol):
         """Return the values (k,) from y (k, 4, 3) of both markers."""
 
     def gradient(self, a: Array, b: Array) -> Array:
-        """Return the derivatives (k, 2, 4, 3) with respect to y of both markers."""
+        """Return the derivatives (k, 2, 4, 3) by y of both markers."""
 
     def second(self, a: tuple[Array, ...], b: tuple[Array, ...]) -> Array:
-        """Return the second derivative in time (k,) of y, y', y'' of both markers."""
+        """Return the second time derivative (k,) from y, y', y'' of both markers."""
 
 
 class Products:
-    """``P . Q``: the axis of one marker times an axis of the other, or times ``r_b - r_a``.
+    """Scalar products ``P . Q`` of an axis of marker a with an axis of b or with ``r_b - r_a``.
 
     Parameters
     ----------
     ends : int array (k, 2)
         Markers a and b.
     axes : int array (k, 2)
-        Rows of y: an axis 1..3 of a, and an axis of b or 0 for the line from a to b.
+        Rows of y: an axis 1..3 of a, and an axis of b or 0 for the vector from a to b.
     """
 
     def __init__(self, ends: Index, axes: Index) -> None:
@@ -54,7 +54,7 @@ class Products:
         return P, np.where(self.line, Q - a[:, 0], Q)
 
     def value(self, a: Array, b: Array) -> Array:
-        """Return P . Q."""
+        """Return ``P . Q`` (k,)."""
         P, Q = self._factors(a, b)
         return np.asarray(np.sum(P * Q, axis=1))
 
@@ -74,7 +74,7 @@ class Products:
 
 
 class Gaps:
-    """A component of ``r_b - r_a`` in the world.
+    """World components of ``r_b - r_a``.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class Gaps:
 
 
 class Distances:
-    """``|r_b - r_a|``."""
+    """Distances ``|r_b - r_a|``."""
 
     def __init__(self, ends: Index, axes: Index) -> None:
         self.ends = ends
@@ -131,7 +131,7 @@ class Distances:
 
 
 class Angles:
-    """``atan2(g_a . f_b, f_a . f_b)``, the turn of b about the third axis of a."""
+    """Angles ``atan2(g_a . f_b, f_a . f_b)`` of b about the third axis of a."""
 
     def __init__(self, ends: Index, axes: Index) -> None:
         self.ends = ends
@@ -177,12 +177,12 @@ KINDS: dict[str, Any] = {
 
 
 class Scalars:
-    """All scalar functions of a machine; what is used twice is kept once.
+    """Scalar functions of a machine, each stored once.
 
     Attributes
     ----------
     long : bool array (ns,)
-        Which are lengths, m; others are cosines and angles.
+        Whether a function is a length, m; others are cosines and angles.
     """
 
     def __init__(self, frames: Frames) -> None:
@@ -191,7 +191,7 @@ class Scalars:
         self._places: dict[tuple[Any, ...], tuple[str, int]] = {}
 
     def add(self, kind: str, a: int, b: int, axes: Any = 0) -> tuple[str, int]:
-        """Return kind and number of a function of the markers a and b."""
+        """Return kind and index of a function of markers a and b, which is added if new."""
         key = (kind, a, b, axes)
         if key not in self._places:
             self._places[key] = kind, len(self._found[kind])
@@ -199,14 +199,14 @@ class Scalars:
         return self._places[key]
 
     def coordinate(self, s: Coordinate) -> tuple[str, int]:
-        """Return kind and number of a declared coordinate."""
+        """Return kind and index of a declared coordinate."""
         a, b = self.frames.place(s.a), self.frames.place(s.b)
         if isinstance(s, Displacement):
             return self.add("product", a, b, (1 + s.column, 0))
         return self.add({Distance: "distance", Angle: "angle"}[type(s)], a, b)
 
     def close(self) -> None:
-        """Number all functions in the order of their kinds; none is added any more."""
+        """Number all functions in the order of their kinds; none can be added afterwards."""
         self.kinds: list[tuple[Kind, slice]] = []
         self._first: dict[str, int] = {}
         count = 0
@@ -233,11 +233,11 @@ class Scalars:
         )
 
     def number(self, place: tuple[str, int]) -> int:
-        """Return the number of a function among all of them."""
+        """Return the index of a function among all functions."""
         return self._first[place[0]] + place[1]
 
     def values(self, y: Array, near: Array) -> Array:
-        """Return all values (ns,); angles are those next to the values `near`."""
+        """Return all values (ns,); angles are nearest to the values `near`."""
         out = np.zeros(self.count)
         for kind, here in self.kinds:
             out[here] = kind.value(y[kind.ends[:, 0]], y[kind.ends[:, 1]])
@@ -246,14 +246,14 @@ class Scalars:
         return out
 
     def gradients(self, y: Array) -> Array:
-        """Return all derivatives (ns, 2, 4, 3) with respect to y of the markers a and b."""
+        """Return all derivatives (ns, 2, 4, 3) by y of markers a and b."""
         out = np.zeros((self.count, 2, 4, 3))
         for kind, here in self.kinds:
             out[here] = kind.gradient(y[kind.ends[:, 0]], y[kind.ends[:, 1]])
         return out
 
     def seconds(self, motion: tuple[Array, Array, Array]) -> Array:
-        """Return all second derivatives in time (ns,) of a motion of the markers."""
+        """Return all second time derivatives (ns,) for a motion of the markers."""
         out = np.zeros(self.count)
         for kind, here in self.kinds:
             a, b = (tuple(y[kind.ends[:, k]] for y in motion) for k in (0, 1))
@@ -261,5 +261,5 @@ class Scalars:
         return out
 
     def blocks(self, pose: Pose, gradients: Array) -> Array:
-        """Return the derivatives (ns, 2, 12 + n) with respect to the bodies of a and b."""
+        """Return the derivatives (ns, 2, 12 + n) by the coordinates of the bodies of a and b."""
         return pose.pulled(gradients, self.ends)

@@ -1,4 +1,4 @@
-"""Markers: their points and axes, linear in the frame of the body and functions of its modes."""
+"""Markers: points and axes, linear in the body frame and functions of its modal coordinates."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from jousto.mechanism.bodies.body import FlexibleBody, MovingBody
 from jousto.mechanism.bodies.marker import Marker
 from jousto.natural.equations.bodies import FRAME, Bodies
 
-TERMS = 14  # of the exponential series: 0.5^14 / 14! is below rounding
+TERMS = 14  # number of terms of the exponential series; 0.5^14 / 14! is below round-off
 GROUND = np.vstack([np.zeros(3), np.eye(3)])
 
 
 class Frames:
-    """The point and the axes ``y = (r, f, g, h)`` of every marker, rows of a matrix (4, 3).
+    """Markers of a machine, each with point and axes ``y = (r, f, g, h)`` as rows (4, 3).
 
     ``y = L(xi) X`` with the rows ``X = (R, a, b, c)`` of its body: the first row of L is
     ``(1, u0 + Phi xi)``, the others are ``(0, columns of exp((Psi xi)~) A0)``.
@@ -30,7 +30,7 @@ class Frames:
         self._found: list[tuple[int, Array, Array, Array, Array]] = []
 
     def place(self, marker: Marker) -> int:
-        """Return the number of a marker; equal ones have the same."""
+        """Return the index of a marker, which is added if it is new; equal markers share one."""
         body = self._index.get(id(marker.body), len(self.bodies.mass))
         u0, A0 = np.asarray(marker.position_local), np.asarray(marker.axes)
         key = (body, marker.site, u0.tobytes(), A0.tobytes())
@@ -45,11 +45,11 @@ class Frames:
         return self._places[key]
 
     def index(self, body: MovingBody) -> int:
-        """Return the number of a body."""
+        """Return the index of a body."""
         return self._index[id(body)]
 
     def close(self) -> None:
-        """Stack what was found; no marker is added any more."""
+        """Build the arrays; no marker can be added afterwards."""
         n = self.bodies.n
         count = len(self._found)
         found = list(zip(*self._found, strict=True)) if count else [()] * 5
@@ -75,7 +75,7 @@ class Frames:
         return B
 
     def evaluate(self, q: Array) -> Pose:
-        """Return points, axes and what their derivatives need."""
+        """Return points and axes of all markers with their derivatives."""
         X, xi = self._at(q)
         L = np.zeros((len(X), 4, 4))
         L[:, 0, 0] = 1.0
@@ -95,7 +95,7 @@ class Frames:
         return Pose(self, y, L, slopes)
 
     def drift(self, q: Array, v: Array) -> Array:
-        """Return y'' (nm, 4, 3) of a motion whose q'' is zero."""
+        """Return y'' (nm, 4, 3) for q'' = 0."""
         (X, xi), (V, rate) = self._at(q), self.rates_at(v)
         L = np.zeros((2, len(X), 4, 4))
         L[0, :, 0, 1:] = (self.Phi @ rate[:, :, None])[:, :, 0]
@@ -106,7 +106,10 @@ class Frames:
         return np.asarray(2.0 * (L[0] @ V) + L[1] @ X)
 
     def rates_at(self, v: Array) -> tuple[Array, Array]:
-        """Return the same of velocities or accelerations, those of the ground zero."""
+        """Return the rates of frame (nm, 4, 3) and modes (nm, n) of each marker's body.
+
+        Those of the ground are zero.
+        """
         V, rate = self._at(v)
         V[self.body == len(self.bodies.mass)] = 0.0
         return V, rate
@@ -119,14 +122,14 @@ class Pose:
         self.frames, self.y, self.L, self.slopes = frames, y, L, slopes
 
     def pulled(self, gradients: Array, markers: Index) -> Array:
-        """Return derivatives with respect to q of the bodies (..., 12 + n).
+        """Return derivatives (..., 12 + n) by the coordinates of the bodies of markers.
 
         Parameters
         ----------
         gradients : array (..., 4, 3)
-            Derivatives with respect to y of a marker.
+            Derivatives by y of a marker.
         markers : int array (...)
-            Which one.
+            Indices of the markers.
         """
         L, n = self.L[markers], self.frames.bodies.n
         frame = (np.swapaxes(L, -1, -2) @ gradients).reshape(*gradients.shape[:-2], FRAME)
@@ -137,13 +140,13 @@ class Pose:
         return np.concatenate([frame, (flat @ slopes)[..., 0, :]], axis=-1)
 
     def rates(self, v: Array) -> Array:
-        """Return y' (nm, 4, 3) of velocities of the bodies."""
+        """Return y' (nm, 4, 3) of all markers from velocities of the bodies."""
         frames = self.frames
         V, rate = frames.rates_at(v)
         return np.asarray(self.L @ V + (self.slopes @ rate[:, None, :, None])[..., 0])
 
     def generalised(self, loads: Array) -> Array:
-        """Return the forces (nb, 12 + n) of loads (nm, 4, 3) on y of all markers."""
+        """Return the generalised forces (nb, 12 + n) of loads (nm, 4, 3) on y of all markers."""
         frames = self.frames
         nb = len(frames.bodies.mass)
         Q = np.zeros((nb + 1, frames.bodies.width))

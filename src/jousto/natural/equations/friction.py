@@ -1,4 +1,4 @@
-"""Friction of joints by the regularised law, pressed by the reactions of the joints."""
+"""Friction of joints by the regularised law, with the reactions of the joints as normal forces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.force_laws import Action, Instant, Law
 
-NEARBY = 1e-6  # share of the square of a speed over which a slope is taken
+NEARBY = 1e-6  # relative increment of the squared speed in a finite difference
 
 
 def reaction(
@@ -22,8 +22,8 @@ def reaction(
 ) -> Array:
     """Return force and moment (6,) of a joint on its body b, about the origin of marker b, world.
 
-    The work of ``-Cq^T lam`` on the points and axes of b: a force f on an axis e is the moment
-    ``e x f``.
+    It follows from the work of ``-Cq^T lam`` on the point and axes of b, where a force f on an axis
+    e is the moment ``e x f``.
     """
     mine = rows.of[id(joint)]
     along = -lam[mine] @ rows.F[mine]
@@ -34,8 +34,8 @@ def reaction(
     return np.concatenate([along[used] @ on_b[:, 0], along[used] @ turned])
 
 
-def rubbing(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
-    """Return the law of a friction: ``f = -mu(speed) N s'/speed`` along its coordinates."""
+def friction_law(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
+    """Return the force law of a friction, ``f = -mu(speed) N s'/speed`` along its coordinates."""
     joint, law = friction.joint, friction.law
     assert isinstance(law, Regularised)
     side = scalars.frames.place(joint.frames[0])
@@ -45,7 +45,7 @@ def rubbing(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
     top, kinetic, velocity = friction.mu_static, friction.mu_kinetic, law.velocity
 
     def press(now: Instant) -> tuple[float, float]:
-        """Return the normal force and the moment arm times force of a collar."""
+        """Return the normal force, N, and the friction moment per mu of a collar, N m."""
         y = reaction(joint, rows, scalars, now.y, now.gradients, now.lam)
         F, M = (now.y[side, 1:] @ x for x in (y[:3], y[3:]))
         N = friction.preload + float(np.hypot(F[0], F[1]))
@@ -58,7 +58,7 @@ def rubbing(friction: Friction, rows: Rows, scalars: Scalars) -> Law:
         return N + float(abs(M[2])) / friction.collar_radius, 0.0
 
     def over_speed(square: float) -> float:
-        """Return mu over the speed, from the square of the speed."""
+        """Return mu(speed) / speed from the squared speed."""
         w = np.sqrt(square) / velocity
         if w < 1.0:
             return float(top * (15.0 - 10.0 * w**2 + 3.0 * w**4) / (8.0 * velocity))

@@ -1,4 +1,4 @@
-"""The start of a machine: its declared pose and velocities, or a given state."""
+"""Initial state of a machine: declared pose and velocities, or a given state."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from jousto.natural.equations.system import Machine
 from jousto.simulation.state import State
 
 
-def declared(machine: Machine) -> tuple[Array, Array]:
-    """Return coordinates and velocities (N,) as bodies declare them."""
+def declared_state(machine: Machine) -> tuple[Array, Array]:
+    """Return the declared coordinates and velocities (N,) of the bodies."""
     q, v = _empty(machine)
     for i, body in enumerate(machine.mechanism.bodies):
         n = len(body.modal_coordinates)
@@ -23,13 +23,13 @@ def declared(machine: Machine) -> tuple[Array, Array]:
     return q.ravel(), v.ravel()
 
 
-def given(machine: Machine, state: State) -> tuple[Array, Array]:
+def state_of_engine(machine: Machine, state: State) -> tuple[Array, Array]:
     """Return coordinates and velocities (N,) of a state of the engine.
 
     Raises
     ------
     InputError
-        If it is that of another machine.
+        If the state is that of another machine.
     """
     bodies = machine.mechanism.bodies
     modes = [len(body.modal_coordinates) for body in bodies]
@@ -54,8 +54,8 @@ def given(machine: Machine, state: State) -> tuple[Array, Array]:
 
 
 def angles(machine: Machine) -> Array:
-    """Return the scalar functions (ns,) at the declared pose, from which angles are counted."""
-    pose = machine.frames.evaluate(declared(machine)[0])
+    """Return the scalar functions (ns,) at the declared pose, the reference of angles."""
+    pose = machine.frames.evaluate(declared_state(machine)[0])
     return machine.scalars.values(pose.y, np.zeros(machine.scalars.count))
 
 

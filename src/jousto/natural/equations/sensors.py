@@ -1,4 +1,4 @@
-"""What sensors read of a motion in natural coordinates."""
+"""Sensor values of a motion in natural coordinates."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from jousto.natural.equations.trapezoidal_step import Motion
 
 
 class Reader:
-    """Reads the sensors of a mechanism; to be made before the machine is closed.
+    """Evaluator of the sensors of a mechanism, to be built before ``machine.close()``.
 
     Parameters
     ----------
     machine : Machine
         The machine.
     sensors : tuple of Sensor
-        What is read.
+        Sensors to evaluate.
     """
 
     def __init__(self, machine: Machine, sensors: tuple[Sensor, ...]) -> None:
@@ -83,18 +83,26 @@ class Reader:
 
         def orientation(now: _Now) -> Array:
             axes = now.moved[0][at, 1:].T
-            if other is not None:  # world turn that leads from the axes of the other to these
+            if (
+                other is not None
+            ):  # rotation, in world axes, from the axes of the other marker to these
                 axes = axes @ now.moved[0][other, 1:]
             e = euler_parameters(axes)
             return np.append(e[:1], resolve(now, e[1:]))
 
         def motion(now: _Now) -> Array:
-            x = seen(now, at) if other is None else observed(seen(now, at), seen(now, other))
+            x = (
+                marker_motion(now, at)
+                if other is None
+                else relative_motion(marker_motion(now, at), marker_motion(now, other))
+            )
             return resolve(now, x[kind])
 
         def parts(now: _Now) -> Array:
             assert other is not None
-            return resolve(now, separated(seen(now, at), seen(now, other)))
+            return resolve(
+                now, acceleration_parts(marker_motion(now, at), marker_motion(now, other))
+            )
 
         return {"orientation": orientation, "acceleration parts": parts}.get(kind, motion)
 
@@ -161,7 +169,7 @@ class Reader:
 
 
 class _Now:
-    """A motion with the motion of its markers."""
+    """Motion of a machine with the motion of its markers."""
 
     def __init__(
         self, motion: Motion, moved: tuple[Array, Array, Array], energies: dict[str, float]
@@ -169,10 +177,10 @@ class _Now:
         self.motion, self.moved, self.energies = motion, moved, energies
 
 
-def seen(now: _Now, at: int) -> dict[str, Array]:
-    """Return what sensors of motion show of a marker in the world.
+def marker_motion(now: _Now, at: int) -> dict[str, Array]:
+    """Return position, orientation, velocities and accelerations of a marker in the world.
 
-    ``w = sum e_k x e_k' / 2`` of the axes e_k, and the same of e_k'' is w'.
+    ``w = sum e_k x e_k' / 2`` over the axes e_k, and ``w' = sum e_k x e_k'' / 2``.
     """
     y, v, a = (x[at] for x in now.moved)
     return {
@@ -184,8 +192,8 @@ def seen(now: _Now, at: int) -> dict[str, Array]:
     }
 
 
-def observed(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
-    """Return the motion of a marker as one sees it who moves and turns with another."""
+def relative_motion(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
+    """Return the motion of a marker relative to another one that moves and rotates."""
     x = {key: of[key] - by[key] for key in of}
     w, turn = by["angular velocity"], by["angular acceleration"]
     d, u = x["position"], x["velocity"] - crossed(w, x["position"])
@@ -197,13 +205,14 @@ def observed(of: dict[str, Array], by: dict[str, Array]) -> dict[str, Array]:
     return x
 
 
-def separated(of: dict[str, Array], by: dict[str, Array]) -> Array:
-    """Return the parts of the acceleration of a marker (15,), seen from another one.
+def acceleration_parts(of: dict[str, Array], by: dict[str, Array]) -> Array:
+    """Return the parts (15,) of the acceleration of a marker relative to another one.
 
-    Those of the other, normal, tangential, Coriolis' and relative, each in the world.
+    The parts are the acceleration of the other marker, the centripetal, the tangential, the
+    Coriolis and the relative one, each in world axes.
     """
     w, turn = by["angular velocity"], by["angular acceleration"]
-    moved = observed(of, by)
+    moved = relative_motion(of, by)
     d = moved["position"]
     return np.concatenate(
         [
@@ -217,14 +226,14 @@ def separated(of: dict[str, Array], by: dict[str, Array]) -> Array:
 
 
 def voigt(s: Array) -> Array:
-    """Return tensors (k, 3, 3) of [s11, s22, s33, s12, s23, s13]."""
+    """Return tensors (k, 3, 3) of stresses (k, 6) ``[s11 s22 s33 s12 s23 s13]``."""
     return s[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3)
 
 
 def bridge(r: Array) -> float:
-    """Return the output of a Wheatstone bridge over its supply, arms 1, 2 in series beside 4, 3.
+    """Return output over supply voltage of a Wheatstone bridge, with arms 1, 2 parallel to 4, 3.
 
-    ``(R1 R3 - R2 R4) / ((R1 + R2) (R3 + R4))`` of arms that change by the shares r.
+    ``(R1 R3 - R2 R4) / ((R1 + R2) (R3 + R4))`` with the relative changes r of the resistances.
     """
     R = 1.0 + r
     return float((R[0] * R[2] - R[1] * R[3]) / ((R[0] + R[1]) * (R[2] + R[3])))

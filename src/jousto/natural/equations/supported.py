@@ -1,4 +1,4 @@
-"""What the moving frame knows of a mechanism; everything else is refused by name."""
+"""Items of a mechanism that the moving frame supports, and the error for all others."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ READINGS = (
     *("modal", "deformation momentum", "stress", "von mises", "principal", "bridge"),
     *("coordinate", "rate", "energy", "signal", "reaction", "multiplier", "element", "friction"),
 )
-"""Kinds of sensors that it reads."""
+"""Kinds of sensors that the moving frame supports."""
 
 
 def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
-    """Raise InputError with everything in a mechanism that the moving frame does not know.
+    """Raise InputError with all items of a mechanism that the moving frame does not support.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism.
     sensors : bool
-        Whether sensors that it does not read count.
+        Whether unsupported sensors are errors.
     """
     problems = Problems()
     for beam in mechanism.beams:
@@ -53,23 +53,23 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
             )
     for event in mechanism.events:
         if event.stop:
-            problems.add(where(event), "the moving frame does not stop at events; leave it out")
+            problems.add(where(event), "the moving frame does not stop at events; remove it")
         if event.releases:
             names = ", ".join(f"{item.name!r}" for item in event.releases)
             problems.add(
                 where(event),
-                f"the moving frame does not release {names} during a run; leave the event out, and "
-                "check the machine without what it releases on its own",
+                f"the moving frame does not release {names} during a run; remove the event, and "
+                "verify the machine without the released items separately",
             )
     _check_forces(problems, mechanism)
     for sensor in mechanism.sensors if sensors else ():
         if not is_read(sensor):
-            problems.add(where(sensor), "the moving frame has no such sensor; leave it out")
+            problems.add(where(sensor), "the moving frame has no such sensor; remove it")
     problems.raise_if_any()
 
 
 def is_read(sensor: Any) -> bool:
-    """Return whether the moving frame reads a sensor."""
+    """Return whether the moving frame supports a sensor."""
     return sensor.reading.kind in READINGS
 
 

@@ -1,4 +1,4 @@
-"""A mechanism in natural coordinates: positions, constraints and forces of all bodies at once."""
+"""Machine: positions, constraints and forces of a mechanism in natural coordinates."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from jousto.natural.equations.constraints import Rows
 from jousto.natural.equations.coordinates import Scalars
 from jousto.natural.equations.force_laws import LAWS, Action, Instant, Law
 from jousto.natural.equations.frames import Frames, Pose
-from jousto.natural.equations.friction import rubbing
+from jousto.natural.equations.friction import friction_law
 from jousto.natural.equations.supported import check_known
 
 LEAST = 1e-12
-"""What is added to the matrix of a joint whose constraints are of size 1."""
+"""Regularisation of the matrix of a joint, relative to constraints of size 1."""
 
 
 @dataclass(eq=False)
 class Place:
-    """A position and what constraints and forces need of it.
+    """Position with the quantities that depend on it alone.
 
     Attributes
     ----------
@@ -34,15 +34,15 @@ class Place:
     shape : Shape
         Bodies with their mass integrals.
     pose : Pose
-        Markers.
+        Markers with their derivatives.
     s : array (ns,)
-        Scalar functions.
+        Values of the scalar functions.
     gradients : array (ns, 2, 4, 3)
-        Their derivatives with respect to both markers.
+        Their derivatives by both markers.
     slopes, Cq : Slopes
-        Those with respect to the coordinates of bodies, and the same of constraints.
+        Derivatives of the scalar functions and of the constraints by the coordinates of bodies.
     C : array (m,)
-        What the constraints miss.
+        Constraint residuals.
     """
 
     q: Array
@@ -56,7 +56,7 @@ class Place:
 
 
 class Moving(Protocol):
-    """A position with velocities and forces."""
+    """Interface of a position with velocities and forces."""
 
     place: Place
     v: Array
@@ -64,12 +64,12 @@ class Moving(Protocol):
 
 
 class Machine:
-    """Bodies, markers, rows and laws of a mechanism.
+    """Bodies, markers, constraint rows and force laws of a mechanism.
 
     Parameters
     ----------
     mechanism : Mechanism
-        What `check_known` lets pass.
+        Mechanism that passes `check_known`.
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
@@ -87,13 +87,15 @@ class Machine:
             self.laws += [LAWS[p.kind](p, self.frames, self.scalars) for p in force.pushes]
         for friction in mechanism.frictions:
             self.felt[id(friction)] = len(self.laws)
-            self.laws.append(rubbing(friction, self.rows, self.scalars))
+            self.laws.append(friction_law(friction, self.rows, self.scalars))
         self.rubs = bool(mechanism.frictions)
-        self.pressed = self.rubs or bool(self.rows.signals)  # friction or work needs multipliers
+        self.pressed = self.rubs or bool(
+            self.rows.signals
+        )  # whether friction or work depends on multipliers
         self.size = float(mechanism.size)
 
     def close(self) -> None:
-        """Make the arrays, when sensors have named their markers and coordinates, too."""
+        """Build the arrays after sensors have added their markers and coordinates."""
         self.frames.close()
         self.scalars.close()
         self.rows.close(self.scalars)
@@ -104,7 +106,7 @@ class Machine:
         self.layout = Layout(self.rows.F, ends, np.array(modes), self.bodies.width)
 
     def place(self, q: Array, t: float, near: Array) -> Place:
-        """Return a position; angles are those next to the values `near` of an instant before."""
+        """Return a position; angles are nearest to the values `near` of the previous instant."""
         pose = self.frames.evaluate(q)
         s = self.scalars.values(pose.y, near)
         gradients = self.scalars.gradients(pose.y)
@@ -114,7 +116,7 @@ class Machine:
         return Place(q, self.bodies.shaped(q), pose, s, gradients, slopes, Cq, C)
 
     def act(self, place: Place, v: Array, t: float, lam: Array) -> tuple[Array, Action]:
-        """Return all forces Q (N,) but those of constraints, and what they are made of."""
+        """Return the generalised forces Q (N,) without constraint forces, and their parts."""
         nb, w = len(self.bodies.mass), self.bodies.width
         rate = place.slopes.times(v)
         now = Instant(t, place.q, v, place.pose, place.s, rate, place.gradients, lam)
@@ -131,7 +133,7 @@ class Machine:
         return place.Cq.times(v) - self.rows.driven(t, 1)
 
     def drift(self, place: Place, v: Array, t: float) -> tuple[Array, Array]:
-        """Return y'' (nm, 4, 3) and ``C''`` (m,) of a motion whose q'' is zero."""
+        """Return y'' (nm, 4, 3) and ``C''`` (m,) for q'' = 0."""
         drift = self.frames.drift(place.q, v)
         seconds = self.scalars.seconds((place.pose.y, place.pose.rates(v), drift))
         return drift, np.asarray(self.layout.F @ seconds) - self.rows.driven(t, 2)
@@ -145,7 +147,7 @@ class Machine:
         return np.asarray((M @ x.reshape(len(M), -1, 1)).ravel())
 
     def energies(self, motion: Moving) -> dict[str, float]:
-        """Return the terms of the energy balance, J; what was done since the start is zero."""
+        """Return the terms of the energy balance, J; losses and work are zero here."""
         place, v = motion.place, motion.v
         return {
             "kinetic": 0.5 * float(v @ self.times(self.mass(place), v)),
@@ -158,10 +160,9 @@ class Machine:
         }
 
     def effective(self, place: Place) -> Array:
-        """Return the mass (m,) that a force on each constraint meets.
+        """Return the effective mass (m,) of each constraint, with its joint's other constraints.
 
-        The other constraints of its joint hold: a diagonal entry of the inverse of ``Cq M^-1 Cq^T``
-        of the joint.
+        It is a diagonal entry of the inverse of ``Cq M^-1 Cq^T`` of the joint.
         """
         first = self.rows.joints
         held = self.layout.constraints.bodies[:first]

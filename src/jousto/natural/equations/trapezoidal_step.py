@@ -1,9 +1,9 @@
-"""A step of the trapezoidal rule with the augmented Lagrangian and two projections.
+"""Stepper: trapezoidal rule with augmented Lagrangian and two projections.
 
 The equations of motion ``M q'' + Cq^T (alpha C + lam*) = Q`` (S62) with the trapezoidal rule (S64,
-S65) are solved for the positions (S67-S71), lam* growing by ``alpha C`` at every iteration (S63);
-velocities and accelerations are then moved onto the constraints with the matrix of the last
-iteration (S72, S73).
+S65) are solved for the positions (S67-S71), where lam* increases by ``alpha C`` in every iteration
+(S63); then velocities and accelerations are projected onto the constraints with the matrix of the
+last iteration (S72, S73).
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from jousto.natural.equations.block_matrix import Solve, Term
 from jousto.natural.equations.force_laws import Action
 from jousto.natural.equations.system import Machine, Place
 
-PENALTY = 1e6  # alpha h^2 / 4 over the mass that a constraint meets
-TOLERANCE = 1e-9
-PROJECTIONS = 5  # times that multipliers of velocities are improved
-MOST = 10  # most times, of those of accelerations
-FRICTION = 30  # most times if forces depend on multipliers
-CLOSED = 1e-9  # share of its terms that a constraint on velocities may miss at the start
-AGREED = 1e-12  # change of multipliers, as a share of the largest, that is none
+PENALTY = 1e6  # penalty: alpha h^2 / 4 over the effective mass of a constraint
+TOLERANCE = 1e-9  # relative increment at which the iteration of a step has converged
+PROJECTIONS = 5  # number of iterations of the velocity multipliers
+MOST = 10  # maximum number of iterations of the acceleration multipliers
+FRICTION = 30  # maximum number of these iterations if forces depend on multipliers
+CLOSED = 1e-9  # velocity residual over its largest term, below which it is zero at the start
+AGREED = 1e-12  # change of multipliers over the largest one, below which it is zero
 
 
 @dataclass(eq=False)
 class Motion:
-    """State of a machine with what belongs to it.
+    """State of a machine with accelerations, multipliers and forces.
 
     Attributes
     ----------
@@ -42,13 +42,13 @@ class Motion:
     lam : array (m,)
         Multipliers: forces of constraints are ``-Cq^T lam``.
     lead : array (m,)
-        By how much those of the step are larger (`Stepper.step`).
+        Multipliers of the step minus `lam`, see `Stepper.step`.
     action : Action
-        What forces do.
+        Forces.
     drift, bias : arrays (nm, 4, 3), (m,)
-        Second derivatives of points and axes of markers and of constraints without those of q.
+        y'' of the markers and C'' of the constraints for q'' = 0.
     iterations : int
-        Newton iterations of the step.
+        Number of Newton iterations of the step.
     """
 
     t: float
@@ -64,7 +64,7 @@ class Motion:
 
 
 class Stepper:
-    """Steps of one size.
+    """Stepper of constant step.
 
     Parameters
     ----------
@@ -73,14 +73,14 @@ class Stepper:
     h : float
         Step, s.
     start : Place
-        Where it begins, which scales the constraints.
+        Initial position, for the scale of the constraints.
     penalty : float
-        ``alpha h^2 / 4`` over the mass that a constraint meets.
+        ``alpha h^2 / 4`` over the effective mass of a constraint.
     tolerance : float
-        Of an iteration: the largest last change of coordinates, and what constraints may miss,
-        relative to the size of the machine.
+        Largest last increment and largest constraint residual of a converged iteration, relative to
+        the size of the machine.
     most : int
-        Most iterations.
+        Maximum number of iterations of a step.
     """
 
     def __init__(
@@ -101,14 +101,14 @@ class Stepper:
         self.limit = machine.limit
 
     def weigh(self, place: Place) -> None:
-        """Take ``alpha h^2 / 4`` of every constraint from the mass that it meets at a position."""
+        """Set ``alpha h^2 / 4`` of every constraint from its effective mass at a position."""
         if place is not self._weighed:
             self.weight = self.penalty * self.machine.effective(place)
             self.alpha = self.weight * 4.0 / self.h**2
             self._weighed = place
 
     def _scale(self) -> Array:
-        """Return what changes of coordinates (N,) are measured with."""
+        """Return the scales (N,) of increments of the coordinates."""
         bodies, frames = self.machine.bodies, self.machine.frames
         out = np.ones((len(bodies.mass), bodies.width))
         out[:, :3] = self.machine.size
@@ -121,10 +121,11 @@ class Stepper:
     def step(self, old: Motion) -> Motion:
         """Return the motion one step later.
 
-        The multipliers of a step belong to the accelerations of the trapezoidal rule, which miss
-        those at its end by ``h/3 q'''``. Where friction or work depend on multipliers, those of the
-        equations of motion are found after the step; what a step adds to them, its lead, changes
-        little from one step to the next, and friction is pressed without it.
+        The multipliers of a step belong to the accelerations of the trapezoidal rule, which differ
+        from those at the end of the step by ``h/3 q'''``. If friction or work depends on
+        multipliers, those of the equations of motion are computed after the step. The difference of
+        both, `lead`, changes little from one step to the next and is subtracted for the normal
+        forces of friction.
 
         Raises
         ------
@@ -156,7 +157,7 @@ class Stepper:
                 return self._projected(old, place, lam, hat_v, hat_a, solve, iteration)
         raise SimulationError(
             f"the moving frame did not converge in {self.most} iterations at {t:.6g} s; take a "
-            "shorter step, or a larger penalty if a body has next to no inertia",
+            "shorter step, or a larger penalty if a body has almost no inertia",
             time=t,
         )
 
@@ -187,7 +188,7 @@ class Stepper:
         solve: Solve,
         iterations: int,
     ) -> Motion:
-        """Return the motion with velocities and accelerations moved onto the constraints."""
+        """Return the motion with velocities and accelerations projected onto the constraints."""
         machine, h, t = self.machine, self.h, old.t + self.h
         v, a = 2.0 / h * place.q + hat_v, 4.0 / h**2 * place.q + hat_a
         for _ in range(2):
@@ -206,19 +207,19 @@ class Stepper:
         return replace(motion, lam=true.lam, lead=lam - true.lam, action=true.action)
 
     def start(self, place: Place, v: Array, t: float) -> Motion:
-        """Return the motion with given positions and velocities, in balance."""
+        """Return the motion for given positions and velocities, with balanced accelerations."""
         none = np.zeros(len(self.weight))
         drift, bias = self.machine.drift(place, v, t)
         _, action = self.machine.act(place, v, t, none)
         return self.balanced(Motion(t, place, v, 0.0 * v, none, none, action, drift, bias))
 
     def balanced(self, motion: Motion) -> Motion:
-        """Return the motion with the accelerations and multipliers of its equations.
+        """Return the motion with the accelerations and multipliers of the equations of motion.
 
-        ``M a + Cq^T (alpha C'' + lam) = Q``, lam growing by ``alpha C''`` until it vanishes: of
-        rows that repeat one another any share of the multiplier may be found. Every iteration
-        solves for what the one before it left, so that rounding of the factors, which is large for
-        modes in the frame of a node, does not stay.
+        ``M a + Cq^T (alpha C'' + lam) = Q``, where lam increases by ``alpha C''`` until C'' = 0.
+        Multipliers of redundant rows are not unique. Every iteration solves for the residual of the
+        last one, which removes rounding errors of the factors; they are large for modes in a node
+        frame.
         """
         machine, place, v, t, lam = self.machine, motion.place, motion.v, motion.t, motion.lam
         self.weigh(place)
@@ -235,7 +236,7 @@ class Stepper:
                 lam = lam + more
                 left, last = last, float(np.abs(more).max())
                 least = AGREED * float(np.abs(lam).max())
-                if last <= least or last > 0.5 * left:  # nothing, or rounding that falls no more
+                if last <= least or last > 0.5 * left:  # converged, or stalled at round-off
                     break
             if float(np.abs(lam - before).max()) <= max(least, 2.0 * last):
                 break
@@ -245,9 +246,9 @@ class Stepper:
         return self.machine.layout.solver(M, place.Cq, self.weight, [])
 
     def velocities(self, place: Place, v: Array, t: float) -> Array:
-        """Return velocities that the constraints allow, next to v in the metric of the masses.
+        """Return the velocities nearest to v, in the metric of the mass, that satisfy constraints.
 
-        Modes keep their rates as far as the frames alone can follow.
+        Modal rates change only if the frames alone cannot satisfy the constraints.
         """
         machine = self.machine
         M = machine.mass(place)
@@ -272,7 +273,7 @@ class Stepper:
         return v
 
     def closed(self, q: Array, t: float, near: Array) -> Place:
-        """Return the position next to q where the constraints hold."""
+        """Return the position nearest to q that satisfies the constraints."""
         machine = self.machine
         place = machine.place(q, t, near)
         for _ in range(self.most):

@@ -15,7 +15,12 @@ from jousto.output.scenes.backdrop import new_picture
 from jousto.output.scenes.stage import make_stage
 from jousto.output.scenes.view import View
 from jousto.output.style import MUTED, Picture, drawing
-from jousto.simulation.modes.linear import MechanismModes, nodal, rotations, turning
+from jousto.simulation.modes.linear import (
+    MechanismModes,
+    body_frame_increments,
+    nodal_displacements,
+    rotations,
+)
 from jousto.simulation.results.memory import MemoryRecords
 from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
@@ -94,10 +99,14 @@ def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
     farthest = max((u[np.abs(u).argmax()] for u in seen), key=abs)
     # complex phase at which that point has its largest displacement
     x = np.real(x * np.conj(farthest)) / abs(farthest)
-    size = max(np.abs(u).max(initial=0.0) for u in nodal(model, q, x[:, None]).values())
+    size = max(
+        np.abs(u).max(initial=0.0) for u in nodal_displacements(model, q, x[:, None]).values()
+    )
     size = size or _extent(model, q) * np.abs(x).max()
     engine = Engine(model)
-    engine.q[:] = displaced(model, q, scale * _extent(model, q) / size * (turning(model, q) @ x))
+    engine.q[:] = displaced(
+        model, q, scale * _extent(model, q) / size * (body_frame_increments(model, q) @ x)
+    )
     engine.time[0] = data.state.time
     far = np.array(engine.q)
     with suppress(SimulationError):  # joints that do not close are drawn with gaps

@@ -1,4 +1,4 @@
-"""section_forces: strains and resultants along a beam over a run."""
+"""section_forces: strains and stress resultants along a beam over a run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from jousto.recovery.beams.strains import (
     resultants,
     strains,
 )
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.recovery.shape import rotation_matrices
 from jousto.simulation.results.solution import Solution
 
@@ -38,34 +38,34 @@ STRAINS = ("Gx", "Gy", "Gz", "kx", "ky", "kz")
 """Strains of a section: extension, shears, twist and curvatures."""
 
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
-BLOCK = 1 << 20  # numbers of node states worked on at once
+BLOCK = 1 << 20  # number of node states in memory at a time
 
 
 @dataclass(frozen=True, eq=False)
 class SectionForces:
-    """Strains and resultants of the elements of a beam over time.
+    """Strains and stress resultants of the elements of a beam over time.
 
-    Resultants ``[N Qy Qz Mx My Mz]`` act on the face whose outward normal points along the beam;
-    they are resolved in the axes of the section, which turn with the beam, and belong to the
-    beam's axis. Damping in proportion to the stiffness is part of them.
+    Resultants ``[N Qy Qz Mx My Mz]`` act on the face whose outward normal points along the beam, at
+    the axis of the beam, resolved in the axes of the section. They include stiffness-proportional
+    damping.
 
     Attributes
     ----------
     name : str
         Name of the beam.
     time : (nt,) array
-        s.
+        Instants, s.
     s : (ne,) array
-        Length of the unstressed beam to the middle of each element, m.
+        Arc length of the unstressed beam to the midpoint of each element, m.
     strains : (nt, ne, 6) array
-        ``[Gx Gy Gz kx ky kz]`` at the middles, m/m and 1/m.
+        ``[Gx Gy Gz kx ky kz]`` at the midpoints, m/m and 1/m.
     resultants : (nt, ne, 6) array
-        At the middles, N and N m.
+        Resultants at the midpoints, N and N m.
     ends : (nt, ne, 2, 6) array
-        At both ends of each element, from the balance of the element: the force is the same along
-        an element, whose load stands on its nodes, and the moment is exact at the nodes.
+        Resultants at both ends of each element, from its equilibrium: the force is constant in an
+        element, since loads act on nodes, and the moment is exact at the nodes.
     s_nodes : (ne + 1,) array
-        Length of the unstressed beam to the nodes, m.
+        Arc length of the unstressed beam to the nodes, m.
     """
 
     name: str
@@ -83,8 +83,8 @@ class SectionForces:
     def at_nodes(self) -> Array:
         """Resultants at the nodes (nt, ne + 1, 6), N and N m.
 
-        Moments are the mean of the two elements that meet there; forces, which are constant in an
-        element, are linear between the middles of neighbours and go on so to the ends of the beam.
+        Moments are the mean of the two adjacent elements; forces, constant in an element, are
+        interpolated linearly between midpoints and extrapolated to the ends of the beam.
         """
         nt, ne = self.resultants.shape[:2]
         out = np.empty((nt, ne + 1, 6))
@@ -103,19 +103,20 @@ class SectionForces:
         return out
 
     def history(self, component: str, at: float | str) -> Array:
-        """Return a resultant over time (nt,) at a place.
+        """Return a resultant over time (nt,) at a point of the beam.
 
         Parameters
         ----------
         component : str
             One of "N", "Qy", "Qz", "Mx", "My", "Mz".
         at : float or str
-            Length along the unstressed beam, m, linear between the nodes; "start" or "end".
+            Arc length of the unstressed beam, m, with linear interpolation between nodes; "start"
+            or "end".
 
         Raises
         ------
         InputError
-            For an unknown component or a place outside the beam.
+            For an unknown component or a length outside the beam.
         """
         k, values = component_of(self.name, component), self.at_nodes
         if isinstance(at, str):
@@ -125,16 +126,17 @@ class SectionForces:
             return np.asarray(values[:, 0 if at == "start" else -1, k])
         length = float(self.s_nodes[-1])
         if not -1e-9 * length <= at <= (1.0 + 1e-9) * length:
-            message = f"{at:g} m is outside the beam, 0 to {length:g} m"
+            message = f"at is {at:g} m, outside the beam of 0 to {length:g} m"
             raise InputError(Problem(f"beam '{self.name}'", message))
         j = int(np.clip(np.searchsorted(self.s_nodes, at), 1, len(self.s_nodes) - 1))
         x = (at - self.s_nodes[j - 1]) / (self.s_nodes[j] - self.s_nodes[j - 1])
         return np.asarray((1.0 - x) * values[:, j - 1, k] + x * values[:, j, k])
 
     def diagram(self, component: str, time: float) -> tuple[Array, Array]:
-        """Return length (k,) and a resultant (k,) along the beam at one instant, s.
+        """Return arc length (k,), m, and a resultant (k,) along the beam at one instant, s.
 
-        Both ends of every element, so that jumps under loads show; linear between instants.
+        The points are both ends of every element, so that jumps at loads are visible. Values
+        between stored instants are interpolated linearly.
 
         Raises
         ------
@@ -142,19 +144,19 @@ class SectionForces:
             For an unknown component or an instant outside the run.
         """
         k = component_of(self.name, component)
-        before, after, share = between(self.time, [time], f"beam '{self.name}'")
+        before, after, share = bracket_instants(self.time, [time], f"beam '{self.name}'")
         x = float(share[0])
         values = (1.0 - x) * self.ends[before[0], :, :, k] + x * self.ends[after[0], :, :, k]
         s = np.stack([self.s_nodes[:-1], self.s_nodes[1:]], axis=1)
         return s.ravel(), values.ravel()
 
     def envelope(self, component: str) -> tuple[Array, Array, Array, Array]:
-        """Return the smallest and largest resultant at every node, and when.
+        """Return the smallest and largest resultant at every node with their instants.
 
         Returns
         -------
         smallest, at, largest, at : (ne + 1,) arrays
-            N or N m, and s.
+            Smallest value, N or N m, its instant, s, largest value and its instant.
 
         Raises
         ------
@@ -162,12 +164,12 @@ class SectionForces:
             For an unknown component.
         """
         values = self.at_nodes[:, :, component_of(self.name, component)]
-        # what is steady or repeats is reached first at the first of equal instants
+        # the first instant of equal values, up to round-off
         low, high = (np.apply_along_axis(largest, 0, x) for x in (-values, values))
         return values.min(axis=0), self.time[low], values.max(axis=0), self.time[high]
 
     def table(self) -> list[tuple[str, ...]]:
-        """Return the head and the smallest and largest of each resultant as rows of text."""
+        """Return a header and the smallest and largest of each resultant as rows of texts."""
         rows: list[tuple[str, ...]] = [
             ("", "smallest", "at (m)", "at (s)", "largest", "at (m)", "at (s)", "")
         ]
@@ -196,14 +198,15 @@ class SectionForces:
         )
 
     def to_csv(self, path: str | Path, time: float | None = None) -> Path:
-        """Write the resultants at both ends of every element as a table.
+        """Write a table of the resultants at an instant, or of their extremes.
 
         Parameters
         ----------
         path : path
-            Ends with .csv.
+            File that ends with .csv.
         time : float, optional
-            One instant, s; the smallest and largest value at every node if not given.
+            Instant, s, of the resultants at both ends of every element; None writes the smallest
+            and largest value at every node.
 
         Raises
         ------
@@ -212,7 +215,7 @@ class SectionForces:
         """
         out = Path(path)
         if out.suffix.lower() != ".csv":
-            raise InputError(Problem(str(out), "a table is written as .csv"))
+            raise InputError(Problem(str(out), "must end with .csv"))
         rows: list[list[Any]]
         if time is None:
             head = ["s (m)"]
@@ -243,16 +246,16 @@ def section_forces(
     start: float | None = None,
     end: float | None = None,
 ) -> SectionForces:
-    """Return strains and resultants of a beam over a run, from the stored states of its nodes.
+    """Return strains and stress resultants of a beam over a run, from the states of its nodes.
 
     Parameters
     ----------
     run : Solution
-        The results.
+        Results of the run.
     beam : str
         Name of the beam.
     times : (nt,) array_like, optional
-        Instants in s, linear between stored ones, instead of all stored ones.
+        Instants, s, with linear interpolation; None takes all stored instants.
     start, end : float, optional
         First and last instant, s.
 
@@ -269,7 +272,7 @@ def section_forces(
     shape, time = find_beam(run, beam), run.time
     if times is not None:
         wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        first, last, share = between(time, wanted, where)
+        first, last, share = bracket_instants(time, wanted, where)
         span = slice(int(first.min()), int(last.max()) + 1)
         known = section_forces(run, beam, start=time[span.start], end=time[span.stop - 1])
         a, b = first - span.start, last - span.start
@@ -299,7 +302,7 @@ def section_forces(
 def _blocks(
     run: Solution, shape: BeamShape, rows: slice
 ) -> Iterator[tuple[slice, tuple[Array, Array, Array]]]:
-    """Yield places among the rows and their strains, resultants and those at the ends."""
+    """Yield slices of the rows with strains, resultants and end resultants of the elements."""
     beam = elements(shape)
     count = max(1, BLOCK // (13 * (shape.n + 1)))
     for first in range(rows.start, rows.stop, count):
@@ -309,7 +312,7 @@ def _blocks(
 
 
 def state_forces(beam: Elements, q: Array, v: Array | None = None) -> tuple[Array, Array, Array]:
-    """Return strains, resultants and those at the ends for node states.
+    """Return strains, resultants and end resultants of the elements from node states.
 
     Parameters
     ----------
@@ -330,7 +333,7 @@ def state_forces(beam: Elements, q: Array, v: Array | None = None) -> tuple[Arra
 
 
 def _motion(beam: Elements, at: Poses, A: Array, v: Array) -> tuple[Array, Array]:
-    """Return ``rb' - ra' + r x wa`` and ``wb - wa``, world."""
+    """Return ``rb' - ra' + r x wa``, m/s, and ``wb - wa``, rad/s, of elements, world frame."""
     w = np.einsum("...ij,...j->...i", A, v[..., 3:])
     wa, wb = w[..., :-1, :], w[..., 1:, :]
     arm_a = np.einsum("...ij,...j->...i", A[..., :-1, :, :], beam.ua)
@@ -341,12 +344,12 @@ def _motion(beam: Elements, at: Poses, A: Array, v: Array) -> tuple[Array, Array
 
 
 def find_beam(run: Solution, name: str) -> BeamShape:
-    """Return the beam of that name.
+    """Return the beam of a name.
 
     Raises
     ------
     InputError
-        If there is none; the nearest name is suggested.
+        If there is no such beam; the message contains the nearest name.
     """
     beams = {beam.name: beam for beam in run.beams}
     if name not in beams:
@@ -356,12 +359,12 @@ def find_beam(run: Solution, name: str) -> BeamShape:
 
 
 def component_of(beam: str, component: str) -> int:
-    """Return the place of a resultant.
+    """Return the index of a resultant in RESULTANTS.
 
     Raises
     ------
     InputError
-        If there is no such one.
+        If there is no such resultant.
     """
     if component not in RESULTANTS:
         message = f"no resultant '{component}'{suggest(component, RESULTANTS)}"

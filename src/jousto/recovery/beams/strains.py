@@ -1,8 +1,8 @@
-"""Strains and resultants of beam elements from the states of their nodes, all at once.
+"""Strains and stress resultants of beam elements from the states of their nodes.
 
-Two-node elements with one strain at their middle: Reissner's strains (Simo, *Comput. Methods
+Two-node elements with one strain at the midpoint: Reissner's strains (Simo, *Comput. Methods
 Appl. Mech. Eng.* 49 (1985) 55-70) with the interpolated relative rotation of Crisfield and
-Jelenic, *Proc. R. Soc. A* 455 (1999) 1125-1147. Every function works on arrays (..., ne, ...).
+Jelenic, *Proc. R. Soc. A* 455 (1999) 1125-1147. All functions take arrays (..., ne, ...).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jousto.base.arrays import Array
 from jousto.model.beam_record import BeamShape
 from jousto.model.native.header import named
 
-SMALL = 1e-3  # rad below which coefficients are series; the next term is then below 1e-15
+SMALL = 1e-3  # angle below which coefficients are series, rad; the next term is below 1e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,19 +28,19 @@ class Elements:
     L : (ne,) array
         Lengths, m.
     ua, ub : (ne, 3) array
-        From the node to the end of the element, axes of the node, m.
+        Vector from the node to the end of the element, frame of the node, m.
     Ba, Bb : (ne, 3, 3) array
-        Axes of the section at the ends, as columns in axes of the node.
+        Axes of the section at the ends, as columns, frame of the node.
     C : (ne, 6, 6) array
         Section stiffness on ``[Gamma kappa]``: N, N m and N m^2.
     e0 : (ne, 6) array
         Strain of the unstressed shape.
     beta : (ne,) array
-        Damping in proportion to the stiffness, s.
+        Factor of stiffness-proportional damping, s.
     helical : (ne, 1) array
-        1 where the axis of an element is taken as a helix, 0 where as a chord.
+        1 for elements with a helical axis, 0 for elements with a straight axis.
     polar : (ne,) array
-        Ip/A about the shear centre, by which twist stretches the fibres, m2.
+        Ip/A about the shear centre, m2, for the extension of fibres by twist.
     """
 
     L: Array
@@ -74,7 +74,7 @@ def elements(beam: BeamShape) -> Elements:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Where the ends of elements are, world.
+    """Positions and section axes at the ends of elements, world frame.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Poses:
 
 
 def poses(beam: Elements, R: Array, A: Array) -> Poses:
-    """Return the ends of the elements for nodes at R (..., n + 1, 3) with axes A (..., 3, 3)."""
+    """Return the poses of element ends for nodes at R (..., n + 1, 3) with axes A (..., 3, 3)."""
     Aa, Ab = A[..., :-1, :, :], A[..., 1:, :, :]
     return Poses(
         ra=R[..., :-1, :] + _apply(Aa, beam.ua),
@@ -103,20 +103,20 @@ def poses(beam: Elements, R: Array, A: Array) -> Poses:
 
 @dataclass(frozen=True, eq=False)
 class Strains:
-    """Strains of elements, and what the resultants at their ends need.
+    """Strains of elements, with the quantities for the resultants at their ends.
 
     Attributes
     ----------
     e : (..., ne, 6) array
-        ``[Gamma kappa] - e0`` in the axes of the section at the middle, m/m and 1/m.
+        ``[Gamma kappa] - e0`` in the axes of the section at the midpoint, m/m and 1/m.
     phi : (..., ne, 3) array
         Rotation vector from end a to end b, rad.
     r : (..., ne, 3) array
-        From end a to end b, in the axes of the section at the middle, m.
+        Vector from end a to end b, in the axes of the section at the midpoint, m.
     helix : Helix
-        From the chord to the arc.
+        Matrix D from the chord to the arc.
     lean : (..., ne, 1) array
-        ``Ip/A kappa_x``: how twist stretches the fibres, m.
+        ``Ip/A kappa_x``, m, for the extension of fibres by twist.
     """
 
     e: Array
@@ -128,9 +128,10 @@ class Strains:
 
 @dataclass(frozen=True, eq=False)
 class Helix:
-    """``D = c 1 + (1 - c) n n^T`` makes the arc of the chord, ``n = phi / |phi|``; 1 if it stays.
+    """Matrix from chord to arc of helical elements, ``D = c 1 + (1 - c) n n^T``, ``n = phi/|phi|``.
 
-    ``c = (|phi| / 2) / sin(|phi| / 2)`` (the exponential of SE(3) at its middle).
+    ``c = (|phi| / 2) / sin(|phi| / 2)`` (exponential map of SE(3) at the midpoint); c = 1 for
+    straight elements.
 
     Attributes
     ----------
@@ -168,7 +169,7 @@ class Helix:
 
 
 def helix(beam: Elements, phi: Array) -> Helix:
-    """Return what makes arcs of the chords."""
+    """Return the matrices from chords to arcs for rotation vectors phi (..., ne, 3)."""
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
     n = phi / np.where(angle > 0.0, angle, 1.0)
     small = angle < 0.02
@@ -182,14 +183,15 @@ def helix(beam: Elements, phi: Array) -> Helix:
 
 
 def strains(beam: Elements, at: Poses) -> Strains:
-    """Return ``Gamma = Qm^T (rb - ra) / L - e1``, ``kappa = phi / L``, less those of rest.
+    """Return strains ``Gamma = Qm^T (rb - ra) / L - e1``, ``kappa = phi / L``, minus e0.
 
-    With ``phi = log(Qa^T Qb)`` and the axes ``Qm = Qa exp(phi / 2)`` of the middle; of a helical
-    element the chord ``rb - ra`` becomes its arc. Leaning fibres add ``Ip/A kappa_x^2 / 2``.
+    ``phi = log(Qa^T Qb)``, and ``Qm = Qa exp(phi / 2)`` are the axes at the midpoint. In a helical
+    element the chord ``rb - ra`` is replaced by its arc. The extension of fibres by twist adds
+    ``Ip/A kappa_x^2 / 2`` to Gamma_x.
     """
     phi = logarithm(np.swapaxes(at.Qa, -1, -2) @ at.Qb)
     # Qm^T = exp(-phi / 2) Qa^T
-    r = rotated(-0.5 * phi, _apply(np.swapaxes(at.Qa, -1, -2), at.rb - at.ra))
+    r = rotate_vectors(-0.5 * phi, _apply(np.swapaxes(at.Qa, -1, -2), at.rb - at.ra))
     L = beam.L[:, None]
     bow = helix(beam, phi)
     gamma = bow.arc(r) / L - np.array([1.0, 0.0, 0.0])
@@ -211,25 +213,25 @@ def rates(beam: Elements, found: Strains, Qa: Array, slip: Array, spin: Array) -
     Qa : (..., ne, 3, 3) array
         Axes at end a.
     slip : (..., ne, 3) array
-        ``rb' - ra' + r x wa``: how end b moves as seen from end a, world, m/s.
+        ``rb' - ra' + r x wa``: velocity of end b relative to end a, world frame, m/s.
     spin : (..., ne, 3) array
-        ``wb - wa``, world, rad/s.
+        ``wb - wa``, world frame, rad/s.
     """
     phi, half = found.phi, -0.5 * found.phi
     back = np.swapaxes(Qa, -1, -2)
     w = _apply(back, spin)
-    # of Qa: T^-1 w; of Qm the middle turns by P w more than end a
+    # k = phi' = T^-1 w; the midpoint rotates faster than end a by P w
     k = w - 0.5 * np.cross(phi, w) + _inverse(phi) * np.cross(phi, np.cross(phi, w))
-    wm = rotated(half, w)
+    wm = rotate_vectors(half, w)
     more = 0.5 * wm - _lag(phi) * np.cross(phi, wm)
-    v = rotated(half, _apply(back, slip)) + np.cross(found.r, more)
+    v = rotate_vectors(half, _apply(back, slip)) + np.cross(found.r, more)
     v = found.helix.arc(v) + found.helix.turned(found.r, k)
     v[..., :1] += found.lean * k[..., :1]
     return np.asarray(np.concatenate([v, k], axis=-1) / beam.L[:, None])
 
 
 def resultants(beam: Elements, e: Array, rate: Array | None = None) -> Array:
-    """Return ``C e + beta C e'`` (..., ne, 6): ``[N Qy Qz Mx My Mz]`` at the middle, N and N m."""
+    """Return resultants ``C e + beta C e'`` (..., ne, 6) at the midpoints, N and N m."""
     total = e if rate is None else e + beam.beta[:, None] * rate
     return np.asarray(np.einsum("nij,...nj->...ni", beam.C, total))
 
@@ -237,21 +239,21 @@ def resultants(beam: Elements, e: Array, rate: Array | None = None) -> Array:
 def end_resultants(found: Strains, s: Array) -> Array:
     """Return the resultants (..., ne, 2, 6) at both ends, in the axes of the section there.
 
-    The forces that the element exerts on its nodes are the gradient of its energy; their moments
-    hold the element in balance: ``M_b - M_a = -(rb - ra) x n``, with the same force n at both ends.
+    The forces of the element on its nodes are the gradient of its energy. The moments satisfy the
+    equilibrium of the element, ``M_b - M_a = -(rb - ra) x n``, with equal forces n at both ends.
 
     Parameters
     ----------
     found : Strains
     s : (..., ne, 6) array
-        Resultants at the middle.
+        Resultants at the midpoint.
     """
     phi, n, m = found.phi, s[..., :3], np.array(s[..., 3:])
     m[..., :1] += found.lean * n[..., :1]
     m = m + found.helix.pulled(found.r, n)
     n = found.helix.arc(n)
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
-    # M along phi as it is, across it times (phi/2) / sin(phi/2)
+    # component of M along phi unchanged, across it times (phi/2) / sin(phi/2)
     half = 0.5 * angle
     grow = np.where(
         angle > SMALL, half / np.sin(np.where(angle > SMALL, half, 1.0)), 1.0 + half**2 / 6.0
@@ -265,8 +267,8 @@ def end_resultants(found: Strains, s: Array) -> Array:
     at_a = middle - 0.5 * lever + twist
     at_b = middle + 0.5 * lever + twist
     turn = 0.5 * phi
-    a = np.concatenate([rotated(turn, n), rotated(turn, at_a)], axis=-1)
-    b = np.concatenate([rotated(-turn, n), rotated(-turn, at_b)], axis=-1)
+    a = np.concatenate([rotate_vectors(turn, n), rotate_vectors(turn, at_a)], axis=-1)
+    b = np.concatenate([rotate_vectors(-turn, n), rotate_vectors(-turn, at_b)], axis=-1)
     return np.stack([a, b], axis=-2)
 
 
@@ -282,7 +284,7 @@ def exponential(phi: Array) -> Array:
     return np.asarray(matrices.reshape(*phi.shape, 3))
 
 
-def rotated(phi: Array, x: Array) -> Array:
+def rotate_vectors(phi: Array, x: Array) -> Array:
     """Return ``exp(phi) x`` of vectors (..., 3) by Rodrigues' formula."""
     angle2 = (phi * phi).sum(axis=-1, keepdims=True)
     angle = np.sqrt(angle2)
@@ -309,7 +311,7 @@ def _lag(phi: Array) -> Array:
 def _inverse(phi: Array) -> Array:
     """Return the last coefficient of ``T^-1 = 1 - [phi] / 2 + c [phi]^2``."""
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
-    small = angle < 0.1  # the closed form loses digits
+    small = angle < 0.1  # series, since the closed form loses digits
     safe = np.where(small, 1.0, angle)
     series = 1.0 / 12.0 + angle**2 / 720.0 + angle**4 / 30240.0 + angle**6 / 1209600.0
     return np.asarray(np.where(small, series, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2))

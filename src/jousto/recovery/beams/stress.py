@@ -1,4 +1,4 @@
-"""Stress of beams: section points at both ends of every element, by the six resultants there."""
+"""Stress of beams: at section points of both ends of every element, from the six resultants."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from jousto.simulation.results.solution import Solution
 
 @dataclass(frozen=True, eq=False)
 class BeamStress:
-    """Stress of a beam for unit resultants, and these.
+    """Stress of a beam for unit resultants, with the resultants over time.
 
     Attributes
     ----------
     modes : StressModes
-        Places ``e3.a.top``: third element, end a, section point "top"; (ns, 6, 6).
+        Stress (ns, 6, 6) at sites such as ``e3.a.top``: third element, end a, point "top".
     p : (nt, 12 ne) array
         ``[N Qy Qz Mx My Mz]`` at one end after the other, N and N m.
     time : (nt,) array
-        s.
+        Instants, s.
     columns : (ns,) int array
-        First of the six resultants of each place.
+        Index in p of the first of the six resultants of each site.
     """
 
     modes: StressModes
@@ -47,24 +47,24 @@ def beam_stress(
     times: ArrayLike | None,
     frame: str,
 ) -> BeamStress:
-    """Return the stress of a beam over a run by the resultants at the ends of its elements.
+    """Return the stress of a beam over a run, from the resultants at the ends of its elements.
 
     Raises
     ------
     InputError
-        If the stress of no section is known, or components in the world are asked for.
+        If no section has stress points, or the frame is "world".
     """
     beam = find_beam(run, name)
     if not beam.stressed:
         message = (
-            "its section has no stress points: make it of a section with points, such as "
+            "its section has no stress points; use a section with points, such as "
             "Rectangle, or give BeamSection(..., points=[StressPoint(name, y, z, rows)])"
         )
         raise InputError(Problem(where, message))
     if frame == "world":
         message = (
-            "every section of a beam turns by itself, so there is no one rotation to the world: "
-            "take frame='site', the axes of the section"
+            "frame='world' is not possible for a beam, whose sections have different rotations; "
+            "use frame='site', the axes of the section"
         )
         raise InputError(Problem(where, message))
     modes, columns = section_stress(beam)
@@ -73,9 +73,9 @@ def beam_stress(
 
 
 def section_stress(beam: BeamShape) -> tuple[StressModes, NDArray[np.intp]]:
-    """Return the stress for unit resultants (ns, 6, 6) and the first resultant of each place.
+    """Return the stress (ns, 6, 6) for unit resultants and the first resultant (ns,) of each site.
 
-    Places ``e3.a.top``: third element, end a, section point "top", in the axes of the section.
+    Sites such as ``e3.a.top`` (third element, end a, section point "top"), in section axes.
     """
     at = poses(elements(beam), beam.nodes, beam.frames)
     ends = ((at.ra, at.Qa), (at.rb, at.Qb))

@@ -1,4 +1,4 @@
-"""Stress fields from a run, or from coordinates that come from elsewhere."""
+"""Construction of stress fields from a run, or from given modal coordinates."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.recovery.fields.criteria import tensor, voigt
 from jousto.recovery.fields.field import Frame, StressField
 from jousto.recovery.fields.inertia import amplitudes
 from jousto.recovery.fields.places import Sites, site_indices
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.stress import StressModes
 from jousto.reduction.reduced import ReducedPart
@@ -40,7 +40,7 @@ def stress_field(
     residual: bool | Model = False,
     loads: Mapping[str, Any] | None = None,
 ) -> StressField:
-    """Return the stress (or strain) of a body over a run; nothing is worked out before asked.
+    """Return the stress (or strain) field of a body over a run, computed on demand.
 
     ``s(x, t) = S(x) p(t)`` with the stress S of each mode (Braccesi and Cianetti, Proc. IMechE D
     219 (2005) 633-643).
@@ -48,35 +48,35 @@ def stress_field(
     Parameters
     ----------
     run : Solution
-        The results; they hold the stress modes of the surface of solids and of all section points
+        Results of the run, with the stress modes at the surface of solids and at all section points
         of beams.
     body : str
         Name of the body or beam.
     reduced : ReducedPart, optional
-        The part the body was made of, for places that the results leave out.
+        Part of the body, for sites that are not in the results.
     sites : str, int or sequence of these, optional
-        Labels, names of node sets, or numbers of nodes from 0; all places if not given.
+        Labels, names of node sets, or numbers of nodes from 0; None takes all sites.
     start, end : float, optional
         First and last instant, s.
     times : (nt,) array_like, optional
-        Instants in s, linear between stored ones, instead of all stored ones.
+        Instants, s, with linear interpolation; None takes all stored instants.
     frame : {"site", "body", "world"}
-        Axes of components: those of each place (along the element of a beam; the part's of a
-        solid), the part's, or the world's.
+        Axes of components: those of each site (along the element of a beam, part axes of a
+        solid), part axes, or world axes.
     strain : bool
-        Strain ``[e11 e22 e33 g12 g23 g13]`` instead of stress.
+        Whether to return strain ``[e11 e22 e33 g12 g23 g13]`` instead of stress.
     residual : bool or Model
-        Add the stress that the modes leave out, of a part reduced with ``residual_stress=``
-        (mode acceleration): that of the accelerations of the run, by the engine if the model is
-        given, else by differences of the stored velocities.
+        Whether to add the stress that the modes neglect (mode acceleration), for a part reduced
+        with ``residual_stress=``. It is that of the accelerations of the run, computed by the
+        engine from the model, or for True by differences of the stored velocities.
     loads : mapping of str to (nt,) array, number or str
-        With `residual`: history of each named load over the run, or the sensor that measured it.
+        With `residual`: history of each named load over the run, or the name of its sensor.
 
     Raises
     ------
     InputError
-        If the body, its part, a site or an instant is not there, no stress is known, or, for
-        strain, the material is not.
+        If the body, its part, a site or an instant does not exist, the body has no stress data, or
+        its material is not known (strain).
 
     Examples
     --------
@@ -85,7 +85,7 @@ def stress_field(
     where = f"stress of '{body}'"
     if body in {beam.name for beam in run.beams}:
         if reduced is not None or residual is not False or loads:
-            message = "a beam has no reduced part: leave out reduced, residual and loads"
+            message = "a beam has no reduced part; remove reduced, residual and loads"
             raise InputError(Problem(where, message))
         beam = beam_stress(run, body, where, start, end, times, frame)
         return _beam_field(body, beam, site_indices(beam.modes, sites, where), frame, strain)
@@ -107,7 +107,7 @@ def stress_field(
         v = run.rates(body, rows)[:, 6:]
     if residual is not False:
         if modes.residual is None:
-            message = "no residual stress: reduce the part with residual_stress=True"
+            message = "has no residual stress; reduce its part with residual_stress=True"
             raise InputError(Problem(where, message))
         model = residual if isinstance(residual, Model) else None
         more = amplitudes(run, body, modes.residual, model, loads)
@@ -115,10 +115,10 @@ def stress_field(
         whole = np.concatenate([modes.modes, modes.residual.columns], axis=2)
         modes = replace(modes, modes=whole, residual=None)
     elif loads:
-        raise InputError(Problem(where, "loads count with residual= only"))
+        raise InputError(Problem(where, "loads= has no effect without residual=; give both"))
     if times is not None:
         wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
-        before, after, share = between(time, wanted, where)
+        before, after, share = bracket_instants(time, wanted, where)
         share = share[:, None]
         p = (1.0 - share) * p[before] + share * p[after]
         e = (1.0 - share) * e[before] + share * e[after]
@@ -140,7 +140,7 @@ def field_from(
     columns: NDArray[np.intp] | None = None,
     v: ArrayLike | None = None,
 ) -> StressField:
-    """Return the stress field of coordinates that come from elsewhere, such as gauges.
+    """Return the stress field of given modal coordinates, such as those of strain gauges.
 
     Parameters
     ----------
@@ -149,24 +149,25 @@ def field_from(
     p : (nt, n) array_like
         Coordinates.
     time : (nt,) array_like
-        s, ascending.
+        Instants, s, ascending.
     A : (nt, 3, 3) array_like, optional
-        Body to world; the components are then those of the world.
+        Rotation matrices from body to world, for components in world axes.
     frame : {"site", "body", "world"}, optional
-        As for `stress_field`; "world" if A is given, else "site".
+        As for `stress_field`; "world" if A is given, otherwise "site".
     strain : bool
-        Strain instead of stress.
+        Whether to return strain instead of stress.
     name : str
         Name of the body.
     columns : (ns,) int array, optional
-        First of the coordinates that each place depends on, if these are as few as `modes` has.
+        Index of the first coordinate of each site, if a site depends on some of them, as many as
+        `modes` has.
     v : (nt, n) array_like, optional
-        Rates of the coordinates, 1/s: `hot_spots` bounds by them what is between the instants.
+        Rates of the coordinates, 1/s, for the bounds of `hot_spots` between the instants.
 
     Raises
     ------
     InputError
-        If the arrays do not fit together, or strain is asked of an unknown material.
+        If the shapes of the arrays differ, or the material is not known (strain).
     """
     where = f"stress of '{name}'"
     chosen: str = frame or ("site" if A is None else "world")
@@ -211,28 +212,28 @@ def stress_of(reduced: ReducedPart) -> StressModes:
     Raises
     ------
     InputError
-        If it has no stress data.
+        If the part has no stress data.
     """
     modes = located(reduced)
     if modes is None:
         raise InputError(
             Problem(
                 f"part '{reduced.name}'",
-                "no stress modes; the part it was made of has no stress data",
+                "has no stress modes; its finite element part has no stress data",
             )
         )
     return modes
 
 
 def check_part(run: Solution, body: str, reduced: ReducedPart) -> None:
-    """Raise InputError unless a body was made of this part."""
+    """Raise InputError if the modes of a body are not those of this part."""
     shape = find_body(run, body)
     if shape.n != reduced.n or shape.modes.shape != reduced.modes.shape:
         raise InputError(
             Problem(
                 f"body '{body}'",
                 f"has {shape.n} modes at {len(shape.nodes)} nodes, but part '{reduced.name}' has "
-                f"{reduced.n} at {len(reduced.nodes)}; give the part the body was made of",
+                f"{reduced.n} at {len(reduced.nodes)}; give the part of the body",
             )
         )
     if not np.allclose(shape.modes, reduced.modes, rtol=1e-9, atol=1e-12):
@@ -242,9 +243,9 @@ def check_part(run: Solution, body: str, reduced: ReducedPart) -> None:
 
 
 def strain_modes(modes: StressModes, where: str = "strain") -> StressModes:
-    """Return the strain of each mode, ``[e11 e22 e33 g12 g23 g13]`` in the axes of the places.
+    """Return the strain of each mode, ``[e11 e22 e33 g12 g23 g13]`` in the axes of the sites.
 
-    ``e = ((1 + nu) s - nu tr(s) 1) / E`` (Hooke), or by the compliance of the places.
+    ``e = ((1 + nu) s - nu tr(s) 1) / E`` (Hooke), or by the compliance matrix of the sites.
 
     Raises
     ------
@@ -255,7 +256,7 @@ def strain_modes(modes: StressModes, where: str = "strain") -> StressModes:
     if modes.compliance is not None:
         return replace(modes, modes=modes.compliance @ S, scatter=None)
     if modes.elasticity is None:
-        message = "the material of its places is not known: parts from matrices have stress only"
+        message = "the material of its sites is not known: parts from matrices have no strain"
         raise InputError(Problem(where, message))
     E, nu = modes.elasticity[:, 0, None, None], modes.elasticity[:, 1, None, None]
     strain = np.empty_like(S)

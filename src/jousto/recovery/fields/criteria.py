@@ -1,4 +1,4 @@
-"""Numbers that a stress or strain tensor is judged by: one spelling everywhere."""
+"""Criteria: scalar measures of stress and strain tensors, with their names."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ INVARIANTS = (
     "signed-principal",
     "max-shear",
 )
-"""Criteria that do not depend on axes, of stress and of strain."""
+"""Criteria that do not depend on axes, for stress and strain."""
 
 STRESS_COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 STRAIN_COMPONENTS = ("e11", "e22", "e33", "g12", "g23", "g13")
 """Voigt order; g are engineering shear strains."""
 
 TENSOR_SHEARS = ("e12", "e23", "e13")
-"""Half the engineering shear strains."""
+"""Names of tensor shear strains, half of the engineering shear strains."""
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 SUM_ROUNDING = 1e-7
-"""Share of the difference of the extreme principal values up to which their sum is zero, as in the
-engine (recover.c): in pure shear they are opposite and rounding would choose the sign."""
+"""Sum of the extreme principal values over their difference, below which the sum is zero, as in the
+engine (recover.c): in pure shear they are opposite, and round-off would determine the sign."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Plane:
         problems = Problems()
         n = problems.array("Plane", "normal", normal, (3,))
         if n is not None and not np.any(n):
-            problems.add("Plane", "normal is zero")
+            problems.add("Plane", "normal is (0, 0, 0), must not be zero")
         problems.raise_if_any()
         assert n is not None
         x, y, z = (n / np.linalg.norm(n)).tolist()
@@ -90,12 +90,12 @@ def criteria(strain: bool = False) -> tuple[str, ...]:
 
 
 def check_criterion(criterion: Any, strain: bool = False, where: str = "criterion") -> Criterion:
-    """Return the criterion if there is such a one.
+    """Return the criterion if it is valid.
 
     Raises
     ------
     InputError
-        If there is none; the nearest name is suggested.
+        If there is no such criterion; the message contains the nearest name.
     """
     if isinstance(criterion, Plane):
         return criterion
@@ -104,15 +104,15 @@ def check_criterion(criterion: Any, strain: bool = False, where: str = "criterio
         return criterion
     kind = "strain" if strain else "stress"
     if isinstance(criterion, str) and criterion in criteria(not strain):
-        message = f"{criterion!r} is not a criterion of {kind}; ask for the field with strain="
+        message = f"{criterion!r} is not a criterion of {kind}; make the field with strain="
         raise InputError(Problem(where, message + str(not strain)))
     hint = suggest(criterion, known) if isinstance(criterion, str) else ""
-    message = f"{criterion!r} is no criterion of {kind}{hint}"
+    message = f"{criterion!r} is not a criterion of {kind}{hint}"
     raise InputError(Problem(where, f"{message}; there are {', '.join(known)} and Plane(normal)"))
 
 
 def weights(criterion: Criterion, strain: bool = False) -> Array | None:
-    """Return w (6,) of a criterion that is linear, ``w . s`` in Voigt order; None of others."""
+    """Return weights w (6,) of a linear criterion ``w . s``, Voigt order; None of others."""
     if isinstance(criterion, Plane):
         n, shear = criterion.normal, 1.0 if strain else 2.0
         return np.array([n[i] * n[j] * (1.0 if i == j else shear) for i, j in PAIRS])
@@ -143,8 +143,8 @@ def voigt(tensors: ArrayLike, strain: bool = False) -> Array:
     return np.asarray(out * np.array([1, 1, 1, 2, 2, 2])) if strain else out
 
 
-def turned(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
-    """Return stresses or strains (..., 6) in other axes: ``A S A^T``, A (..., 3, 3)."""
+def rotate_tensors(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
+    """Return stresses or strains (..., 6) in rotated axes, ``A S A^T`` with A (..., 3, 3)."""
     T, R = tensor(s, strain), np.asarray(A, dtype=np.float64)
     return voigt(R @ T @ np.swapaxes(R, -1, -2), strain)
 
@@ -152,9 +152,9 @@ def turned(s: ArrayLike, A: ArrayLike, strain: bool = False) -> Array:
 def von_mises(s: ArrayLike, strain: bool = False) -> Array:
     """Return the equivalent stress (...,) of stresses (..., 6) in Voigt order.
 
-    ``sqrt(((s11-s22)^2 + (s22-s33)^2 + (s33-s11)^2) / 2 + 3 (s12^2 + s23^2 + s13^2))``; of strains
-    ``sqrt(2/3 e':e')`` with the deviator e', which is the strain of uniaxial flow without change
-    of volume.
+    ``sqrt(((s11-s22)^2 + (s22-s33)^2 + (s33-s11)^2) / 2 + 3 (s12^2 + s23^2 + s13^2))``; for strains
+    ``sqrt(2/3 e':e')`` with the deviator e', which equals the axial strain of isochoric uniaxial
+    flow.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def von_mises(s: ArrayLike, strain: bool = False) -> Array:
 
 
 def principal_values(s: ArrayLike, strain: bool = False) -> Array:
-    """Return the principal stresses or strains (..., 3), the largest first.
+    """Return the principal stresses or strains (..., 3) in descending order.
 
     Examples
     --------
@@ -181,11 +181,11 @@ def principal_values(s: ArrayLike, strain: bool = False) -> Array:
 
 
 def principal(s: ArrayLike, strain: bool = False) -> tuple[Array, Array]:
-    """Return principal values (..., 3), the largest first, and directions (..., 3, 3) in columns.
+    """Return principal values (..., 3), descending, and directions (..., 3, 3) in columns.
 
-    In closed form: the value that stands apart is the root ``2 q cos(theta)`` of the deviator with
-    ``cos 3 theta = det D / (2 q^3)``; the other two, which may be equal, are those of the plane
-    across its direction, so that all digits are right.
+    In closed form: the value furthest from the others is the root ``2 q cos(theta)`` of the
+    deviator D with ``cos 3 theta = det D / (2 q^3)``; the other two, which may be equal, follow
+    from the plane normal to its direction, so that they have full accuracy.
 
     Examples
     --------
@@ -212,8 +212,8 @@ def evaluate(s: ArrayLike, criterion: Criterion = "von-mises", strain: bool = Fa
         "s11" .. "s13" ("e11" .. "g13"; "e12" is half of "g12"), "von-mises", "signed-von-mises"
         (with the sign of the principal value of largest magnitude), "principal-1" >= "principal-2"
         >= "principal-3", "signed-principal" (that of largest magnitude), "max-shear" (half the
-        difference of the principal stresses; of strains the difference), or a `Plane`. Where two
-        are of largest magnitude, as in pure shear, the sign is positive.
+        difference of the principal stresses; for strains the difference), or a `Plane`. The sign is
+        positive if two principal values have the largest magnitude, as in pure shear.
     strain : bool
         Whether `s` are strains.
 

@@ -1,4 +1,4 @@
-"""Stress or strain of a body over all its places and instants, worked out when asked for."""
+"""Stress field: stress or strain of a body at its sites and instants, computed on demand."""
 
 from __future__ import annotations
 
@@ -25,38 +25,38 @@ from jousto.recovery.fields.criteria import (
     Criterion,
     check_criterion,
     principal,
-    turned,
+    rotate_tensors,
     weights,
 )
 from jousto.recovery.fields.kernels import kernel, world_weights
 from jousto.recovery.fields.places import Sites, refuse_gaps, refuse_no_rotations, site_indices
 from jousto.recovery.fields.planes import CriticalPlane, critical_plane
 from jousto.recovery.fields.store import write_field
-from jousto.recovery.instants import between, window
+from jousto.recovery.instants import bracket_instants, window
 from jousto.reduction.fields.stress import StressModes
 
 Frame = Literal["site", "body", "world"]
 
 BLOCK_MEMORY = 64 << 20
-"""Bytes of one block of values."""
+"""Memory of one block of values, bytes."""
 
 WHOLE_MEMORY = 1 << 30
-"""Bytes above which `StressField.values` refuses and names the ways that need less."""
+"""Largest result of `StressField.values`, bytes; above it an error lists the alternatives."""
 
 FEW_SITES = 64
-"""Places that a block along time has at least."""
+"""Smallest number of sites in a block along time."""
 
 CALL = 20_000_000
-"""Values of one call of the engine: a fraction of a second."""
+"""Number of values in one call of the engine, which takes a fraction of a second."""
 
 KEPT_KERNELS = 2
-"""Criteria whose modes a field keeps in the engine's order."""
+"""Number of criteria whose modes a field caches in the order of the engine."""
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Smallest and largest value at every place, and when.
+    """Smallest and largest value of a criterion at every site, with their instants.
 
     Attributes
     ----------
@@ -86,31 +86,32 @@ class Envelope:
 
 @dataclass(frozen=True, eq=False)
 class StressField:
-    """Stress (or strain) of a body, ``s(x, t) = S(x) p(t)``; nothing is worked out before asked.
+    """Stress (or strain) of a body, ``s(x, t) = S(x) p(t)``, computed on demand.
 
-    Made by `stress_field` or `field_from`.
+    The functions `stress_field` and `field_from` return it.
 
     Attributes
     ----------
     name : str
         Name of the body.
     modes : StressModes
-        Places and S (ns, 6, n): Pa, or m/m, per unit coordinate, in the axes `modes.axes`.
+        Sites and S (ns, 6, n): Pa, or m/m, per unit coordinate, in the axes `modes.axes`.
     p : (nt, n) array
-        Coordinates.
+        Modal coordinates, or resultants of a beam.
     time : (nt,) array
-        s.
+        Instants, s.
     frame : str
         Axes of components: "site", "body" (part frame), or "world".
     strain : bool
-        Whether it is strain ``[e11 e22 e33 g12 g23 g13]``.
+        Whether the components are strains ``[e11 e22 e33 g12 g23 g13]``.
     A : (nt, 3, 3) array or None
-        Of a field in the world: body to world at every instant; `modes` are in the body frame.
+        Rotation matrices from body to world of a field in world axes; `modes` are in the body
+        frame.
     columns : (ns,) int array or None
-        Of a beam, whose places depend on the six resultants of their section alone: the first of
-        these in p. None: every place depends on all of p.
+        For a beam, whose sites depend on the six resultants of their section: index in p of the
+        first of these. None: every site depends on all of p.
     v : (nt, n) array or None
-        Rates of the coordinates, 1/s, where they are known.
+        Rates of the coordinates, 1/s; None if they are not known.
     """
 
     name: str
@@ -132,10 +133,10 @@ class StressField:
         nt = None if p is None else len(p)
         time = problems.array(where, "time", self.time, (nt,))
         if nt == 0:
-            problems.add(where, "there are no instants")
+            problems.add(where, "time is empty, must have one or more instants")
         if time is not None and np.any(np.diff(time) <= 0.0):
             k = int(np.argmax(np.diff(time) <= 0.0))
-            problems.add(where, f"time does not grow after {time[k]:g} s, instant {k}")
+            problems.add(where, f"time must increase, but does not after {time[k]:g} s, index {k}")
         if self.v is not None:
             v = problems.array(where, "v", self.v, (nt, None if p is None else p.shape[1]))
             object.__setattr__(self, "v", v)
@@ -145,7 +146,7 @@ class StressField:
             if A is not None:
                 refuse_no_rotations(problems, where, A, self.time)
         if (self.A is None) == (self.frame == "world"):
-            problems.add(where, "rotation matrices A and frame='world' belong together")
+            problems.add(where, "rotation matrices A and frame='world' must be given together")
         problems.raise_if_any()
         object.__setattr__(self, "p", p)
         object.__setattr__(self, "time", time)
@@ -159,7 +160,7 @@ class StressField:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Names of the places."""
+        """Labels of the sites."""
         return self.modes.labels
 
     @property
@@ -174,7 +175,7 @@ class StressField:
 
     @property
     def ns(self) -> int:
-        """Number of places."""
+        """Number of sites."""
         return len(self.modes.labels)
 
     @property
@@ -184,7 +185,7 @@ class StressField:
 
     @property
     def unit(self) -> str:
-        """Pa or m/m."""
+        """Unit: Pa or m/m."""
         return "m/m" if self.strain else "Pa"
 
     @cached_property
@@ -193,7 +194,7 @@ class StressField:
 
     @cached_property
     def pieces(self) -> tuple[tuple[slice, slice], ...]:
-        """Places and the coordinates that they depend on; one piece unless it is a beam."""
+        """Slices of sites with the slices of p on which they depend; one pair unless a beam."""
         n = self.S.shape[2]
         if self.columns is None:
             return ((slice(0, self.ns), slice(0, n)),)
@@ -214,27 +215,27 @@ class StressField:
     # -- choosing -----------------------------------------------------------------------------
 
     def indices(self, sites: Sites = None) -> Index:
-        """Return the places (k,) by index.
+        """Return the indices (k,) of sites.
 
         Parameters
         ----------
         sites : str, int, sequence of these, slice, boolean array (ns,) or None
-            Labels such as ``"n12"`` or ``"e1.a.top"``, names of node sets, numbers of nodes from 0,
-            all places of which are meant; a slice or a boolean array of places; None for all.
+            Labels such as ``"n12"`` or ``"e1.a.top"``; names of node sets or numbers of nodes from
+            0, with all their sites; a slice or a boolean array of sites; None for all.
 
         Raises
         ------
         InputError
-            If there is no such place; all that are missing are named.
+            With all sites that do not exist.
         """
         return site_indices(self.modes, sites, f"stress of '{self.name}'", self._places)
 
     def only(self, sites: Sites) -> StressField:
-        """Return the field at some places, see `indices`."""
+        """Return the field at the given sites, see `indices`."""
         return self.take(self.indices(sites))
 
     def take(self, places: ArrayLike) -> StressField:
-        """Return the field at places given by index, in that order."""
+        """Return the field at sites given by index, in this order."""
         chosen = np.asarray(places, dtype=np.intp)
         columns = None if self.columns is None else self.columns[chosen]
         return replace(self, modes=self.modes.select(chosen), columns=columns)
@@ -245,7 +246,7 @@ class StressField:
         Raises
         ------
         InputError
-            If no instant lies there.
+            If there is no instant in this span.
         """
         rows = window(self.time, start, end, f"stress of '{self.name}'")
         A = None if self.A is None else self.A[rows]
@@ -253,12 +254,12 @@ class StressField:
         return replace(self, p=self.p[rows], time=self.time[rows], A=A, v=v)
 
     def _rows(self, times: ArrayLike | slice | None) -> tuple[Array, Array | None]:
-        """Return p and A at some instants."""
+        """Return p and A at given instants, or at slices of the stored ones."""
         if times is None:
             return self.p, self.A
         if isinstance(times, slice):
             return self.p[times], None if self.A is None else self.A[times]
-        before, after, share = between(self.time, times, f"stress of '{self.name}'")
+        before, after, share = bracket_instants(self.time, times, f"stress of '{self.name}'")
         p = (1.0 - share[:, None]) * self.p[before] + share[:, None] * self.p[after]
         if self.A is None:
             return p, None
@@ -271,47 +272,47 @@ class StressField:
     def at(self, time: float, sites: Sites = None) -> Array:
         """Return the components (ns, 6) at one instant, s; linear between stored instants."""
         p, A = self._rows(np.array([time], dtype=np.float64))
-        # all places without a copy of their modes, which are what takes the time
+        # no copy of the modes if all sites are wanted
         chosen = self if sites is None else self.only(sites)
         if self.columns is None:
             S = chosen.S
             s = (S.reshape(-1, S.shape[2]) @ p[0]).reshape(-1, 6)
         else:
             s = chosen._tensors(p)[0]
-        return s if A is None else turned(s, A[0], self.strain)
+        return s if A is None else rotate_tensors(s, A[0], self.strain)
 
     @explained
     def history(self, site: Sites, times: ArrayLike | slice | None = None) -> Array:
-        """Return the components over time: (nt, 6) of one place, (nt, k, 6) of several."""
+        """Return the components over time: (nt, 6) of one site, (nt, k, 6) of several."""
         places = self.indices(site)
         p, A = self._rows(times)
         s = self.take(places)._tensors(p)
         if A is not None:
-            s = turned(s, A[:, None], self.strain)
+            s = rotate_tensors(s, A[:, None], self.strain)
         single = len(places) == 1 and isinstance(site, str | int | np.integer)
         return np.asarray(s[:, 0] if single else s)
 
     def principal(self, time: float | None = None, site: str | None = None) -> tuple[Array, Array]:
-        """Return principal values and directions, at one instant or over time at one place.
+        """Return principal values and directions, at one instant or over time at one site.
 
         Parameters
         ----------
         time : float, optional
-            Instant, s: the values are those of all places.
+            Instant, s, for the values of all sites.
         site : str, optional
-            Place: the values are those of all instants.
+            Label of the site, for the values of all instants.
 
         Returns
         -------
         values : (k, 3) array
-            The largest first.
+            Principal values in descending order.
         directions : (k, 3, 3) array
             Column j is the unit direction of value j, in the axes of the field.
 
         Raises
         ------
         InputError
-            Unless one of both is given.
+            If not exactly one of time and site is given.
         """
         if (time is None) == (site is None):
             raise InputError(Problem("principal", "give either time or site"))
@@ -329,7 +330,7 @@ class StressField:
         *,
         memory: int = WHOLE_MEMORY,
     ) -> Array:
-        """Return a criterion at places and instants, (nt, ns).
+        """Return a criterion (nt, ns) at sites and instants.
 
         Parameters
         ----------
@@ -338,14 +339,14 @@ class StressField:
         sites : optional
             See `indices`.
         times : (nt,) array_like or slice, optional
-            Instants in s (linear between stored ones), or stored ones by number.
+            Instants, s, with linear interpolation, or a slice of the stored ones.
         memory : int
-            Bytes that the result may take.
+            Largest memory of the result, bytes.
 
         Raises
         ------
         InputError
-            If there is no such criterion, place or instant, or the result is too large.
+            If there is no such criterion, site or instant, or the result is too large.
         """
         check_criterion(criterion, self.strain)
         places = self.indices(sites)
@@ -355,15 +356,15 @@ class StressField:
             raise InputError(
                 Problem(
                     f"stress of '{self.name}'",
-                    f"{len(p)} instants x {len(places)} places need {size / 1e9:.3g} GB, more than "
-                    f"memory={memory / 1e9:.3g} GB: take blocks(), envelope() or write(), or fewer "
+                    f"{len(p)} instants x {len(places)} sites need {size / 1e9:.3g} GB, more than "
+                    f"memory={memory / 1e9:.3g} GB; use blocks(), envelope() or write(), or fewer "
                     "sites",
                 )
             )
         chosen = self if sites is None else self.take(places)
         w = self._weights(criterion, A)
         out = np.empty((len(p), len(places)))
-        # some rows at a time, so that Ctrl-C is heard
+        # some rows per call, since Ctrl-C acts between calls
         rows = max(1, CALL // max(len(places), 1))
         for k in range(0, len(p), rows):
             some = slice(k, k + rows)
@@ -377,7 +378,7 @@ class StressField:
         return {}
 
     def _kernels(self, criterion: Criterion) -> list[tuple[slice, slice, Recovery]]:
-        """Return what the engine needs for a criterion at all pieces; the last ones are kept."""
+        """Return slices of sites and of p with the engine's data of a criterion (cached)."""
         if criterion not in self._known:
             if len(self._known) >= KEPT_KERNELS:
                 self._known.pop(next(iter(self._known)))
@@ -390,7 +391,7 @@ class StressField:
         return found
 
     def _cuts(self, width: int) -> list[tuple[int, int]]:
-        """Return places (first, last + 1) of blocks of about a width; pieces of beams are whole."""
+        """Return sites (first, last + 1) of blocks of about `width`; pieces of beams are whole."""
         if self.columns is None:
             return [(s, min(s + width, self.ns)) for s in range(0, self.ns, width)]
         cuts, first = [], 0
@@ -401,7 +402,7 @@ class StressField:
         return [*cuts, (first, self.ns)]
 
     def _weights(self, criterion: Criterion, A: Array | None) -> Array | None:
-        """Return the weights (nt, 6) of a component in the world."""
+        """Return the weights (nt, 6) of body components for a component in world axes."""
         w = weights(criterion, self.strain)
         return None if w is None or A is None else world_weights(w, A, self.strain)
 
@@ -412,18 +413,18 @@ class StressField:
         memory: int = BLOCK_MEMORY,
         along: Literal["time", "sites"] = "time",
     ) -> Iterator[tuple[slice, slice, Array]]:
-        """Yield a criterion in blocks (instants, places, values), every value once.
+        """Yield the values of a criterion in blocks (instants, sites, values).
 
         Parameters
         ----------
         criterion : str or Plane
             See `evaluate`.
         memory : int
-            Bytes of the values of one block.
+            Memory of the values of one block, bytes.
         along : str
-            "time": the blocks of the same places follow one another, from the first instant to the
-            last, before the next places; for counting cycles. "sites": the blocks of the same
-            instants follow one another; for pictures.
+            Order of the blocks. "time": all instants of the first sites, then of the next sites,
+            for cycle counting. "sites": all sites of the first instants, then of the next
+            instants, for pictures.
 
         Yields
         ------
@@ -438,7 +439,7 @@ class StressField:
         check_criterion(criterion, self.strain)
         cells = max(1, memory // 8)
         if along == "time":
-            # whole histories if some fit, else pieces of them
+            # complete histories if FEW_SITES of them fit into the memory, or pieces of histories
             width = _whole_tiles(max(FEW_SITES, cells // self.nt), self.ns)
             height = min(self.nt, max(1, cells // width))
             order = [(t, s) for s in self._cuts(width) for t in range(0, self.nt, height)]
@@ -462,9 +463,9 @@ class StressField:
             yield instants, slice(first, last), out
 
     def envelope(self, criterion: Criterion = "von-mises") -> Envelope:
-        """Return the smallest and largest value of a criterion at every place, and when.
+        """Return the smallest and largest value of a criterion at every site, and their instants.
 
-        The values are not stored: what is needed besides the field grows with its places only.
+        Memory is proportional to the number of sites, since values over time are not stored.
 
         Raises
         ------
@@ -492,20 +493,20 @@ class StressField:
         *,
         memory: int = BLOCK_MEMORY,
     ) -> Path:
-        """Write a criterion at all places and instants into an HDF5 file, piece by piece.
+        """Write a criterion at all sites and instants into an HDF5 file; return the path.
 
         Datasets: ``time`` (nt,), ``labels``, ``positions``, ``axes``, ``nodes`` (ns,),
-        ``values/CRITERION`` (nt, ns), and ``rows``, the instants written so far: what was written
-        before a run was killed is readable.
+        ``values/CRITERION`` (nt, ns), and ``rows``, the number of instants written so far, so that
+        the file of a killed program is readable.
 
         Parameters
         ----------
         path : path
-            Ends with .h5.
+            File that ends with .h5.
         criterion : str, Plane or None
             See `evaluate`; None writes all six components.
         memory : int
-            Bytes that are worked out at a time.
+            Memory of the values computed at a time, bytes.
 
         Returns
         -------
@@ -541,12 +542,12 @@ class StressField:
     def critical_plane(
         self, site: Sites, by: Literal["maximum", "range"] = "maximum"
     ) -> CriticalPlane:
-        """Return the plane of the largest normal stress at one place, or of its largest range.
+        """Return the plane of the largest normal stress, or of its largest range, at one site.
 
         Parameters
         ----------
         site : str or int
-            One place, see `indices`.
+            One site, see `indices`.
         by : str
             "maximum": largest normal stress of all planes and instants; "range": largest
             difference of the normal stress of one plane between two instants.
@@ -554,16 +555,16 @@ class StressField:
         Returns
         -------
         CriticalPlane
-            With its normal in the axes of the field.
+            Plane, with its normal in the axes of the field.
 
         Raises
         ------
         InputError
-            If it is not one place.
+            If `site` is not exactly one site.
         """
         places = self.indices(site)
         if len(places) != 1:
-            message = f"give one place, not {len(places)}"
+            message = f"site has {len(places)} sites, must be one"
             raise InputError(Problem(f"critical plane of '{self.name}'", message))
         s = self.history(slice(int(places[0]), int(places[0]) + 1))[:, 0]
         return critical_plane(s, self.time, by=by, strain=self.strain)
@@ -571,14 +572,14 @@ class StressField:
     def critical_planes(
         self, sites: Sites = None, by: Literal["maximum", "range"] = "maximum"
     ) -> tuple[CriticalPlane, ...]:
-        """Return the critical plane of each of several places, see `critical_plane`.
+        """Return the critical planes of several sites, see `critical_plane`.
 
-        Histories are worked out a few places at a time.
+        Histories are computed for a few sites at a time.
 
         Parameters
         ----------
         sites : optional
-            See `indices`; all places if not given.
+            See `indices`; None takes all sites.
         by : str
             "maximum" or "range".
         """

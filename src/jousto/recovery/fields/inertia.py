@@ -1,4 +1,4 @@
-"""How a body accelerates in a run: amplitudes of its residual stress."""
+"""Accelerations of a body in a run, and the amplitudes of its residual stress."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
     ----------
     run : Solution
     model : Model, optional
-        What was run: the engine then works them out. If not given they are central differences
-        of the stored velocities, with an error of the square of the output step.
+        Model of the run, for exact accelerations by the engine. None takes central differences
+        of the stored velocities, with an error proportional to the square of the output step.
 
     Raises
     ------
     InputError
-        If the model is another one, or there are too few instants.
+        If the model is not that of the run, or there are fewer than three instants.
     """
     if model is None:
         if run.nt < 3:
@@ -59,14 +59,14 @@ def amplitudes(
     model: Model | None = None,
     loads: Mapping[str, Any] | None = None,
 ) -> Array:
-    """Return what the columns of residual stress are to be multiplied by, (nt, m).
+    """Return the amplitudes (nt, m) of the columns of a residual stress.
 
     Parameters
     ----------
     run : Solution
     body : str
     residual : ResidualStress
-        Of the body's part.
+        Residual stress of the part of the body.
     model : Model, optional
         See `accelerations`.
     loads : mapping of str to (nt,) array, number or str

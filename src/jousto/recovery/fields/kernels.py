@@ -1,4 +1,4 @@
-"""Criteria in the form that the engine works them out: fewest rows for each mode."""
+"""Data of criteria for the engine, with the smallest number of rows per mode."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MISES = np.array(
         [0, 0, 0, 0, 0, np.sqrt(3.0)],
     ]
 )
-"""``s^T V s = |MISES s|^2``: von Mises stress is the length of five numbers."""
+"""``s^T V s = |MISES s|^2``: the von Mises stress is the norm of a vector (5,)."""
 
 NAMES = {
     "signed-von-mises": "SIGNED_MISES",
@@ -32,19 +32,19 @@ NAMES = {
 
 
 def kernel(S: Array, criterion: Criterion, strain: bool = False, world: bool = False) -> Recovery:
-    """Return what the engine needs for a criterion.
+    """Return the data of a criterion for the engine.
 
     Parameters
     ----------
     S : (ns, 6, k) array
         Stress or strain of each mode.
     criterion : str or Plane
-        A good one.
+        A valid criterion.
     strain : bool
         Whether S is strain with engineering shears.
     world : bool
-        Whether components follow the world while S is in the body frame; `world_weights` then
-        says how.
+        Whether components are in world axes while S is in the body frame; `world_weights` then
+        returns their weights.
     """
     ns = len(S)
     w = weights(criterion, strain)
@@ -55,7 +55,7 @@ def kernel(S: Array, criterion: Criterion, strain: bool = False, world: bool = F
         return Recovery(tiles(T), ns, "WEIGHTED")
     if criterion == "von-mises":
         rows = np.matmul(MISES, T)
-        # parts of beams have one direct and two shear stresses
+        # only rows that are not zero: parts of beams have one direct and two shear stresses
         kept = np.any(rows, axis=(0, 2))
         kept[:1] |= not np.any(kept)
         return Recovery(tiles(rows[:, kept]), ns, "NORM", 2.0 / 3.0 if strain else 1.0)
@@ -68,16 +68,16 @@ def kernel(S: Array, criterion: Criterion, strain: bool = False, world: bool = F
 
 
 def world_weights(w: Array, A: Array, strain: bool = False) -> Array:
-    """Return the weights (nt, 6) of body components that make ``w . s`` of the world's.
+    """Return the weights (nt, 6) of body components for ``w . s`` of world components s.
 
     Parameters
     ----------
     w : (6,) array
-        Weights of the components in the world.
+        Weights of the components in world axes.
     A : (nt, 3, 3) array
-        Body to world.
+        Rotation matrices from body to world.
     strain : bool
-        Whether w is meant for engineering shears; the result is for those of tensors.
+        Whether w is for engineering shears; the result is for tensor shears.
     """
     W = np.zeros((3, 3))
     for c, (i, j) in enumerate(PAIRS):

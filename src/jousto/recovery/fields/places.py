@@ -1,4 +1,4 @@
-"""Places of a stress field by label, set or node, and what its data cannot be."""
+"""Sites of a stress field by label, set or node, and checks of its data."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.reduction.fields.stress import StressModes
 
 Sites = str | int | Iterable[Any] | slice | None
 ROTATION = 1e-6
-"""What ``A^T A`` of a rotation may differ from I by."""
+"""Largest deviation of ``A^T A`` of a rotation matrix from I."""
 
 
 def refuse_no_rotations(problems: Problems, where: str, A: Array, time: Array) -> None:
@@ -24,17 +24,17 @@ def refuse_no_rotations(problems: Problems, where: str, A: Array, time: Array) -
     if len(bad):
         k = int(bad[0])
         found = (
-            "A^T A differs from I by " + f"{away[k]:.3g}" if away[k] > ROTATION else "it mirrors"
+            "A^T A differs from I by " + f"{away[k]:.3g}" if away[k] > ROTATION else "det A is -1"
         )
         problems.add(
             where,
-            f"A is no rotation at {time[k]:g} s, instant {k}: {found}; {len(bad)} of {len(A)} are "
-            "none; give orthonormal matrices from body to world with determinant 1",
+            f"A is not a rotation at {time[k]:g} s, index {k}: {found} ({len(bad)} of {len(A)} "
+            "matrices); give orthonormal matrices from body to world with determinant 1",
         )
 
 
 def refuse_gaps(where: str, p: Array, time: Array) -> None:
-    """Raise InputError if coordinates are not numbers, with the first such instant."""
+    """Raise InputError if coordinates are not finite, with the first such instant."""
     bad = ~np.isfinite(p).all(axis=1) if np.ndim(p) == 2 else np.zeros(0, dtype=bool)
     if not bad.any() or np.shape(time) != bad.shape:
         return
@@ -52,12 +52,12 @@ def refuse_gaps(where: str, p: Array, time: Array) -> None:
 def site_indices(
     modes: StressModes, sites: Sites, where: str, known: dict[str, int] | None = None
 ) -> Index:
-    """Return the places (k,) of stress modes by index; see `StressField.indices`.
+    """Return the indices (k,) of sites of stress modes; see `StressField.indices`.
 
     Raises
     ------
     InputError
-        If there is no such place; all that are missing are named.
+        With all sites that do not exist.
     """
     ns = len(modes.labels)
     if sites is None:
@@ -72,7 +72,7 @@ def site_indices(
         items = sites.tolist() if isinstance(sites, np.ndarray) else list(sites)
         if items and all(isinstance(item, bool | np.bool_) for item in items):
             if len(items) != ns:
-                message = f"a boolean choice of sites has {len(items)} entries, there are {ns}"
+                message = f"sites is a boolean array of {len(items)} entries, must have {ns}"
                 raise InputError(Problem(where, message))
             return np.flatnonzero(items)
     labels = known or {label: i for i, label in enumerate(modes.labels)}
@@ -89,11 +89,11 @@ def site_indices(
         elif isinstance(item, int | np.integer) and not isinstance(item, bool):
             at = () if modes.nodes is None else np.flatnonzero(modes.nodes == item).tolist()
             if not len(at):
-                problems.add(where, f"no stress is known at node {item} (nodes count from 0)")
+                problems.add(where, f"no stress site at node {item} (nodes are numbered from 0)")
             found.extend(at)
         else:
-            problems.add(where, f"site {item!r} is neither a label, a set nor a node number")
+            problems.add(where, f"site is {item!r}, must be a label, a node set or a node number")
     if not items:
-        problems.add(where, "sites is empty; None takes all of them")
+        problems.add(where, "sites is empty; None takes all sites")
     problems.raise_if_any()
     return np.array(list(dict.fromkeys(found)), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""The plane that sees the largest normal stress, or the largest range of it."""
+"""Critical plane: the plane of the largest normal stress, or of its largest range."""
 
 from __future__ import annotations
 
@@ -14,20 +14,19 @@ from jousto.base.ranking import TIE, largest, ranking
 from jousto.recovery.fields.criteria import PAIRS, principal
 
 GRID = 400
-"""Directions of the half sphere, some 7 degrees apart."""
-
+"""Number of directions on the half-sphere, some 7 degrees apart."""
 STARTS = 6
-"""Best of them that are refined."""
+"""Number of the best directions that are refined."""
 
 ROUNDS = 100
 
 INSTANTS = 1 << 16
-"""Instants of a block of the grid."""
+"""Number of instants evaluated on the grid at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class CriticalPlane:
-    """A plane and its normal stress over time.
+    """Critical plane with the extremes of its normal stress over time.
 
     Attributes
     ----------
@@ -36,9 +35,9 @@ class CriticalPlane:
     value : float
         Largest normal stress, or the range from the smallest to the largest, Pa (or m/m).
     time : float
-        When the normal stress is largest, s.
+        Instant of the largest normal stress, s.
     minimum_time : float
-        When it is smallest, s.
+        Instant of the smallest normal stress, s.
     by : str
         "maximum" or "range".
     """
@@ -55,7 +54,7 @@ class CriticalPlane:
 
 
 def half_sphere(count: int = GRID) -> Array:
-    """Return directions (count, 3) spread evenly over a half sphere, by the golden angle."""
+    """Return evenly distributed directions (count, 3) on a half-sphere, by the golden angle."""
     z = (np.arange(count) + 0.5) / count
     turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
     r = np.sqrt(1.0 - z * z)
@@ -63,7 +62,7 @@ def half_sphere(count: int = GRID) -> Array:
 
 
 def plane_weights(normals: Array, strain: bool = False) -> Array:
-    """Return w (..., 6) with ``n^T S n = w . s`` of normals (..., 3)."""
+    """Return weights w (..., 6) of normals (..., 3) such that ``n^T S n = w . s``."""
     shear = 1.0 if strain else 2.0
     columns = [normals[..., i] * normals[..., j] * (1.0 if i == j else shear) for i, j in PAIRS]
     return np.stack(columns, axis=-1)
@@ -78,16 +77,16 @@ def critical_plane(
 ) -> CriticalPlane:
     """Return the plane of the largest normal stress of a history, or of its largest range.
 
-    A grid of the half sphere finds where to start. For the two instants at which the normal stress
-    of a plane is largest and smallest, the principal direction of the difference of their tensors
-    is a plane with a larger range, and so on until the instants stay the same.
+    The search starts from the best directions of a grid on the half-sphere. In an iteration, the
+    principal direction of the difference of the tensors at the instants of the largest and the
+    smallest normal stress gives a plane with a larger range, until the instants do not change.
 
     Parameters
     ----------
     s : (nt, 6) array_like
         Stress history ``[s11 s22 s33 s12 s23 s13]``, or strains.
     time : (nt,) array_like
-        s.
+        Instants, s.
     by : str
         "maximum" (the largest principal stress of all instants) or "range".
     strain : bool
@@ -96,11 +95,11 @@ def critical_plane(
     Raises
     ------
     InputError
-        If `by` is neither.
+        If `by` is neither of them.
 
     Examples
     --------
-    Pull along x, then along y: the range is largest in one of these, not between them.
+    Tension along x, then along y: the plane of the largest range is normal to one of these axes.
 
     >>> plane = critical_plane([[80.0, 0, 0, 0, 0, 0], [0, 100.0, 0, 0, 0, 0]], [0, 1], by="range")
     >>> abs(plane.normal).round(6), round(plane.value, 6)
@@ -110,7 +109,7 @@ def critical_plane(
     if by == "maximum":
         values, directions = principal(history, strain)
         k = largest(values[:, 0])
-        n = outward(directions[k, :, 0])
+        n = positive_normal(directions[k, :, 0])
         least = largest(-(history @ plane_weights(n, strain)))
         return CriticalPlane(n, float(values[k, 0]), float(t[k]), float(t[least]), by)
     if by != "range":
@@ -126,16 +125,16 @@ def critical_plane(
         found = _refined(history, normals[start], strain)
         best = found if found[0] > best[0] + TIE * abs(best[0]) else best
     value, n, top, bottom = best
-    return CriticalPlane(outward(n), value, float(t[top]), float(t[bottom]), by)
+    return CriticalPlane(positive_normal(n), value, float(t[top]), float(t[bottom]), by)
 
 
-def outward(normal: Array) -> Array:
-    """Return the normal whose largest component, of equal ones the first, is positive."""
+def positive_normal(normal: Array) -> Array:
+    """Return the normal or its opposite, such that its (first) largest component is positive."""
     return normal if normal[largest(np.abs(normal))] >= 0.0 else -normal
 
 
 def _refined(history: Array, n: Array, strain: bool) -> tuple[float, Array, int, int]:
-    """Return range, normal and the instants of the extremes of a plane that is locally best."""
+    """Return range, normal and instants of the extremes of the local maximum near a normal."""
     pair = (-1, -1)
     for _ in range(ROUNDS):
         x = history @ plane_weights(n, strain)

@@ -1,4 +1,4 @@
-"""Fields on disk: written piece by piece into a file that is readable at every moment."""
+"""Writing of stress fields, piece by piece, into a file that is readable at every moment."""
 
 from __future__ import annotations
 
@@ -28,33 +28,31 @@ def write_field(
     unit: str,
     blocks: Callable[[Criterion], Iterable[tuple[slice, slice, Array]]],
 ) -> Path:
-    """Write criteria at all places and instants; see `StressField.write`.
+    """Write criteria at all sites and instants; return the path; see `StressField.write`.
 
     Parameters
     ----------
     path : path
-        Ends with .h5.
+        File that ends with .h5.
     facts : mapping of str to str
         Attributes of the file.
     data : mapping of str to array
         Datasets: labels, positions, axes, nodes and time.
     criteria : sequence of str or Plane
-        What is written; of a single one the rows so far are known at every moment.
+        Criteria to write; with a single one the file contains the current number of rows.
     unit : str
-        Of the values.
+        Unit of the values.
     blocks : callable
-        Returns the instants, places and values of a criterion, piece by piece.
+        Function of a criterion that returns its instants, sites and values, piece by piece.
     """
     out = Path(path)
     if out.suffix.lower() not in (".h5", ".hdf5"):
-        raise InputError(
-            Problem(str(out), "a field is written as HDF5: the name must end with .h5")
-        )
+        raise InputError(Problem(str(out), "must end with .h5: a field is written as HDF5"))
     nt, ns = len(data["time"]), len(data["labels"])
     image, places = _image(facts, data, criteria, unit)
     try:
         with create(out) as file:
-            # laid out at its full length: HDF5 never writes again, so that it is always valid
+            # layout at full length by HDF5, which writes no more, so that the file remains valid
             file.truncate(image.size)
             for offset, piece in image.pieces():
                 _write(file, offset, piece)

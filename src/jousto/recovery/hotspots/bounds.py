@@ -1,4 +1,4 @@
-"""Bounds of a criterion at many places over a whole run, cheap first."""
+"""Upper bounds of a criterion at many sites over a whole run, the cheapest first."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 from jousto.recovery.hotspots.measures import Measure
-from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut, spectral
+from jousto.recovery.hotspots.windows import SAFETY, UNIT, Windows, cut_windows, spectral
 
-STRIDES = (128, 16)  # instants in the windows, coarse and fine
-SMALLEST = 1e-8  # share of the mean that weighs a motion without stress
-SMALLEST_MARGIN = 1e-280
-PAIRS = 4096  # place and window, worked on at once
-BLOCK = 1 << 22  # numbers in a piece of work
-PIECE = 1 << 17  # numbers in a piece that stays in the cache
+STRIDES = (128, 16)  # number of instants in a window, coarse and fine
+SMALLEST = 1e-8  # weight of a coordinate without stress over the mean weight
+SMALLEST_MARGIN = 1e-280  # smallest margin, for sites without stress
+PAIRS = 4096  # number of pairs of site and window evaluated at a time
+BLOCK = 1 << 22  # number of values in memory at a time
+PIECE = 1 << 17  # number of values that fit into the cache
 
 
 @dataclass(eq=False)
 class Effort:
-    """How often the criterion was worked out, for knots of windows and in full."""
+    """Number of evaluations of the criterion at knots of windows, and at all their instants."""
 
     knots: int = 0
     full: int = 0
@@ -28,11 +28,11 @@ class Effort:
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Stress modes and a path of modal coordinates, prepared for bounds.
+    """Stress modes and path of modal coordinates, transformed for the computation of bounds.
 
-    Coordinates y with ``p = T y`` are used: the principal ones of the path, each weighted by the
-    stress that it causes on average over the places, so that few of them say where the stress is
-    large. ``g = G S p = B y`` is then what the criterion depends on.
+    The coordinates y, ``p = T y``, are the principal components of the path, weighted by the mean
+    stress of each over the sites, so that a few of them cause most of the stress. The criterion is
+    a function of ``g = G S p = B y``.
 
     Attributes
     ----------
@@ -43,15 +43,15 @@ class Search:
     measure : Measure
         The criterion.
     T : (n, n) array
-        See above.
+        Transformation ``p = T y``.
     y : (k, n) array
-        The path; its last instant is repeated to fill the windows.
+        Path; its last instant is repeated to fill the last window.
     windows : tuple of Windows
-        Coarse and fine; fine ones divide coarse ones.
+        Coarse and fine windows; the fine ones divide the coarse ones.
     margin : (ns,) array
-        No rounding error of a criterion or of a bound is larger.
+        Bound of the rounding errors of the criterion and of its bounds.
     effort : Effort
-        Counts what is done.
+        Number of evaluations.
     """
 
     modes: Array
@@ -64,14 +64,14 @@ class Search:
     effort: Effort = field(default_factory=Effort)
 
     def rows(self, at: Index | slice) -> Array:
-        """Return B (nk, r, n) of places."""
+        """Return B (nk, r, n) of sites."""
         return np.asarray(np.matmul(self.measure.rows @ self.modes[at], self.T))
 
     def whole(self) -> Array:
-        """Return bounds (ns,) over the run: ``|B L|_2 max |z|`` of the whitened path ``y = L z``.
+        """Return bounds (ns,) over the run, ``|B L|_2 max |z|`` of the whitened path ``y = L z``.
 
-        The Frobenius norm, the sum over the coordinates and the 2-norm in this order; L is
-        diagonal, since the coordinates y are principal ones.
+        L is diagonal, since y are principal components. The 2-norm is computed only where the
+        Frobenius norm and the sum over the coordinates are not small enough.
         """
         y = self.y
         scale = np.sqrt((y**2).mean(axis=0))
@@ -88,22 +88,23 @@ class Search:
         return np.asarray(out * (1.0 + SAFETY * UNIT * (len(scale) + SAFETY)) + self.margin)
 
     def refine(self, places: Index, below: Array) -> tuple[Array, Index, Array]:
-        """Return exact values of places where they matter, when, and what bounds them then.
+        """Return the largest exact values of sites, their instants, and bounds over the run.
 
         Parameters
         ----------
         places : (nk,) int array
+            Indices of the sites.
         below : (nk,) array
-            Windows that cannot exceed this are left out.
+            Values of interest: windows whose bound is lower are not evaluated.
 
         Returns
         -------
         best : (nk,) array
-            Largest ranked value found, -inf if no window was worked out.
+            Largest ranked value; -inf if no window was evaluated.
         when : (nk,) int array
             Its instant; the first one of equal values.
         upper : (nk,) array
-            Bound over the run; equal to `best` if nothing left out can exceed it.
+            Bound over the run; equal to `best` if no other window can exceed it.
         """
         nk = len(places)
         best, when = np.full(nk, -np.inf), np.zeros(nk, dtype=np.intp)
@@ -112,7 +113,7 @@ class Search:
         columns, norm = np.sqrt((B**2).sum(axis=1)), spectral(B)
         margin, below = self.margin[places], np.array(below)
         slack = self._slack(norm)
-        # coarse windows of all places, in pieces that stay in the cache
+        # coarse windows of all sites, in pieces that fit into the cache
         coarse = self.windows[0]
         kept_place, kept_window = [], []
         for some in _pieces(nk, max(1, PIECE // (B.shape[1] * len(coarse.knots)))):
@@ -120,7 +121,9 @@ class Search:
             U = coarse.strays(columns[some], norm[some])
             U += np.maximum(F[:, :-1], F[:, 1:])
             U += margin[some][:, None]
-            if self.measure.tight:  # knots are instants of the run: bounds from below, too
+            if (
+                self.measure.tight
+            ):  # values at knots, which are instants of the run, are lower bounds
                 known = F.max(axis=1) - slack[some] - margin[some]
                 below[some] = np.maximum(below[some], known)
             chosen = U > below[some][:, None]
@@ -130,7 +133,7 @@ class Search:
             U[chosen] = -np.inf
             upper[some] = U.max(axis=1)
         place, window = np.concatenate(kept_place), np.concatenate(kept_window)
-        # windows of windows, pair by pair
+        # fine windows in the remaining coarse ones, for pairs of site and window
         for finer in self.windows[1:]:
             parts = coarse.stride // finer.stride
             kept_place, kept_window = [], []
@@ -150,7 +153,7 @@ class Search:
             place = np.concatenate([*kept_place, np.zeros(0, dtype=np.intp)])
             window = np.concatenate([*kept_window, np.zeros(0, dtype=np.intp)])
             coarse = finer
-        # what is left in full, its ends included
+        # all instants of the remaining windows, both ends included
         stride, nt = coarse.stride, len(self.p)
         for some in _pieces(len(place), PAIRS):
             k = place[some]
@@ -160,7 +163,7 @@ class Search:
             self.effort.full += value.size
             at = np.argmax(value, axis=1)
             found, instant = value[np.arange(len(k)), at], t[np.arange(len(k)), at]
-            # the first of the largest: order by instant, then by value
+            # first instant of the largest value: sort by site, value, then instant
             order = np.lexsort((instant, -found, k))
             first = order[np.concatenate([[True], np.diff(k[order]) > 0])] if len(k) else order
             better = found[first] > best[k[first]]
@@ -180,18 +183,18 @@ class Search:
         return self.measure.majorant(g)
 
     def _slack(self, norm: Array) -> Array:
-        """Return what a majorant may exceed its criterion by, (nk,); `norm` is that of B."""
-        # the closed form of principal values adds a margin of the length of the tensor, which a
-        # single principal value may be far below: the first one of compression is 0
+        """Return the largest difference (nk,) of majorant and criterion; `norm` is that of B."""
+        # the margin of principal_bounds is relative to the norm of the tensor, which may be much
+        # larger than a principal value: the first one is 0 in compression
         return np.asarray(1e-6 * norm * np.sqrt((self.y**2).sum(axis=1).max(initial=0.0)))
 
 
 def prepare(modes: Array, p: Array, measure: Measure) -> Search:
-    """Return what bounds a criterion at places with stress modes (ns, 6, n) on a path (nt, n)."""
+    """Return the search for sites with stress modes (ns, 6, n) on a path (nt, n)."""
     ns, _, n = modes.shape
     nt = len(p)
     rows = measure.rows
-    # mean of the squared stress of the modes over the places weighs the coordinates
+    # weights of the coordinates: squared stress of the modes, averaged over the sites
     H = np.zeros((n, n))
     columns, raw = np.empty((ns, n)), np.empty((ns, n))
     step = max(1, BLOCK // (6 * n + 1))
@@ -211,19 +214,19 @@ def prepare(modes: Array, p: Array, measure: Measure) -> Search:
     V = np.linalg.eigh(y.T @ y)[1]
     T = inverse @ V
     y = y @ V
-    # the sums above in floating point: y is what it is, p differs from T y by a measured rest
+    # rounding errors of the sums above; the difference of p and T y is computed
     highest_p, highest_y = np.abs(p).max(axis=0), np.abs(y).max(axis=0)
     ops = UNIT * (n + SAFETY)
     rest = np.abs(p - y @ T.T).max(axis=0) + ops * (highest_p + np.abs(T) @ highest_y)
     size = float(np.linalg.norm(rows))
     turned = raw @ np.abs(T) @ highest_y
     margin = columns @ rest + SAFETY * ops * size * (raw @ highest_p + turned)
-    margin += SMALLEST_MARGIN  # also of places without stress, so that bounds exceed values
-    # windows, filled up with the last instant
+    margin += SMALLEST_MARGIN  # for sites without stress too, so that bounds exceed values
+    # windows; the last one is filled with the last instant
     strides = [stride for stride in STRIDES if stride < nt] or [STRIDES[-1]]
     count = -(-max(nt - 1, 1) // strides[0])
     filled = np.concatenate([y, np.repeat(y[-1:], count * strides[0] + 1 - nt, axis=0)])
-    windows = tuple(cut(filled, stride) for stride in strides)
+    windows = tuple(cut_windows(filled, stride) for stride in strides)
     return Search(modes, p, measure, T, y, windows, margin)
 
 

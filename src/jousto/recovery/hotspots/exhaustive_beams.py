@@ -1,4 +1,4 @@
-"""Hot spots of beams: a place depends on six resultants alone, so that all are worked out."""
+"""Hot spots of beams: all values are computed, since a site depends on six resultants alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.recovery.hotspots.search import Found, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
 
 
-def every(
+def search_all(
     field: StressField,
     criterion: Criterion,
     measure: Measure,
@@ -21,18 +21,18 @@ def every(
     count: int = 10,
     separation: float = 0.0,
 ) -> Found:
-    """Return the places where a criterion is largest, each apart from those before; see `search`.
+    """Return the sites of a beam with the largest values of a criterion; see `search`.
 
     Parameters
     ----------
     field : StressField
-        Of a beam.
+        Field of a beam.
     criterion, measure
-        The criterion and how it is ranked.
+        The criterion and its ranking.
     count : int
-        How many.
+        Number of hot spots.
     separation : float
-        Straight distance, m.
+        Smallest distance of two hot spots, m.
     """
     found = field.envelope(criterion)
     ends = np.stack([found.min, found.max])
@@ -71,21 +71,21 @@ def every(
 
 
 def rounding(field: StressField) -> Array:
-    """Return what rounding may change of a criterion at each place (ns,), of any order of sums."""
+    """Return the rounding error (ns,) of a criterion at each site, for any order of summation."""
     n = field.S.shape[2]
     parts = np.einsum("scj,sj->sc", np.abs(field.S), _sizes(field))
     return np.asarray(SAFETY * UNIT * (n + SAFETY) * np.sqrt((parts**2).sum(axis=1)))
 
 
-def highest(field: StressField, measure: Measure) -> float:
-    """Return what no place of a body exceeds at any instant, ``sum_j |G S_j| max |p_j|``."""
+def upper_bound(field: StressField, measure: Measure) -> float:
+    """Return an upper bound of all sites and instants of a body, ``sum_j |G S_j| max |p_j|``."""
     length = np.sqrt(((measure.rows @ field.S) ** 2).sum(axis=1))
     bound = (length * _sizes(field)).sum(axis=1) + rounding(field)
     return float(bound.max(initial=-np.inf))
 
 
 def _sizes(field: StressField) -> Array:
-    """Return the largest magnitudes (ns, n) of the coordinates that each place depends on."""
+    """Return the largest magnitudes (ns, n) of the coordinates that each site depends on."""
     size = np.abs(field.p).max(axis=0)
     n = field.S.shape[2]
     if field.columns is None:
@@ -94,6 +94,6 @@ def _sizes(field: StressField) -> Array:
 
 
 def largest(field: StressField, criterion: Criterion) -> Array:
-    """Return the largest magnitude of a criterion at each place (ns,), rounding included."""
+    """Return the largest magnitude (ns,) of a criterion at each site, with its rounding error."""
     found = field.envelope(criterion)
     return np.asarray(np.maximum(np.abs(found.min), np.abs(found.max)) + rounding(field))

@@ -1,4 +1,4 @@
-"""Hot spots: where a criterion is largest over a run, with proof that nothing was missed."""
+"""Hot spots: sites with the largest values of a criterion over a run, with a certificate."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.object_repr import described
 from jousto.base.ranking import TIE, ranking
 from jousto.recovery.fields.build import stress_field
-from jousto.recovery.fields.criteria import Criterion, evaluate, tensor, turned, weights
+from jousto.recovery.fields.criteria import Criterion, evaluate, rotate_tensors, tensor, weights
 from jousto.recovery.fields.field import StressField
-from jousto.recovery.hotspots.exhaustive_beams import every, highest
-from jousto.recovery.hotspots.interval_bounds import Between, between, largest_between
+from jousto.recovery.hotspots.exhaustive_beams import search_all, upper_bound
+from jousto.recovery.hotspots.interval_bounds import Between, bounds_between, largest_between
 from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.report import certificate_lines, head, row, shown_value
 from jousto.recovery.hotspots.search import Found as Places, Proof, search
@@ -29,24 +29,24 @@ from jousto.simulation.results.solution import Solution
 @described
 @dataclass(frozen=True, eq=False)
 class HotSpots(Found):
-    """The worst places of a run, the worst first, and what proves it.
+    """Sites with the largest values of a criterion over a run, in order, with a certificate.
 
     Attributes
     ----------
     spots : tuple of HotSpot
     criterion : str or Plane
     extreme : str
-        "largest", "smallest" or "magnitude": by what they are ranked.
+        Ranking: "largest", "smallest" or "magnitude".
     separation : float
-        No two of one body are nearer, m; the largest of the bodies.
+        Smallest distance of two hot spots of a body, m; the largest of all bodies.
     start, end : float
-        First and last instant that was searched, s.
+        First and last instant of the search, s.
     fields : tuple of StressField
-        What was searched, over the whole run.
+        Fields of the bodies over the whole run.
     certificates : mapping of str to Proof
-        Of each body: what is proved of the stored instants.
+        Proved bounds at the stored instants, by body.
     gaps : mapping of str to Between or None
-        Of each body: what may be between them; None where that is not known.
+        Bounds between the stored instants, by body; None if they are not known.
     """
 
     def _facts(self) -> str:
@@ -59,7 +59,7 @@ class HotSpots(Found):
         return ", ".join([*facts, "certified" if self.certified else "not certified"])
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write the table with all digits, a row for each hot spot; SI units.
+        """Write the table of hot spots with all digits, in SI units; return the path.
 
         Raises
         ------
@@ -69,12 +69,12 @@ class HotSpots(Found):
         return write_spots(self, path)
 
     def write_histories(self, path: str | Path) -> Path:
-        """Write the criterion and the components of every hot spot over the whole run.
+        """Write criterion and components of every hot spot over the whole run; return the path.
 
         Parameters
         ----------
         path : path
-            Ends with .csv, or with .h5: one group for each hot spot.
+            File that ends with .csv, or with .h5 for one group per hot spot.
 
         Raises
         ------
@@ -85,12 +85,12 @@ class HotSpots(Found):
         return write_histories(self, path)
 
     def table(self) -> list[list[str]]:
-        """Return the rows of the printed table, the head first; MPa, mm and s."""
+        """Return the rows of the printed table, the header first; MPa, mm and s."""
         several = len(self.fields) > 1
         return [head(self, several), *(row(self, spot, several) for spot in self.spots)]
 
     def certificate(self) -> str:
-        """Return what the search proves, in sentences."""
+        """Certificate of the search as a text: what it proves."""
         return "\n".join(certificate_lines(self))
 
     def __str__(self) -> str:
@@ -106,13 +106,13 @@ class HotSpots(Found):
         return "\n".join([*texts, *certificate_lines(self)])
 
     def advice(self) -> str:
-        """Return what to do when the worst values stand at the start of the run, "" if not."""
+        """Advice for hot spots at the start of the run; empty if most are later."""
         limit = self.early
         if limit is None:
             return ""
         return (
-            f"most of the largest values stand in the first {limit - self.start:.3g} s, which may "
-            "be the start-up transient: search from a later time (start=, --from), start from the "
+            f"most of the largest values are in the first {limit - self.start:.3g} s, which may "
+            "be the start-up transient; search from a later time (start=, --from), start from the "
             "equilibrium, or let the drives begin smoothly"
         )
 
@@ -133,41 +133,42 @@ def hot_spots(
     end: float | None = None,
     extreme: str | None = None,
 ) -> HotSpots:
-    """Return the places where a criterion is largest at the stored instants of a run, proved.
+    """Return the sites with the largest values of a criterion over a run, with a certificate.
 
-    What may stand between two stored instants is bounded by the stored velocities, see
-    `HotSpots.bound_between`.
+    The certificate covers the stored instants; `HotSpots.bound_between` is a bound between them
+    by the stored velocities.
 
-    The stress is ``s(t) = S p(t)``, and a criterion changes by at most ``|G S (p - p')|``. So the
-    whitened path bounds it at a place over the run, ``sqrt(lmax(Q)) max |z|`` with ``Q = L^T S^T V
-    S L`` and ``p = L z``, and the ends of a window of time and the distance of the path from the
-    chord between them bound it there. Branch and bound works out only the places and instants
-    whose bound exceeds what was found; all bounds allow for rounding.
+    The stress is ``s(t) = S p(t)``, and a criterion changes by at most ``|G S (p - p')|``. An upper
+    bound at a site over the run is ``sqrt(lmax(Q)) max |z|`` with ``Q = L^T S^T V S L`` and the
+    whitened path z, ``p = L z``. A bound in a window of time follows from the values at its ends
+    and the deviation of the path from the chord between them. Branch and bound evaluates only the
+    sites and instants whose bound exceeds the values found so far; all bounds include rounding
+    errors.
 
     Parameters
     ----------
     source : StressField, sequence of StressField or Solution
-        What to search; of a run all bodies that have stress.
+        Fields to search, or a run with all its bodies that have stress.
     bodies : str or sequence of str, optional
-        Of a run, the bodies to search.
+        Names of the bodies of a run to search.
     count : int
-        How many hot spots.
+        Number of hot spots.
     criterion : str or Plane
         See `evaluate`.
     separation : float
-        Straight distance that they keep within a body, m. The worst place is the first one, the
-        worst of those further away than this the second, and so on. Of places that are equal but
-        for round-off (1e-9) the one whose label comes first is taken.
+        Smallest distance of two hot spots of a body, m. The first hot spot is the site of the
+        largest value, the second the largest of the sites further away than this, and so on.
+        Among sites of equal values up to round-off (1e-9) the first label is taken.
     start, end : float, optional
-        First and last instant, s; all stored ones.
+        First and last instant, s; None takes all stored ones.
     extreme : "largest", "smallest" or "magnitude", optional
-        What is sought. Not given, the largest von Mises, shear and first principal stress, the
-        smallest third one, and the largest magnitude of all others.
+        Extreme of the search. None is the largest von Mises, shear and first principal stress, the
+        smallest third principal stress, and the largest magnitude of all others.
 
     Returns
     -------
     HotSpots
-        Printed, a table and the certificate.
+        Hot spots; printed as a table with the certificate.
 
     Raises
     ------
@@ -191,10 +192,10 @@ def hot_spots(
         spans.append((float(part.time[0]), float(part.time[-1])))
         found = _searched(part, criterion, sought, count, separation)
         certificates[field.name] = found.certificate
-        gaps[field.name] = between(part, sought)
+        gaps[field.name] = bounds_between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
-    # the worst of all bodies; the rest bounds what is left out of its body
+    # hot spots of all bodies; the omitted ones of a body are included in its bound
     names = [f"{spot.body} {spot.site}" for _, spot in spots]
     order = ranking([ranked for ranked, _ in spots], names).tolist()
     for k in order[count:]:
@@ -224,14 +225,14 @@ def worst_places(
     separation: float | None = None,
     extreme: str | None = None,
 ) -> list[HotSpot]:
-    """Return the places of `hot_spots` alone: bodies that cannot have one are not searched.
+    """Return the hot spots of `hot_spots` without a certificate, in less time.
 
-    A criterion at a place is at most ``sum_j |G S_j| max |p_j|``. Bodies are searched by that
-    bound, the largest first, until as many places as asked for exceed it.
+    A criterion at a site is at most ``sum_j |G S_j| max |p_j|``. Bodies are searched in descending
+    order of this bound, until `count` sites exceed the bound of the next body.
     """
     _check(tuple(fields), count, criterion, separation)
     sought = measure(criterion, extreme, strain=fields[0].strain)
-    bounds = np.array([highest(field, sought) for field in fields])
+    bounds = np.array([upper_bound(field, sought) for field in fields])
     best: list[tuple[float, HotSpot]] = []
     for k in np.argsort(-bounds, kind="stable").tolist():
         if len(best) >= count and bounds[k] + TIE * abs(bounds[k]) < best[count - 1][0]:
@@ -252,10 +253,10 @@ def _searched(
     count: int,
     separation: float | None,
 ) -> Places:
-    """Return the worst places of one body."""
+    """Return the hot spots of one body."""
     apart = section_size(part) if separation is None else float(separation)
     if part.columns is not None:
-        return every(part, criterion, sought, count=count, separation=apart)
+        return search_all(part, criterion, sought, count=count, separation=apart)
     return search(
         part.S,
         part.p,
@@ -274,14 +275,14 @@ def _bounded(
     start: float | None,
     end: float | None,
 ) -> HotSpot:
-    """Return a hot spot with what it may reach between the instants."""
+    """Return a hot spot with its bound between the stored instants."""
     own = next(field for field in fields if field.name == spot.body)
     part = own.only(spot.site).during(start, end)
     return replace(spot, between=largest_between(part, 0, sought))
 
 
 def section_size(field: StressField) -> float:
-    """Return the largest distance between places of one node, m: 0 for those of solids."""
+    """Return the largest distance between sites of one node, m; 0 for solids."""
     nodes = field.modes.nodes
     if nodes is None or not len(nodes):
         return 0.0
@@ -289,14 +290,14 @@ def section_size(field: StressField) -> float:
     middle = np.stack([np.bincount(group, weights=x) / count for x in field.positions.T], axis=1)
     known = (nodes >= 0) & (count[group] > 1)
     away = np.linalg.norm(field.positions - middle[group], axis=1)
-    # those of two beams at an angle stand on circles about their node, too
+    # twice the radius, since the sites of two beams at an angle are on circles about their node
     return float(2.0 * (1.0 + 1e-6) * away[known].max(initial=0.0))
 
 
 def _fields(
     source: StressField | Sequence[StressField] | Solution, bodies: Sequence[str] | str | None
 ) -> tuple[StressField, ...]:
-    """Return the fields to search."""
+    """Return the fields of the search from a run or from fields."""
     if isinstance(source, Solution):
         names = [x.name for x in source.bodies] + [x.name for x in source.beams]
         wanted = [bodies] if isinstance(bodies, str) else list(bodies or ())
@@ -310,19 +311,19 @@ def _fields(
             raise InputError(
                 Problem(
                     source.where,
-                    "no body of this run has stress data; parts of beams and of solids do, rigid "
-                    "bodies and parts from matrices do not",
+                    "no body of this run has stress data; parts of beams and of solids have it, "
+                    "rigid bodies and parts from matrices do not",
                 )
             )
         return tuple(stress_field(source, name) for name in dict.fromkeys(known))
     if bodies is not None:
-        raise InputError(Problem("hot_spots", "bodies= goes with a run; fields name their body"))
+        raise InputError(Problem("hot_spots", "bodies= is for a run; a field has one body"))
     fields: tuple[Any, ...] = (source,)
     if isinstance(source, list | tuple):
         fields = tuple(source)
     if not fields or not all(isinstance(field, StressField) for field in fields):
         raise InputError(
-            Problem("hot_spots", f"{source!r} is neither a run nor stress fields; see stress_field")
+            Problem("hot_spots", f"source is {source!r}, must be a run or fields from stress_field")
         )
     return fields
 
@@ -341,14 +342,14 @@ def _check(
     for name in sorted({name for name in names if names.count(name) > 1}):
         problems.add("hot_spots", f"body '{name}' is given more than once")
     if len({field.strain for field in fields}) > 1:
-        problems.add("hot_spots", "stress and strain cannot be ranked together")
+        problems.add("hot_spots", "fields of stress and strain cannot be searched together")
     problems.raise_if_any()
     if weights(criterion) is not None and any(field.A is not None for field in fields):
         raise InputError(
             Problem(
                 "hot_spots",
-                f"{criterion} in world axes turns with the body and has no bound; take the axes "
-                'of the part, stress_field(..., frame="body")',
+                f"{criterion} in world axes changes with the rotation of the body and has no "
+                'bound; use the axes of the part, stress_field(..., frame="body")',
             )
         )
 
@@ -359,7 +360,7 @@ def _spot(field: StressField, place: int, instant: int, criterion: Criterion) ->
         on = slice(int(field.columns[place]), int(field.columns[place]) + field.S.shape[2])
     s = np.asarray(field.S[place] @ field.p[instant, on])
     if field.A is not None:
-        s = turned(s, field.A[instant], field.strain)
+        s = rotate_tensors(s, field.A[instant], field.strain)
     values, vectors = np.linalg.eigh(tensor(s, field.strain))
     normal = vectors[:, int(np.argmax(np.abs(values)))]
     normal = normal * (1.0 if normal[int(np.argmax(np.abs(normal)))] >= 0.0 else -1.0)

@@ -1,4 +1,4 @@
-"""What a criterion may reach between stored instants, by the stored velocities."""
+"""Bounds of a criterion between stored instants, from the stored velocities."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from jousto.recovery.hotspots.measures import Measure
 from jousto.recovery.hotspots.search import search
 
 PARTS = 8
-"""Pieces of the cubic between two stored instants."""
+"""Number of pieces of the cubic between two stored instants."""
 
 INSTANTS = 1 << 12
-"""Stored instants whose cubics are searched at once."""
+"""Number of stored instants whose cubics are searched at a time."""
 
 SAFETY = 2.0
-"""By which the fourth derivative, known from differences, is multiplied."""
+"""Safety factor on the fourth derivative, which is estimated by differences."""
 
 RESOLVED = 0.1
-"""Share of the largest value up to which the allowance says that the instants are close enough."""
+"""Allowance over the largest value, up to which the stored instants are close enough."""
 
 
 @dataclass(frozen=True)
 class Between:
-    """What a criterion may reach between the stored instants of a body.
+    """Upper bound of a criterion between the stored instants of a body.
 
     Attributes
     ----------
     curve : float
-        Largest ranked value of all places on the cubics through stored coordinates and velocities.
+        Largest ranked value of all sites on the cubics through stored coordinates and velocities.
     allowance : float
-        What the motion may add to it: curvature between the samples of the cubics, and the fourth
-        derivative that the cubics leave out, known from differences of their third ones.
+        Bound of the error of `curve`: curvature between the samples of the cubics, and the fourth
+        derivative, which the cubics neglect, from differences of their third derivatives.
     """
 
     curve: float
@@ -42,12 +42,12 @@ class Between:
 
     @property
     def bound(self) -> float:
-        """No listed place exceeds this between stored instants."""
+        """Upper bound of all sites between stored instants."""
         return self.curve + self.allowance
 
     @property
     def resolved(self) -> bool:
-        """Whether the allowance is small: the instants are close enough for the motion."""
+        """Whether the allowance is small, so that the instants are close enough for the motion."""
         return self.allowance <= RESOLVED * abs(self.curve)
 
 
@@ -60,7 +60,7 @@ class Cubics:
     path : (m PARTS + 1, n) array
         Coordinates at the samples.
     stray : (n,) array
-        By how much each coordinate may leave the chord between two samples.
+        Largest deviation of each coordinate from the chord between two samples.
     """
 
     path: Array
@@ -68,13 +68,13 @@ class Cubics:
 
 
 def cubics(p: Array, v: Array, time: Array) -> Cubics:
-    """Return the cubics between instants, and what bounds the motion near them.
+    """Return the cubics between instants, with the largest deviation of the motion from chords.
 
-    The cubic of Hermite errs by at most ``h^4 / 384 max |p''''|`` (C. de Boor, *A Practical Guide
-    to Splines*, ch. IV). The fourth derivative is the change of the cubics' third one from an
-    interval to the next over the distance of their middles, doubled for safety. Between samples
-    that are h / PARTS apart a cubic leaves its chord by at most an eighth of the square of that
-    times its largest second derivative, which stands at an end.
+    The error of a Hermite cubic is at most ``h^4 / 384 max |p''''|`` (C. de Boor, *A Practical
+    Guide to Splines*, ch. IV). The fourth derivative is estimated by the change of the third
+    derivative from one interval to the next over the distance of their midpoints, times SAFETY.
+    The deviation of a cubic from the chord between samples at the distance d = h / PARTS is at
+    most ``d^2 / 8`` times its largest second derivative, which is that at an end.
 
     Parameters
     ----------
@@ -101,14 +101,14 @@ def cubics(p: Array, v: Array, time: Array) -> Cubics:
     return Cubics(path, stray.max(axis=0, initial=0.0))
 
 
-def between(field: StressField, measure: Measure) -> Between | None:
-    """Return what a criterion may reach between the instants of a field at any of its places.
+def bounds_between(field: StressField, measure: Measure) -> Between | None:
+    """Return the bound of a criterion at all sites between the instants of a field.
 
-    None where it is not known: without velocities, with one instant, or for a criterion that jumps.
+    None without velocities, with one instant, or for a criterion whose sign jumps.
     """
     if field.v is None or field.nt < 2 or not measure.smooth:
         return None
-    columns = reach(field.S, measure)
+    columns = sensitivity(field.S, measure)
     curve, allowance = -np.inf, 0.0
     for first in range(0, field.nt - 1, INSTANTS):
         # one more interval on each side for the fourth derivative
@@ -121,7 +121,7 @@ def between(field: StressField, measure: Measure) -> Between | None:
 
 
 def largest_between(field: StressField, place: int, measure: Measure) -> float:
-    """Return what a criterion may reach at a place between instants, signed; nan if not known."""
+    """Return the bound of a criterion at a site between instants, with its sign; nan if none."""
     if field.v is None or field.nt < 2 or not measure.smooth:
         return float("nan")
     S = field.S[place]
@@ -129,12 +129,12 @@ def largest_between(field: StressField, place: int, measure: Measure) -> float:
     values = measure.value(found.path @ S.T)
     ranked = measure.rank(values)
     k = int(np.argmax(ranked))
-    top = float(ranked[k]) + float((reach(S[None], measure) @ found.stray)[0])
-    # back from the rank: the sign that the largest has
+    top = float(ranked[k]) + float((sensitivity(S[None], measure) @ found.stray)[0])
+    # sign of the largest ranked value
     down = measure.extreme == "smallest" or (measure.extreme == "magnitude" and values[k] < 0.0)
     return -top if down else top
 
 
-def reach(S: Array, measure: Measure) -> Array:
-    """Return by how much a criterion may change per unit of each coordinate, (ns, n)."""
+def sensitivity(S: Array, measure: Measure) -> Array:
+    """Return the largest change (ns, n) of a criterion per unit of each coordinate."""
     return np.asarray(np.sqrt(((measure.rows @ S) ** 2).sum(axis=1)))

@@ -1,4 +1,4 @@
-"""What a criterion is worth, and convex functions that are never below it."""
+"""Ranking of values of a criterion, and convex upper bounds of it."""
 
 from __future__ import annotations
 
@@ -19,33 +19,33 @@ RANKS: dict[str, Scale] = {
     "smallest": lambda x: -x,
     "magnitude": np.abs,
 }
-SLACK = 1e-7  # of the closed form of principal values, see principal_bounds
+SLACK = 1e-7  # relative error of the closed form of principal values, see principal_bounds
 
 
 @dataclass(frozen=True, eq=False)
 class Measure:
-    """How the search ranks by a criterion.
+    """Ranking of a criterion, with a convex upper bound.
 
-    Every criterion is ranked by a number that is to be large, ``rank(value)``. The convex function
-    F of the stress s is never below it, and ``|F(s) - F(s')| <= |G (s - s')|``.
+    The search maximises ``rank(value)`` of a criterion. The convex function F of the stress s is an
+    upper bound of it, and ``|F(s) - F(s')| <= |G (s - s')|``.
 
     Attributes
     ----------
     extreme : str
-        What is sought: "largest", "smallest" or "magnitude".
+        Extreme of the search: "largest", "smallest" or "magnitude".
     rows : (r, 6) array
-        G.
+        Matrix G.
     value : function of (..., 6)
         The criterion, with its sign.
     rank : function
-        What is to be large, of a value.
+        Ranked value, to be maximised, of a value of the criterion.
     majorant : function of (..., r)
-        F as a function of ``G s``, a rounding error of SLACK ``|G s|`` included.
+        F as a function of ``G s``, including a rounding error of SLACK ``|G s|``.
     tight : bool
-        Whether F is the ranked criterion itself, so that it also bounds from below.
+        Whether F equals the ranked criterion, so that it is a lower bound too.
     smooth : bool
-        Whether the ranked criterion, too, changes by no more than ``|G (s - s')|``: not those with
-        a sign that jumps.
+        Whether the ranked criterion changes by at most ``|G (s - s')|``; False for criteria whose
+        sign jumps.
     """
 
     extreme: str
@@ -57,25 +57,25 @@ class Measure:
     smooth: bool = True
 
 
-def root(A: Array) -> Array:
+def matrix_root(A: Array) -> Array:
     """Return G (r, 6) with ``G^T G = A`` for a positive semidefinite A, r its rank."""
     values, vectors = np.linalg.eigh(A)
     kept = values > 1e-12 * values[-1]
     return np.asarray(np.sqrt(values[kept])[:, None] * vectors[:, kept].T)
 
 
-def length(g: Array) -> Array:
+def vector_norm(g: Array) -> Array:
     """Return ``|g|`` over the last axis."""
     return np.asarray(np.sqrt(np.einsum("...i,...i->...", g, g)))
 
 
 def principal_bounds(g: Array) -> tuple[Array, Array]:
-    """Return numbers above the largest and below the smallest principal value.
+    """Return an upper bound of the largest and a lower bound of the smallest principal value.
 
-    Of tensors given as ``[s11 s22 s33 sqrt2 s12 sqrt2 s23 sqrt2 s13]``. The closed form
-    ``m + 2 sqrt(J2 / 3) cos(phi)`` with ``cos(3 phi) = (J3 / 2) (3 / J2)^1.5`` errs by some
-    1e-8 where two principal values are equal, since the arc cosine has no slope there; 1e-7 of the
-    length of the tensor is added for it.
+    The tensors are ``[s11 s22 s33 sqrt2 s12 sqrt2 s23 sqrt2 s13]``. The closed form
+    ``m + 2 sqrt(J2 / 3) cos(phi)`` with ``cos(3 phi) = (J3 / 2) (3 / J2)^1.5`` has an error of some
+    1e-8 near equal principal values, where the slope of the arc cosine is infinite; the bounds
+    include 1e-7 of the norm of the tensor for it.
     """
     a, b, c, d, e, f = np.moveaxis(g, -1, 0)
     m = (a + b + c) / 3.0
@@ -87,22 +87,22 @@ def principal_bounds(g: Array) -> tuple[Array, Array]:
     a, b, c, d, e, f = a / u, b / u, c / u, d / u, e / u, f / u
     J3 = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f)
     phi = np.arccos(np.clip(0.5 * J3, -1.0, 1.0)) / 3.0
-    slack = SLACK * length(g)
+    slack = SLACK * vector_norm(g)
     high = m + 2.0 * size * np.cos(phi) + slack
     low = m + 2.0 * size * np.cos(phi + 2.0 * np.pi / 3.0) - slack
     return high, low
 
 
 def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = False) -> Measure:
-    """Return how to search by a criterion.
+    """Return the measure of a criterion and an extreme.
 
     Parameters
     ----------
     criterion : str or Plane
         See `evaluate`.
     extreme : "largest", "smallest", "magnitude" or None
-        What is sought. None takes the largest von Mises, shear and first principal stress, the
-        smallest third one, and the largest magnitude of all others.
+        Extreme of the search. None is the largest von Mises, shear and first principal stress, the
+        smallest third principal stress, and the largest magnitude of all others.
     strain : bool
         Whether components are strains, with engineering shears.
 
@@ -127,8 +127,8 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
         raise InputError(
             Problem(
                 "hot_spots",
-                f"the smallest {criterion} is of no use, it is zero wherever nothing pulls; "
-                "leave extreme out",
+                f"extreme is 'smallest', but the smallest {criterion} is zero at every unloaded "
+                "site; omit extreme",
             )
         )
     rank, row = RANKS[chosen], weights(criterion, strain)
@@ -136,11 +136,11 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
         majorant: Scale = {"largest": _first, "smallest": _minus_first}.get(chosen, _size_of_first)
         return Measure(chosen, row[None], value, rank, majorant, True)
     if criterion in ("von-mises", "signed-von-mises"):
-        # the signed one is never larger than the plain one, whichever extreme is sought
+        # the signed criterion never exceeds the unsigned one, for any extreme
         tight = positive or chosen == "magnitude"
-        return Measure(chosen, mises_rows(strain), value, rank, length, tight, tight)
+        return Measure(chosen, mises_rows(strain), value, rank, vector_norm, tight, tight)
     if criterion == "max-shear":
-        # of strains the difference of the principal values, not half of it
+        # factor 2 for strains, whose shear is the full difference of the principal values
         rows = (2.0 if strain else 1.0) * tensor_rows(strain)
         return Measure(chosen, rows, value, rank, _shear, True)
     bounds = {"largest": _high, "smallest": _low, "magnitude": _spectral}
@@ -154,21 +154,24 @@ def measure(criterion: Criterion, extreme: str | None = None, *, strain: bool = 
 
 
 def tensor_rows(strain: bool) -> Array:
-    """Return G (6, 6) with ``|G s|`` the Frobenius norm of the tensor; Weyl 1912 bounds by it."""
+    """Return G (6, 6) such that ``|G s|`` is the Frobenius norm of the tensor.
+
+    The norm bounds the change of principal values (Weyl 1912).
+    """
     shear = 0.5**0.5 if strain else 2.0**0.5
     return np.diag([1.0, 1.0, 1.0, shear, shear, shear])
 
 
 def mises_rows(strain: bool) -> Array:
-    """Return G (5, 6) with ``|G s|`` the equivalent (von Mises) stress, ``G^T G = V``.
+    """Return G (5, 6) such that ``|G s|`` is the equivalent (von Mises) stress, ``G^T G = V``.
 
-    Of strains it is ``sqrt(2/3 e:e)`` of their deviator e.
+    For strains it is ``sqrt(2/3 e:e)`` with the deviator e.
     """
     V = np.diag([1.5, 1.5, 1.5, 3.0, 3.0, 3.0])
     V[:3, :3] -= 0.5
     if strain:
         V = (4.0 / 9.0) * V @ np.diag([1.0, 1.0, 1.0, 0.25, 0.25, 0.25])
-    return root(V)
+    return matrix_root(V)
 
 
 def _first(g: Array) -> Array:

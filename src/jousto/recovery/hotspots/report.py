@@ -1,4 +1,4 @@
-"""What a search for hot spots found, in words: table and certificate."""
+"""Report of hot spots: table and certificate as texts."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from jousto.recovery.hotspots.search_result import Found, HotSpot
 
 
 def shown_value(value: float, unit: str) -> str:
-    """Return a stress in MPa, or a strain in um/m."""
+    """Return a stress in MPa, or a strain in um/m, as a text."""
     return f"{value / 1e6:.6g} MPa" if unit == "Pa" else f"{1e6 * value:.6g} um/m"
 
 
 def head(found: Found, several: bool) -> list[str]:
-    """Return the head of the table."""
+    """Return the header of the table."""
     unit = "MPa" if found.unit == "Pa" else "um/m"
     body = ["body"] if several else []
     names = [f"{found.criterion} ({unit})", "mesh", "between", "at (s)"]
@@ -22,7 +22,7 @@ def head(found: Found, several: bool) -> list[str]:
 
 
 def row(found: Found, spot: HotSpot, several: bool) -> list[str]:
-    """Return a row of the table."""
+    """Return the row of a hot spot in the table."""
     factor = 1e-6 if found.unit == "Pa" else 1e6
     body = [spot.body] if several else []
     place = [f"{1e3 * x:.5g}" for x in spot.position]
@@ -34,23 +34,23 @@ def row(found: Found, spot: HotSpot, several: bool) -> list[str]:
 
 
 def certificate_lines(found: Found) -> list[str]:
-    """Return what the search proves."""
+    """Return the lines of the certificate: the number of checked sites and the proved bounds."""
     lines = []
     for name, c in found.certificates.items():
         share = 100.0 * c.pruned / max(c.places, 1)
         total = float(c.places) * c.instants
         worked = c.knots + c.full
-        few = f"; {worked:.3g} of {total:.3g} values worked out" if worked < total else ""
+        few = f"; {worked:.3g} of {total:.3g} values computed" if worked < total else ""
         bounded = f", {c.pruned} ({share:.1f} %) by an upper bound over the run" if c.pruned else ""
         lines.append(
-            f"'{name}': all {c.places} places were checked at all {c.instants} stored instants"
+            f"'{name}': all {c.places} sites were checked at all {c.instants} stored instants"
             f"{bounded}{few}"
         )
         if c.pruned and np.isfinite(c.best_pruned):
-            lines.append(f"  the largest bound of a pruned place is {_bound(found, c.best_pruned)}")
+            lines.append(f"  the largest bound of a pruned site is {_bound(found, c.best_pruned)}")
         if c.neighbours:
             lines.append(
-                f"  {c.neighbours} places are within {1e3 * c.separation:.4g} mm of a hot spot"
+                f"  {c.neighbours} sites are within {1e3 * c.separation:.4g} mm of a hot spot"
             )
     if not found.spots:
         return lines
@@ -61,45 +61,45 @@ def certificate_lines(found: Found) -> list[str]:
         "magnitude": "exceeds in magnitude",
     }[found.extreme]
     if not np.isfinite(found.bound):
-        lines.append("no other place is left: all are hot spots or next to one")
+        lines.append("no other site is left: all are hot spots or next to one")
     elif found.certified:
         lines.append(
-            f"certified: no other place {what} {_bound(found, found.bound)} at any stored instant "
-            f"from {found.start:g} to {found.end:g} s, of the listed places; "
+            f"certified: no other site {what} {_bound(found, found.bound)} at any stored instant "
+            f"from {found.start:g} to {found.end:g} s, of the listed sites; "
             f"the last of the list has {last}"
         )
     else:
-        lines.append(f"not certified: other places may reach {_bound(found, found.bound)}")
+        lines.append(f"not certified: other sites may reach {_bound(found, found.bound)}")
     return [*lines, _between(found), _mesh(found)]
 
 
 def _mesh(found: Found) -> str:
-    """Return what is known of the error by the mesh."""
+    """Return a line on the error of the mesh in the column `+-` of the table."""
     if found.fields[0].strain:
-        return "error of the mesh: not known of strain; ask for the stress"
+        return "error of the mesh: not known for strain; use the stress"
     blind = [field.name for field in found.fields if field.modes.scatter is None]
-    text = "error of the mesh (+-): by how much the elements around a place disagree"
+    text = "error of the mesh (+-): difference between the elements around a site"
     if not blind:
         return text
     names = ", ".join(f"'{name}'" for name in blind)
-    why = f"not known of {names}: the part has no mesh of solids, or was reduced without it"
+    why = f"not known for {names}: the part has no mesh of solids, or was reduced without it"
     return f"error of the mesh: {why}" if len(blind) == len(found.fields) else f"{text}; {why}"
 
 
 def _between(found: Found) -> str:
-    """Return what may be between the stored instants."""
+    """Return a line on the bound between the stored instants."""
     bound = found.bound_between
     if not np.isfinite(bound):
         return (
-            "between the stored instants nothing is known of it (no velocities): store instants "
-            "close enough (output_step)"
+            "between the stored instants it is not known (no velocities are stored): store more "
+            "instants (output_step)"
         )
     first = found._ranked(found.spots[0].value)
     more = f", {100.0 * (bound / first - 1.0):.2g} % above the first" if first > 0.0 else ""
-    text = f"between the stored instants no place exceeds {_bound(found, bound)}{more}"
+    text = f"between the stored instants no site exceeds {_bound(found, bound)}{more}"
     if all(gap is None or gap.resolved for gap in found.gaps.values()):
-        return f"{text}, by the stored velocities, if the motion is smooth there"
-    return f"{text}: the instants are too far apart for the vibrations, store more (output_step)"
+        return f"{text}, by the stored velocities, for a motion that is smooth between them"
+    return f"{text}; the instants are too far apart for the vibrations, store more (output_step)"
 
 
 def _bound(found: Found, ranked: float) -> str:

@@ -1,4 +1,4 @@
-"""The places where a criterion is largest, with proof: branch and bound, best first."""
+"""Search for the sites with the largest value of a criterion, by branch and bound."""
 
 from __future__ import annotations
 
@@ -14,36 +14,36 @@ from jousto.base.ranking import TIE, first
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.measures import Measure
 
-FIRST, MOST = 32, 2048  # places refined at once
+FIRST, MOST = 32, 2048  # number of sites refined at once: at first, and maximum
 
 
 @dataclass(frozen=True)
 class Proof:
-    """What a search looked at, and what bounds the rest.
+    """Certificate of a search: numbers of sites and evaluations, and the proved bound.
 
     Attributes
     ----------
     places, instants : int
-        What was searched.
+        Number of sites and instants of the search.
     pruned : int
-        Places that the bound over the whole run left out.
+        Number of sites excluded by their bound over the whole run.
     visited : int
-        Places that were looked at window by window; all others are `pruned`.
+        Number of sites evaluated window by window; all others are `pruned`.
     complete : int
-        Places of those whose largest value is known exactly.
+        Number of visited sites whose largest value is known exactly.
     neighbours : int
-        Places nearer to a hot spot than the separation, which cannot be one.
+        Number of sites nearer to a hot spot than the separation, which are excluded.
     bound : float
-        No place that is neither a hot spot nor a neighbour of one exceeds this, in whatever order
-        its sums are taken; -inf if there is none.
+        Upper bound of the ranked value of all sites besides hot spots and neighbours, valid for
+        any order of summation; -inf if there are no other sites.
     best_pruned : float
-        The largest bound of those that were pruned, -inf if none was.
+        Largest bound of the pruned sites; -inf if there are none.
     knots, full : int
-        How often the criterion was worked out at knots of windows and in full.
+        Number of evaluations of the criterion at knots of windows, and at all instants of windows.
     margin : float
-        Largest allowance for rounding in a bound.
+        Largest allowance for rounding errors in a bound.
     separation : float
-        No two hot spots are nearer, m.
+        Smallest distance of two hot spots, m.
     """
 
     places: int
@@ -62,7 +62,7 @@ class Proof:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Hot spots: places, their instants and ranked values, the largest first."""
+    """Hot spots: sites, their instants and ranked values, in descending order."""
 
     places: Index
     instants: Index
@@ -80,35 +80,36 @@ def search(
     separation: float = 0.0,
     labels: Sequence[str] | None = None,
 ) -> Found:
-    """Return the places where a criterion is largest over a run, each apart from those before.
+    """Return the sites with the largest values of a criterion over a run, at a given separation.
 
-    The largest of all first; then the largest of those further away from it than `separation`,
-    and so on. Places wait in a queue ordered by an upper bound. The first of the queue is either
-    known exactly, then nothing else can exceed it and it is a hot spot, or it is looked at more
-    closely. So what was never looked at is proved to be smaller.
+    The first hot spot is the largest value of all; the next one is the largest of the sites further
+    away from it than `separation`, and so on. Sites are in a queue ordered by an upper bound. If
+    the value of the first site of the queue is known exactly, no other site can exceed it, and it
+    is a hot spot; otherwise its bound is refined. So all sites that were not evaluated are proved
+    to be smaller.
 
     Parameters
     ----------
     modes : (ns, 6, n) array
-        Stress of the modes at the places.
+        Stress of the modes at the sites.
     p : (nt, n) array
         Modal coordinates.
     positions : (ns, 3) array
-        Of the places, m.
+        Positions of the sites, m.
     measure : Measure
         The criterion.
     count : int
-        How many.
+        Number of hot spots.
     separation : float
-        Straight distance, m.
+        Smallest distance of two hot spots, m.
     labels : sequence of str, optional
-        Of the places: which comes first of those that are equal but for round-off (`ranking`);
-        their order if None.
+        Labels of the sites, which order those of equal values up to round-off (`ranking`); None
+        orders them by index.
 
     Raises
     ------
     JoustoError
-        If a place does not become known exactly, since values and bounds of the criterion disagree.
+        If the refinement of a site does not end, since values and bounds of the criterion disagree.
     """
     work = prepare(modes, p, measure)
     ns = len(modes)
@@ -131,16 +132,16 @@ def search(
             alive &= ~near if separation > 0.0 else True
             alive[top] = False
             continue
-        # what may be as large as a place known exactly must be known, too
+        # refine all sites that may be as large as the site known exactly
         top = int(open_[np.argmax(upper[open_])])
-        # a value that the last hot spot will probably have; only the effort depends on it
+        # estimate of the value of the last hot spot, which affects the effort alone
         hope = _hope(lower, alive, positions, count - len(spots), separation)
         waiting = np.flatnonzero(alive & ~exact & (upper > min(hope, upper[top])))
         if len(waiting) > batch:
             waiting = waiting[np.argpartition(upper[waiting], -batch)[-batch:]]
         if top not in waiting:
             waiting = np.append(waiting, top)
-        # those that failed with the hope before must be known exactly now
+        # sites refined before against the estimate are now refined to their exact value
         below = np.where(seen[waiting], lower[waiting], np.maximum(lower[waiting], hope))
         best, instant, bound = work.refine(waiting, below)
         better = best > lower[waiting]
@@ -153,7 +154,7 @@ def search(
         batch = min(2 * batch, MOST)
     chosen = np.array(spots, dtype=np.intp)
     unseen = alive & ~seen
-    # values known exactly are sums in one order; the margin is for all others
+    # the margin covers other orders of summation than that of the exact values
     left = np.maximum(upper, lower + work.margin)[alive]
     certificate = Proof(
         places=ns,
@@ -173,20 +174,20 @@ def search(
 
 
 def _refuse_standstill(places: Index, lower: Array, upper: Array) -> None:
-    """Refuse places that were looked at twice and are not known exactly: the next pass is alike."""
+    """Raise an error for sites without an exact value after two passes, which would never end."""
     if len(places):
         k = int(places[0])
         raise JoustoError(
-            f"hot_spots: place {k} of the field has a bound of {upper[k]:.9g} and a value of "
+            f"hot_spots: site {k} of the field has a bound of {upper[k]:.9g} and a value of "
             f"{lower[k]:.9g} after its last pass, which must agree; values and bounds of this "
-            "criterion contradict each other: search with another criterion and report this one"
+            "criterion contradict each other; search with another criterion and report this one"
         )
 
 
 def _hope(
     lower: Array, alive: NDArray[np.bool_], positions: Array, count: int, apart: float
 ) -> float:
-    """Return the value that the last of the next hot spots has at least, going by what is known."""
+    """Return a lower bound of the value of the last hot spot, from the known lower bounds."""
     known = np.where(alive, lower, -np.inf)
     if apart <= 0.0:
         if count > len(known):

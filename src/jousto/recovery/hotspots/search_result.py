@@ -1,4 +1,4 @@
-"""What a search for hot spots has found, and what is proved of it."""
+"""Result of a search for hot spots: the spots and the proved bounds."""
 
 from __future__ import annotations
 
@@ -15,38 +15,38 @@ from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.interval_bounds import Between
 from jousto.recovery.hotspots.search import Proof
 
-EARLY = 0.05  # share of the time in which a largest value may belong to the start
+EARLY = 0.05  # first part of the time span that may contain the start-up transient
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class HotSpot:
-    """One place and the instant at which its criterion is largest.
+    """Site with the instant at which its criterion is largest.
 
     Attributes
     ----------
     rank : int
-        1 for the worst place.
+        Rank from 1, the largest value.
     body, site : str
-        Where: name of the body and label of the place, such as ``e1.a.top``.
+        Name of the body and label of the site, such as ``e1.a.top``.
     node : int
-        Number of the node from 0, -1 if it is not known.
+        Number of the node from 0; -1 if it is not known.
     position : (3,) array
-        Undeformed, part frame, m.
+        Undeformed position, part frame, m.
     time : float
-        When, s.
+        Instant, s.
     value : float
-        The criterion with its sign, Pa or m/m.
+        Value of the criterion with its sign, Pa or m/m.
     tensor : (6,) array
-        Stress (strain) then, ``[11 22 33 12 23 13]`` in the axes of the field.
+        Stress (strain) at the instant, ``[11 22 33 12 23 13]`` in the axes of the field.
     normal : (3,) array
-        Normal of the critical plane then: that of the largest normal stress by magnitude.
+        Normal of the plane with the normal stress of largest magnitude at the instant.
     between : float
-        What the criterion may reach there between stored instants, with its sign, Pa or m/m; nan
-        if that is not known.
+        Bound of the criterion at the site between stored instants, with its sign, Pa or m/m; nan
+        if it is not known.
     mesh : float
-        Estimated error of the stress by the mesh, Pa: by how much the elements around the place
-        disagree then, see `place_errors`; nan if it is not known (beams have no mesh of solids).
+        Estimated error of the stress by the mesh, Pa: difference between the elements around the
+        site at the instant, see `place_errors`; nan if it is not known (beams have no mesh).
     """
 
     rank: int
@@ -68,7 +68,7 @@ class HotSpot:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What `HotSpots` are before they are shown or written; see there."""
+    """Base of `HotSpots` with its data; see there."""
 
     spots: tuple[HotSpot, ...]
     criterion: Criterion
@@ -91,49 +91,49 @@ class Found:
 
     @property
     def unit(self) -> str:
-        """Pa or m/m."""
+        """Unit of the values: Pa or m/m."""
         return self.fields[0].unit
 
     @property
     def pruned(self) -> int:
-        """Places that were never looked at: the bound over the whole run leaves them out."""
+        """Number of sites excluded by their bound over the whole run."""
         return sum(c.pruned for c in self.certificates.values())
 
     @property
     def visited(self) -> int:
-        """Places that were looked at, most of them only window by window."""
+        """Number of sites that were evaluated, most of them only at knots of windows."""
         return sum(c.visited for c in self.certificates.values())
 
     @property
     def bound(self) -> float:
-        """Nothing but the hot spots and their neighbours exceeds this, -inf if nothing is left.
+        """Upper bound of the ranked value of all sites besides hot spots and their neighbours.
 
-        Ranked as the hot spots are: of the smallest values it is minus the value.
+        The ranked value of a search for the smallest values is minus the value. It is -inf if
+        there are no other sites.
         """
         return max((c.bound for c in self.certificates.values()), default=-np.inf)
 
     @property
     def bound_between(self) -> float:
-        """No listed place exceeds this between stored instants, nan if that is not known.
+        """Upper bound of the ranked value of all sites between stored instants; nan if not known.
 
-        Ranked as `bound` is. It holds for motion that is smooth from one stored instant to the
-        next, see `between`.
+        It is valid for a motion that is smooth from one stored instant to the next, see `between`.
         """
         known = [gap.bound for gap in self.gaps.values() if gap is not None]
         return max(known) if known and len(known) == len(self.gaps) else np.nan
 
     @property
     def certified(self) -> bool:
-        """Whether nothing left out exceeds the last hot spot by more than round-off, 1e-9."""
+        """Whether no other site exceeds the last hot spot by more than round-off, 1e-9."""
         ranked = [self._ranked(spot.value) for spot in self.spots]
         margin = max((c.margin for c in self.certificates.values()), default=0.0)
         return not ranked or self.bound <= min(ranked) + margin + TIE * abs(min(ranked))
 
     @property
     def early(self) -> float | None:
-        """End of the first part of the time in which most of them lie, s; None if they do not.
+        """End of the first part of the time span, s, if it contains most of the hot spots; or None.
 
-        They may then belong to the start of the run instead of the motion.
+        These hot spots may be due to the start-up transient.
         """
         limit = self.start + EARLY * (self.end - self.start)
         soon = sum(spot.time <= limit for spot in self.spots)
@@ -143,17 +143,17 @@ class Found:
         return {"largest": value, "smallest": -value, "magnitude": abs(value)}[self.extreme]
 
     def field(self, spot: HotSpot) -> StressField:
-        """Return the field at one hot spot, over the whole run."""
+        """Return the field at the site of a hot spot over the whole run."""
         return next(f for f in self.fields if f.name == spot.body).only(spot.site)
 
     def history(self, spot: HotSpot | int, criterion: Criterion | None = None) -> Array:
-        """Return a criterion over the whole run at a hot spot (or at ``self[k]``), (nt,).
+        """Return a criterion (nt,) over the whole run at a hot spot, or at ``self[k]``.
 
         Parameters
         ----------
         spot : HotSpot or int
         criterion : str or Plane, optional
-            Another one than the spots were sought by.
+            Another criterion than that of the search.
         """
         chosen = self.spots[spot] if isinstance(spot, int) else spot
         return self.field(chosen).values(criterion or self.criterion)[:, 0]

@@ -1,4 +1,4 @@
-"""Windows of time: how far modal coordinates stray from the chord between two instants."""
+"""Windows of time: deviation of modal coordinates from the chord between two instants."""
 
 from __future__ import annotations
 
@@ -8,29 +8,28 @@ import numpy as np
 
 from jousto.base.arrays import Array, Index
 
-BLOCK = 1 << 21  # numbers in a piece of work
-
-UNIT = 2.0**-53
-SAFETY = 64.0  # operations on a number besides its sums, generously
+BLOCK = 1 << 21  # number of values in memory at a time
+UNIT = 2.0**-53  # unit round-off of double precision
+SAFETY = 64.0  # upper bound of floating-point operations per value, besides sums
 
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Pieces of a path y(t) between knots that lie a fixed number of instants apart.
+    """Windows of a path y(t) between knots at a constant number of instants.
 
-    Every instant of a piece is ``y = (1 - x) y_a + x y_b + d`` with the knots y_a, y_b at its ends
-    and some x in 0..1. A convex F with ``|F(s) - F(s')| <= |B (y - y')|`` is there at most
-    ``max(F(y_a), F(y_b)) + |B d|``, and ``|B d|`` at most the least of ``sum_j |B_j| h_j``,
-    ``reach sqrt(sum_j |B_j|^2 h_j^2)`` and ``|B| far``.
+    Every instant of a window is ``y = (1 - x) y_a + x y_b + d`` with the knots y_a, y_b at its ends
+    and 0 <= x <= 1. A convex F with ``|F(s) - F(s')| <= |B (y - y')|`` is at most
+    ``max(F(y_a), F(y_b)) + |B d|`` in the window, and ``|B d|`` is at most the smallest of
+    ``sum_j |B_j| h_j``, ``reach sqrt(sum_j |B_j|^2 h_j^2)`` and ``|B| far``.
 
     Attributes
     ----------
     stride : int
-        Instants between knots.
+        Number of instants between knots.
     knots : (nw + 1, n) array
         The path at the knots.
     h : (nw, n) array
-        Largest ``|d_j|`` in each piece.
+        Largest ``|d_j|`` in each window.
     reach : (nw,) array
         Largest ``sqrt(sum_j (d_j / h_j)^2)``.
     far : (nw,) array
@@ -53,14 +52,14 @@ class Windows:
         return out
 
     def strays_of_pairs(self, columns: Array, norm: Array, at: Index) -> Array:
-        """Return bounds (np, k) for pairs of a place (np, n) and its k windows (np, k)."""
+        """Return bounds (np, k) of ``|B d|`` for np sites (np, n), each in k windows (np, k)."""
         h = self.h[at]
         box = np.einsum("pkj,pj->pk", h, columns)
         ellipsoid = np.sqrt(np.einsum("pkj,pj->pk", h**2, columns**2)) * self.reach[at]
         return np.asarray(np.minimum(np.minimum(box, ellipsoid), norm[:, None] * self.far[at]))
 
 
-def cut(y: Array, stride: int) -> Windows:
+def cut_windows(y: Array, stride: int) -> Windows:
     """Return the windows of a path (k stride + 1, n)."""
     count = (len(y) - 1) // stride
     n = y.shape[1]
@@ -80,7 +79,7 @@ def cut(y: Array, stride: int) -> Windows:
         far[first:last] = np.sqrt((d**2).sum(axis=2)).max(axis=1)
         d /= np.where(top > 0.0, top, 1.0)[:, None]
         reach[first:last] = np.sqrt((d**2).sum(axis=2)).max(axis=1)
-    # the roundings of the lines above; sizes of y, since differences of it are taken
+    # rounding errors of the lines above, relative to the size of y because of its differences
     n_ops = UNIT * (n + SAFETY)
     h += n_ops * np.abs(y).max(axis=0)
     far += n_ops * np.sqrt((np.abs(y).max(axis=0) ** 2).sum())
@@ -88,10 +87,10 @@ def cut(y: Array, stride: int) -> Windows:
 
 
 def spectral(B: Array) -> Array:
-    """Return numbers (nk,) not below the 2-norms of matrices B (nk, r, n), at most 1.06 times.
+    """Return upper bounds (nk,) of the 2-norms of matrices B (nk, r, n), at most 1.06 times them.
 
-    ``|B|_2^16 <= trace (B B^T)^8``, the sum of the 8th powers of the eigenvalues of ``B B^T``: a
-    few products instead of the eigenvalues.
+    ``|B|_2^16 <= trace (B B^T)^8``, the sum of the 8th powers of the eigenvalues of ``B B^T``,
+    which costs a few products instead of the eigenvalues.
     """
     A = B @ np.swapaxes(B, 1, 2)
     size = np.maximum(np.einsum("kii->k", A), 1e-300)
@@ -100,5 +99,5 @@ def spectral(B: Array) -> Array:
         A = A @ A
     trace = np.einsum("kij,kij->k", A, A)
     n_ops = UNIT * (B.shape[2] + SAFETY)
-    # the power damps small shares away: its rounding is of the size of one at most
+    # rounding error of the trace: at most that of values of size 1, after the normalisation
     return np.asarray(np.sqrt(size) * (trace + 8.0 * n_ops) ** 0.0625 * (1.0 + n_ops))

@@ -1,4 +1,4 @@
-"""Hot spots as files: their table and their histories."""
+"""Files of hot spots: their table and their histories."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STRAIN = ("e11", "e22", "e33", "g12", "g23", "g13")
 
 
 def write_spots(found: Found, path: str | Path) -> Path:
-    """Write the table of hot spots."""
+    """Write the table of hot spots; return the path."""
     target = _target(path, (".csv",))
     unit = found.unit
     names = STRAIN if found.fields[0].strain else STRESS
@@ -40,13 +40,13 @@ def write_spots(found: Found, path: str | Path) -> Path:
 
 
 def write_histories(found: Found, path: str | Path) -> Path:
-    """Write the histories of hot spots."""
+    """Write the histories of hot spots; return the path."""
     target = _target(path, (".csv", ".h5"))
     if target.suffix.lower() == ".h5":
         return _write_hdf5(found, target)
     time = found.fields[0].time
     if any(not np.array_equal(field.time, time) for field in found.fields):
-        message = "the bodies have different instants, which one table cannot hold; write .h5"
+        message = "the bodies have different instants, which do not fit into one table; write .h5"
         raise InputError(Problem(str(target), message))
     names = STRAIN if found.fields[0].strain else STRESS
     heads, columns = ["time (s)"], [time[:, None]]

@@ -1,4 +1,4 @@
-"""Inverse kinematics: coordinates that bring a frame to a place, within their limits."""
+"""Inverse kinematics: coordinates within their limits for a pose of a frame."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ from jousto.base.rotations import euler_parameters, parse_orientation, rotation_
 from jousto.mechanism.bodies.marker import Marker
 from jousto.robots.kinematics.tree import Tree
 
-SMALLEST, LARGEST = 1e-12, 1e8  # damping, in squares of the largest column
-SEED = 20
-UNWOUND = 1e-12  # of the size of the machine: a turn less leaves the place as it is
-STALLED = 1e-10  # gain of an iteration below which a start is given up
-WEIGHTS = 10.0, 100.0, 1000.0  # of the loops where the target is out of reach
+SMALLEST, LARGEST = 1e-12, 1e8  # limits of the damping d, over the square of the largest column
+SEED = 20  # seed of the random starts
+UNWOUND = 1e-12  # error over the size of the machine, up to which revolutions are removed
+STALLED = 1e-10  # relative gain of an iteration below which a start has failed
+WEIGHTS = 10.0, 100.0, 1000.0  # weights of the loops for a target out of reach
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class IKResult:
-    """Where inverse kinematics came to.
+    """Result of inverse kinematics.
 
     Parameters
     ----------
     q : (nq,) array
         Positions of the tree, within their limits.
     reached : bool
-        Whether the frame is there within the tolerances, and all loops are closed.
+        Whether the frame is at the target within the tolerances, and all loops are closed.
     distance : float
-        From the wanted position, m.
+        Distance from the target position, m; zero without one.
     angle : float
-        From the wanted axes, rad; zero if none were wanted.
+        Angle from the target axes, rad; zero without them.
     at_limit : tuple of str
-        Coordinates that stand at a limit.
+        Coordinates at a limit.
     iterations : int
-        In all.
+        Total number of iterations.
     starts : int
-        From how many places it was tried.
+        Number of starting points.
     gap : float
-        By how much the most open joint of a loop misses, m, angles times the size of the machine.
+        Largest gap of a loop joint, m (angles times the size of the machine).
     open : tuple of str
-        Joints and couplings that stay open, and coordinates of theirs past their limits.
+        Open joints and couplings, and their coordinates beyond limits.
     """
 
     q: Array
@@ -86,47 +86,48 @@ def inverse_kinematics(
     starts: int = 50,
     iterations: int = 200,
 ) -> IKResult:
-    """Find coordinates with which a frame is at a position, has axes, or both.
+    """Return coordinates with which a frame has a given position, given axes, or both.
 
-    Damped least squares: ``dq = (J^T W J + d D)^-1 J^T W e``, D being the diagonal of the
-    first matrix (Levenberg and Marquardt); d grows where a step does not bring the frame nearer.
-    Coordinates at a limit that would leave it stand still in that step. Where a start leads to
-    no solution, others within the limits are tried, always the same ones.
+    Damped least squares: ``dq = (J^T W J + d D)^-1 J^T W e`` with the diagonal D of the first
+    matrix (Levenberg and Marquardt); d grows after a step that does not reduce the error e.
+    Coordinates at a limit that would exceed it are fixed in that step. If a starting point leads to
+    no solution, others within the limits follow, the same ones in every call.
 
-    What joints ask that close loops (``tree.constraints``) is part of e, and so is what a
-    coordinate of theirs exceeds its limits by. Every start is closed first. Loops count as closed
-    within 1e-12 of the size of the machine; where a place is out of reach, the nearest is sought
-    among positions with closed loops. Flexible bodies keep their undeformed shape.
+    The error e includes the constraints of loop joints (``tree.constraints``) and the excess of
+    their coordinates over limits. Loops are closed first at every starting point, to 1e-12 of the
+    size of the machine. For a target out of reach the result is the nearest position with closed
+    loops. Flexible bodies are undeformed.
 
     Parameters
     ----------
     tree : Tree
-        The machine.
+        Tree of the machine.
     frame : str or Marker
-        What is to be there, as for ``tree.jacobian``.
+        Frame to be moved to the target, as for ``tree.jacobian``.
     position : (3,) array_like, optional
-        Where its origin shall be in the world, m; None for anywhere.
+        Target of its origin in the world, m; None for any.
     axes : orientation, optional
-        Its axes in the world: Euler parameters, a rotation matrix, `Rotate`; None for any.
+        Target of its axes in the world: Euler parameters, a rotation matrix, `Rotate`; None for
+        any.
     start : (nq,) array_like, optional
-        Positions to begin with; None for those of the machine's declaration. What is found first
-        counts, so that a start nearby keeps the branch.
+        First starting point; None is the initial pose of the machine. The first solution is
+        returned, so that a start nearby keeps the branch.
     tolerance, angle_tolerance : float
-        How near it shall come, m and rad.
+        Largest distance, m, and angle, rad, from the target.
     starts : int
-        From how many places it is tried; where limits are narrow more of them find more.
+        Maximum number of starting points; narrow limits need more.
     iterations : int
-        For each of them.
+        Maximum number of iterations per starting point.
 
     Returns
     -------
     IKResult
-        The best that was found; its ``reached`` says whether that is near enough.
+        Best result; ``reached`` is True if it is within the tolerances.
 
     Raises
     ------
     InputError
-        If neither position nor axes are given, or anything is no number.
+        If neither position nor axes are given, or a value is not a number.
     """
     where, problems = "inverse_kinematics", Problems()
     r = None if position is None else problems.array(where, "position", position, (3,))
@@ -169,7 +170,7 @@ def inverse_kinematics(
 
 
 class _Aim(NamedTuple):
-    """What counts: the place of the frame, and the loops by a weight."""
+    """Terms of the error: whether the pose of the frame is included, and the weight of loops."""
 
     place: bool
     weight: float
@@ -179,13 +180,13 @@ ALL, LOOPS = _Aim(True, 1.0), _Aim(False, 1.0)
 
 
 class _Target:
-    """Where a frame shall be, and how far it is away."""
+    """Target of a frame, with error and Jacobian at given positions."""
 
     def __init__(self, tree: Tree, frame: str | Marker, r: Array | None, A: Array | None) -> None:
         self.tree, self.frame, self.r, self.A = tree, frame, r, A
         poses = tree.forward_kinematics(tree.initial).values()
         here = tree.pose(frame, tree.initial).r
-        # an angle of 1 rad counts as so many m
+        # length that converts angles to m
         self.length = max([float(np.linalg.norm(here - x.r)) for x in poses], default=1.0) or 1.0
         self.units = np.where(tree.lengths, self.length, 1.0)
         self.index = {
@@ -195,7 +196,7 @@ class _Target:
         }
 
     def error(self, q: Array, aim: _Aim = ALL) -> Array:
-        """Return what is missing: position, m, turn times the length of the machine, m, loops."""
+        """Return the error e, m: position, rotation vector times length, and loops."""
         parts = [-aim.weight * self.tree.loops.missing(self.tree.view(q))[0]]
         if aim.place:
             here = self.tree.pose(self.frame, q)
@@ -205,7 +206,7 @@ class _Target:
         return np.concatenate(parts)
 
     def rows(self, q: Array, aim: _Aim = ALL) -> Array:
-        """Return the Jacobian of what counts."""
+        """Return the Jacobian of the error."""
         parts = [aim.weight * self.tree.loops.missing(self.tree.view(q))[1]]
         if aim.place:
             J = self.tree.jacobian(self.frame, q)
@@ -215,35 +216,35 @@ class _Target:
         return np.concatenate(parts)
 
     def size(self, q: Array, aim: _Aim = ALL) -> float:
-        """Return how far it is away, m."""
+        """Return the norm of the error, m."""
         return float(np.linalg.norm(self.error(q, aim)))
 
     def gap(self, q: Array) -> float:
-        """Return by how much the loops are open, m."""
+        """Return the largest gap of the loops, m."""
         found = self.tree.loops.missing(self.tree.view(q))[0]
         return float(np.abs(found).max(initial=0.0))
 
     def rank(self, q: Array) -> tuple[float, float]:
-        """Return what orders positions: open loops, then the way to the place."""
+        """Return the sort key of positions: gap of the loops, then distance to the target."""
         gap = self.gap(q)
         return (gap if gap > self.tree.loops.tolerance else 0.0), self.size(q)
 
     def off(self, q: Array) -> tuple[float, float]:
-        """Return the distance, m, and the angle, rad."""
+        """Return the distance, m, and the angle, rad, from the target."""
         here = self.tree.pose(self.frame, q)
         distance = 0.0 if self.r is None else float(np.linalg.norm(self.r - here.r))
         turn = np.zeros(3) if self.A is None else turn_vector(self.A @ here.A.T)
         return distance, float(np.linalg.norm(turn))
 
     def inside(self, q: Array) -> Array:
-        """Return positions within their limits."""
+        """Return positions clipped to their limits."""
         found = np.array(q)
         for i, place in self.index.items():
             found[place] = np.clip(found[place], self.tree.lower[i], self.tree.upper[i])
         return found
 
     def at_limit(self, q: Array, step: Array | None = None) -> Array:
-        """Return which coordinates stand at a limit, and would leave it by a step (nv,)."""
+        """Return a mask (nv,) of coordinates at a limit; with a step, only those exceeding it."""
         tree = self.tree
         found = np.zeros(tree.nv, dtype=bool)
         for i, place in self.index.items():
@@ -254,7 +255,7 @@ class _Target:
         return found
 
     def drawn(self, q: Array, rng: np.random.Generator) -> Array:
-        """Return other positions within the limits."""
+        """Return random positions within the limits."""
         tree = self.tree
         spread = np.where(tree.lengths, self.length, np.pi)
         found = tree.moved(q, spread * rng.uniform(-1.0, 1.0, tree.nv))
@@ -266,25 +267,25 @@ class _Target:
 
 
 class _Search:
-    """Damped least squares from one place after the other."""
+    """Damped least squares from several starting points."""
 
     def __init__(self, target: _Target, near: tuple[float, float], most: int) -> None:
         self.target, self.tree, self.near, self.most = target, target.tree, near, most
         self.used = 0
 
     def tried(self, q: Array) -> Array:
-        """Return where a start leads: to the place, or near it with closed loops."""
+        """Return the result from a start: at the target, or near it with closed loops."""
         found = self.descend(self.descend(q, LOOPS), ALL)
         return found if self.there(found, ALL) else self.descend(found, LOOPS)
 
     def nearest(self, q: Array) -> Array:
-        """Return where the closed loops come nearest to a place out of reach."""
+        """Return the positions with closed loops nearest to a target out of reach."""
         for weight in WEIGHTS:
             q = self.descend(q, _Aim(True, weight))
         return self.descend(q, LOOPS)
 
     def unwound(self, q: Array, start: Array) -> Array:
-        """Return the same place with the angles within half a turn of the start, where they may."""
+        """Return positions with angles changed by whole turns to be near those of the start."""
         for i, place in self.target.index.items():
             turns = np.round((q[place] - start[place]) / (2.0 * np.pi))
             if self.tree.lengths[i] or not turns:
@@ -298,14 +299,14 @@ class _Search:
         return q
 
     def there(self, q: Array, aim: _Aim) -> bool:
-        """Return whether it is near enough."""
+        """Return whether the error is within the tolerances."""
         if self.target.gap(q) > self.tree.loops.tolerance:
             return False
         distance, angle = self.target.off(q) if aim.place else (0.0, 0.0)
         return distance <= self.near[0] and angle <= self.near[1]
 
     def descend(self, q: Array, aim: _Aim) -> Array:
-        """Return where damped least squares ends."""
+        """Return the last positions of damped least squares from a start."""
         target, damping, size = self.target, 1e-3, self.target.size(q, aim)
         for _ in range(self.most):
             if self.there(q, aim):
@@ -324,7 +325,7 @@ class _Search:
         return q
 
     def step(self, q: Array, J: Array, e: Array, damping: float) -> Array:
-        """Return a step (nv,) that leaves no limit."""
+        """Return a step (nv,) that exceeds no limit."""
         held = np.zeros(self.tree.nv, dtype=bool)
         step = np.zeros(self.tree.nv)
         for _ in range(self.tree.nv + 1):
@@ -333,7 +334,7 @@ class _Search:
             top = float(squares.max(initial=0.0))
             if top == 0.0:
                 return np.zeros(self.tree.nv)
-            # as least squares: squares of K would lose the digits that close loops
+            # least squares instead of normal equations, which would lose digits of the loops
             D = np.diag(np.sqrt(damping * np.maximum(squares, 1e-6 * top)))
             rhs = np.concatenate([e, np.zeros(len(D))])
             step[:] = 0.0
@@ -342,12 +343,12 @@ class _Search:
             if not more.any():
                 break
             held |= more
-        # a turn by more than a radian says nothing of where it leads
+        # limit the step to 1 rad, the range of the linearisation
         return step / max(1.0, float(np.abs(step / self.target.units).max(initial=0.0)))
 
 
 def turn_vector(R: Array) -> Array:
-    """Return the rotation vector (3,), rad, of a rotation matrix: its angle is at most half a turn.
+    """Return the rotation vector (3,), rad, of a rotation matrix, with an angle of at most pi.
 
     Examples
     --------

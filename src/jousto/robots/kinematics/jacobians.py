@@ -1,4 +1,4 @@
-"""Motion: steps of a tree in the world, with their Jacobians and accelerations."""
+"""Motion: poses, Jacobians and accelerations of the steps of a tree in the world frame."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ from jousto.robots.kinematics.joint_chain import Step
 
 
 class Motion(NamedTuple):
-    """Steps in the world: axes and origins, Jacobians of origins and turns, and at v: biases."""
+    """Axes A and origins r of steps in the world, their Jacobians Jr, Jw, and at v: w, ar, aw.
+
+    w is the angular velocity; ar and aw are the linear and angular accelerations.
+    """
 
     A: Array
     r: Array
@@ -35,16 +38,16 @@ def in_motion(
     *,
     jacobians: bool = True,
 ) -> Motion:
-    """Return the steps in the world, with accelerations if v and a are given.
+    """Return the motion of steps in the world frame, with accelerations if v and a are given.
 
     Parameters
     ----------
     steps : sequence of Step
-        From the ground outward.
+        Steps from the ground outward.
     G : (n, nv) array
-        All velocities are G times the free ones; the Jacobians are of these.
+        Matrix from the free velocities to all velocities; Jacobians are by the free ones.
     q, v, a : arrays
-        All positions, velocities and accelerations, those that follow others too.
+        All positions, velocities and accelerations, including the eliminated ones.
     """
     n, nv = len(steps), len(G)
     A, r = np.zeros((n, 3, 3)), np.zeros((n, 3))
@@ -58,7 +61,7 @@ def in_motion(
         end = moved @ step.after
         A[i], r[i] = end.A, end.r
         size = turn.shape[1]
-        out = end.r - moved.r  # from the moved point of the joint
+        out = end.r - moved.r  # vector from the moved point of the joint
         if jacobians:
             if p >= 0:
                 Jw[i] = Jw[p]
@@ -87,7 +90,7 @@ def in_motion(
 
 
 def _motion(kind: str, sign: int, joint: Frame, q: Array) -> tuple[Frame, Array, Array]:
-    """Return a frame after its motion, and how it turns and slides in the world (3, size)."""
+    """Return a frame after its motion, and its Jacobians of rotation and translation (3, size)."""
     none = np.zeros((3, 1))
     z = joint.A[:, 2:]
     if kind == "turn":
@@ -103,7 +106,7 @@ def _motion(kind: str, sign: int, joint: Frame, q: Array) -> tuple[Frame, Array,
         if sign > 0:
             moved = Frame(joint.r, joint.A @ R)
             return moved, moved.A, zero
-        # b carries a: its angular velocity against b is turned round, in the axes of b
+        # b is the parent of a: the angular velocity of b against a changes its sign, axes of b
         return Frame(joint.r, joint.A @ R.T), -joint.A, zero
     if kind == "free":
         R = rotation_matrix(unit(q[3:7]))
@@ -113,15 +116,15 @@ def _motion(kind: str, sign: int, joint: Frame, q: Array) -> tuple[Frame, Array,
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Return a x b; numpy's takes ten times as long for two vectors."""
+    """Return a x b of two vectors, in a tenth of the time of numpy.cross."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
 def unit(e: Array) -> Array:
-    """Return Euler parameters of length 1."""
+    """Return normalised Euler parameters."""
     length = float(np.linalg.norm(e))
     if not length > 1e-6:
-        message = "Euler parameters in q are zero; (1, 0, 0, 0) is no turn"
+        message = "Euler parameters in q are zero; (1, 0, 0, 0) is no rotation"
         raise InputError(Problem("Tree", message))
     return np.asarray(e / length)

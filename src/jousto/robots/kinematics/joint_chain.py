@@ -1,4 +1,4 @@
-"""Chains of elementary motions: turns about and slides along z, balls, and free bodies."""
+"""Chains of elementary motions: rotation about z, translation along z, ball, free body."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from jousto.robots.kinematics.topology import Parts, Tie
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One elementary motion, after the one that carries it.
+    """Elementary motion relative to a parent step.
 
     Parameters
     ----------
     parent : int
-        Number of the step that carries it; -1 for the ground.
+        Index of the parent step; -1 for the ground.
     before, after : Frame
-        Frame of the motion in that of the parent, and frame of this step in the moved one.
+        Frame of the motion in the parent, and frame of this step in the moved frame.
     kind : {"fixed", "turn", "slide", "ball", "free"}
-        The motion, about or along z.
+        Kind of motion, about or along z.
     sign : int
-        1, or -1 where the coordinate describes how the parent moves.
+        1, or -1 if the coordinate is the motion of the parent relative to this step.
     q, v : int
-        First place in positions and in velocities of the whole.
+        First index in the positions and in the velocities of the tree.
     body : int
-        Number of the body that it carries, -1 for none.
+        Index of the body of this step; -1 for none.
     """
 
     parent: int
@@ -43,8 +43,8 @@ class Step:
     body: int
 
 
-def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
-    """Return the steps from the ground outward, the step of each body, and the coordinates."""
+def build_steps(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
+    """Return the steps from the ground outward, the step index of each body, the coordinates."""
     joined: dict[int, list[int]] = {}
     for k, joint in enumerate(parts.joints):
         for end in {joint.a, joint.b}:
@@ -55,7 +55,7 @@ def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
     at: dict[int, int] = {-1: -1}
     used: set[int] = set()
     waiting = [(-1, k) for k in reversed(joined.get(-1, []))]
-    # every component that hangs on nothing begins with its first body
+    # a component without a joint to the ground begins with its first body as a free body
     starts = list(free)
     while waiting or starts:
         if not waiting:
@@ -71,14 +71,14 @@ def grown(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
         used.add(k)
         joint = parts.joints[k]
         far = joint.b if near == joint.a else joint.a
-        steps += climb(joint, at[near], names, len(steps), far, forward=near == joint.a)
+        steps += joint_steps(joint, at[near], names, len(steps), far, forward=near == joint.a)
         at[far] = len(steps) - 1
         waiting += [(far, i) for i in reversed(joined.get(far, [])) if i not in used]
     return tuple(steps), tuple(at[i] for i in range(len(parts.bodies))), names
 
 
 def free_bodies(parts: Parts, joined: dict[int, list[int]]) -> list[int]:
-    """Return the first body of each part of the machine that no joint ties to the ground."""
+    """Return the first body of each component of the machine without a joint to the ground."""
     found, seen = [], set()
     for start in (-1, *range(len(parts.bodies))):
         if start in seen:
@@ -96,10 +96,10 @@ def free_bodies(parts: Parts, joined: dict[int, list[int]]) -> list[int]:
     return found
 
 
-def climb(
+def joint_steps(
     joint: Tie, parent: int, names: Names, first: int, far: int, *, forward: bool
 ) -> list[Step]:
-    """Return the steps of one joint, from its near body to its far one."""
+    """Return the steps of one joint, from its proximal to its distal body."""
     moves = list(zip(joint.moves, joint.names, strict=True))
     near_frame, far_frame = joint.frame_a, joint.frame_b
     sign = 1
@@ -121,16 +121,16 @@ def climb(
 
 
 class Names:
-    """Names and places of the coordinates: free bodies first, then joints as declared.
+    """Names and indices of the coordinates: free bodies, then joints in their order.
 
     Attributes
     ----------
     places : dict of str to (int, int)
-        First place of each coordinate among positions and velocities.
+        First index of each coordinate in positions and velocities.
     positions, velocities : list of str
-        A name for each number.
+        Name of each component.
     scalar : dict of str to (int, int)
-        Those of one number.
+        Indices of the scalar coordinates.
     """
 
     def __init__(self, parts: Parts, free: list[int]) -> None:
@@ -147,7 +147,7 @@ class Names:
             ball = any(kind == "ball" for _, kind, _ in joint.moves)
             for name in joint.names:
                 self.add(name, name, "ball" if ball else "turn")
-            self.initial += quaternion(relative(parts, joint)) if ball else joint.initial
+            self.initial += quaternion(relative_axes(parts, joint)) if ball else joint.initial
 
     def add(self, key: str, name: str, kind: str) -> None:
         """Add a coordinate."""
@@ -171,7 +171,7 @@ def quaternion(A: Array) -> list[float]:
     return [float(x) for x in euler_parameters(A)]
 
 
-def relative(parts: Parts, joint: Tie) -> Array:
+def relative_axes(parts: Parts, joint: Tie) -> Array:
     """Return the axes of frame b in frame a (3, 3) at the initial pose."""
     a, b = (
         (Frame() if body < 0 else parts.bodies[body].pose) @ frame
@@ -180,13 +180,13 @@ def relative(parts: Parts, joint: Tie) -> Array:
     return np.asarray(a.A.T @ b.A)
 
 
-def independent(parts: Parts, names: Names) -> tuple[list[str], Array, Array]:
-    """Return the scalar coordinates that stay free, and how all follow: ``s = G s_free + c``.
+def free_coordinates(parts: Parts, names: Names) -> tuple[list[str], Array, Array]:
+    """Return the free scalar coordinates, with G and c of all ones, ``s = G s_free + c``.
 
     Raises
     ------
     InputError
-        If relations contradict each other.
+        If couplings contradict each other.
     """
     scalar = list(names.scalar)
     index = {name: i for i, name in enumerate(scalar)}
@@ -203,7 +203,7 @@ def independent(parts: Parts, names: Names) -> tuple[list[str], Array, Array]:
         best = [i for i in order if abs(K[row, i]) > 1e-12 * max(scale, 1e-300)]
         if not best or scale < 1e-13:
             if abs(rhs[row]) > 1e-9:
-                message = "contradicts the other couplings; leave one out"
+                message = "contradicts the other couplings; remove one"
                 raise InputError(Problem(f"coupling {found.name!r}", message))
             continue
         i = best[0]

@@ -1,4 +1,4 @@
-"""Closures: joints that a tree leaves out, as rows between frames of its bodies."""
+"""Closures: joints and couplings outside the tree, as constraint rows between its frames."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from dataclasses import dataclass
 from jousto.robots.description import Frame
 
 Place = tuple[int, Frame]
-"""Number of a body, -1 for the ground, and a frame on it."""
+"""Index of a body, -1 for the ground, and a frame on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """A scalar function of two frames, or a coordinate of the tree if there are none.
+    """Scalar coordinate between two frames, or a coordinate of the tree.
 
     Parameters
     ----------
     name : str
-        Its name.
+        Name of the coordinate.
     kind : {"angle", "along", "distance"}
-        As of `Coordinate`.
+        Kind, as of `Coordinate`.
     column : int
-        Axis of frame a that a displacement is along.
+        Index of the axis of frame a for a displacement.
     a, b : Place or None
-        The frames.
+        The frames; None for a coordinate of the tree.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Sum:
-    """A row ``sum factor s = offset``."""
+    """Constraint row ``sum factor s = offset`` of coordinates s."""
 
     terms: tuple[Measured, ...]
     factors: tuple[float, ...]
@@ -44,7 +44,7 @@ class Sum:
 
 @dataclass(frozen=True, eq=False)
 class Closure:
-    """A joint or coupling that is no joint of the tree: its rows between the frames a and b."""
+    """Joint or coupling outside the tree, with its constraint rows between frames a and b."""
 
     name: str
     a: Place | None = None
@@ -56,7 +56,7 @@ class Closure:
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """Limits of a coordinate that is none of the tree."""
+    """Limits of a coordinate outside the tree."""
 
     of: Measured
     lower: float

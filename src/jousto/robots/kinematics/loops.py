@@ -1,7 +1,7 @@
-"""Loops: what the joints that a tree leaves out ask of its positions, and the Jacobians of that.
+"""Loops: constraint equations of the joints outside a tree, with their Jacobians.
 
-A joint is declared as rows (see `Joint`): points that coincide, axes at right angles and lines
-through coordinates. These are evaluated here between two frames of a tree.
+A joint is declared as rows (see `Joint`): coincident points, perpendicular axes and linear
+relations of coordinates, which are evaluated here between two frames of a tree.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from jousto.base.arrays import Array, skew
 from jousto.robots.kinematics.jacobians import Motion
 from jousto.robots.kinematics.loop_joints import Bound, Closure, Measured, Place, Sum
 
-CLOSED = 1e-12  # of the size of the machine: rounding of some hundred products
+CLOSED = 1e-12  # gap over the size of the machine, below which a loop is closed (round-off)
 TURN = 2.0 * np.pi
 
 
 class Spot(NamedTuple):
-    """A frame in the world: origin, m, axes, and Jacobians (3, nv) of both."""
+    """Frame in the world: origin, m, axes, and the Jacobians (3, nv) of both."""
 
     r: Array
     A: Array
@@ -30,7 +30,7 @@ class Spot(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A row: what is missing, its Jacobian (nv,), and m for a unit of it."""
+    """Constraint row: residual, its Jacobian (nv,), and the factor from its unit to m."""
 
     value: float
     rates: Array
@@ -39,18 +39,18 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A tree at a position.
+    """Tree at given positions.
 
     Parameters
     ----------
     motion : Motion
         Its steps in the world.
     at : tuple of int
-        The step of each body.
+        Index of the step of each body.
     q, G : arrays
-        All positions, and all velocities by the free ones.
+        All positions, and the matrix from free to all velocities.
     scalar : dict of str to (int, int)
-        Places of the coordinates of one number in them.
+        Indices of the scalar coordinates in q and v.
     """
 
     motion: Motion
@@ -60,7 +60,7 @@ class View:
     scalar: Mapping[str, tuple[int, int]]
 
     def spot(self, place: Place) -> Spot:
-        """Return where a frame is and how it moves."""
+        """Return pose and Jacobians of a frame."""
         body, frame = place
         if body < 0:
             none = np.zeros((3, self.G.shape[1]))
@@ -70,7 +70,7 @@ class View:
         return Spot(x.r[i] + arm, x.A[i] @ frame.A, x.Jr[i] - skew(arm) @ x.Jw[i], x.Jw[i])
 
     def measure(self, s: Measured) -> tuple[float, Array]:
-        """Return a coordinate, m or rad, and its Jacobian (nv,); angles within half a turn."""
+        """Return a coordinate, m or rad, and its Jacobian (nv,); angles are from -pi to pi."""
         if s.a is None or s.b is None:
             place, rate = self.scalar[s.name]
             return float(self.q[place]), self.G[rate]
@@ -85,27 +85,27 @@ class View:
         turn, x = b.Jw - a.Jw, b.A[:, 0]
         cosine, sine = a.A[:, 0] @ x, a.A[:, 1] @ x
         rates = cosine * np.cross(x, a.A[:, 1]) - sine * np.cross(x, a.A[:, 0])
-        # x of b across the axis of a has no angle, and no rate
+        # lower bound, since there is no angle if x of b is along the axis of a
         square = max(float(cosine * cosine + sine * sine), 1e-300)
         return float(np.arctan2(sine, cosine)), (rates / square) @ turn
 
 
 class Loops:
-    """What closes the loops of a tree.
+    """Constraint equations of the loops of a tree.
 
     Parameters
     ----------
     closures : sequence of Closure
-        Joints and couplings that are none of the tree.
+        Joints and couplings outside the tree.
     size : float
-        Of the machine, m.
+        Size of the machine, m.
 
     Attributes
     ----------
     bounds : list of Bound
-        Limits of their coordinates.
+        Limits of coordinates of these joints.
     tolerance : float
-        What counts as closed, m.
+        Largest gap of a closed loop, m.
     """
 
     def __init__(self, closures: Sequence[Closure], size: float) -> None:
@@ -122,11 +122,11 @@ class Loops:
         return tuple(closure.name for closure in self.closures)
 
     def rows(self, view: View) -> list[Row]:
-        """Return all rows, joint after joint."""
+        """Return the rows of all joints in their order."""
         return [row for closure in self.closures for row in self._of(view, closure)]
 
     def missing(self, view: View) -> tuple[Array, Array]:
-        """Return what is missing (m,), m, and its Jacobian (m, nv), excess over limits last."""
+        """Return residuals (m,), m, and Jacobian (m, nv), excesses over limits last."""
         rows = self.rows(view)
         rows += [row for bound in self.bounds for row in self._excess(view, bound)]
         values = np.array([row.scale * row.value for row in rows])
@@ -134,12 +134,12 @@ class Loops:
         return values, np.array(rates).reshape(len(rows), view.G.shape[1])
 
     def gaps(self, view: View) -> dict[str, float]:
-        """Return how far each joint is open, m, angles times the size; and limits by names."""
+        """Return the gap of each joint and the excess over each limit, m, by name."""
         found = {c.name: self._most(self._of(view, c)) for c in self.closures}
         return found | {b.of.name: self._most(self._excess(view, b)) for b in self.bounds}
 
     def at_bounds(self, view: View) -> tuple[str, ...]:
-        """Return the coordinates of joints out of the tree that stand at a limit."""
+        """Return the coordinates outside the tree that are at a limit."""
         found = []
         for bound in self.bounds:
             s = middle_turn(bound, view.measure(bound.of)[0])
@@ -149,7 +149,7 @@ class Loops:
         return tuple(found)
 
     def turned(self, view: View) -> dict[str, float]:
-        """Return the angles between frames that lines ask for, rad, whole turns included."""
+        """Return the angles between frames in linear relations, rad, revolutions included."""
         found = {}
         for line in (line for closure in self.closures for line in closure.lines):
             k, turns = self._turns(line, self._raw(view, line)[0])
@@ -188,13 +188,13 @@ class Loops:
         k, turns = self._turns(line, value)
         if k is not None:
             value -= line.factors[k] * TURN * turns
-        # m of the row by m of a coordinate, or by rad times the size
+        # scale of the row: m per unit of its largest coordinate, angles times the size
         pairs = zip(line.terms, line.factors, strict=True)
         unit = max(abs(factor) / self._scale(s) for s, factor in pairs)
         return Row(value, rates, 1.0 / unit if unit > 0.0 else 1.0)
 
     def _turns(self, line: Sum, value: float) -> tuple[int | None, float]:
-        """Return the term between frames that whole turns are taken from, and how many."""
+        """Return the index of the angle to be changed by whole turns, and their number."""
         angles = [
             k
             for k, s in enumerate(line.terms)
@@ -213,7 +213,7 @@ class Loops:
 
 
 def middle_turn(bound: Bound, s: float) -> float:
-    """Return a coordinate; an angle within half a turn of the middle of its limits."""
+    """Return a coordinate; angles are changed by whole turns to be near the mean of the limits."""
     middle = 0.5 * (bound.lower + bound.upper)
     if bound.of.kind != "angle" or not np.isfinite(middle):
         return s

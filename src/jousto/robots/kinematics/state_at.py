@@ -1,4 +1,4 @@
-"""Posed: the state of a model at positions of its tree."""
+"""state_at: state of a model at positions of its tree."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from jousto.model.rank.redundancy import is_drive, place
 from jousto.robots.kinematics.tree import Tree
 from jousto.simulation.state import State, put, take
 
-FITS = 1e-8  # of the size of the machine, or rad: what assembly and rounding leave
+FITS = 1e-8  # largest gap of a joint over the size of the machine, or rad, after assembly
 
 
 @explained
 def state_at(tree: Tree, model: Model, q: ArrayLike) -> State:
-    """Return the state of a model at rest at positions of its tree, to start from.
+    """Return the state of a model at rest at positions of its tree, for a run or an analysis.
 
     Parameters
     ----------
     tree : Tree
-        Of the mechanism that the model was compiled from.
+        Tree of the mechanism of the model.
     model : Model
         From `compile`.
     q : (nq,) array_like
-        Positions of the tree at which loops are closed, as from `inverse_kinematics`.
+        Positions of the tree with closed loops, such as those of `inverse_kinematics`.
 
     Returns
     -------
     State
-        At time 0, for ``simulate(model, t_end, state=...)`` and all that takes a state. Flexible
-        bodies are undeformed. Angles count whole turns as q does.
+        State at time 0, for ``simulate(model, t_end, state=...)`` and other functions with a
+        state. Flexible bodies are undeformed. Angles include the revolutions of q.
 
     Raises
     ------
     InputError
-        If a joint is open or beyond its limits, a drive asks for another position, or the model is
-        of other bodies.
+        If a joint is open or beyond its limits, a drive prescribes another position, or the bodies
+        of tree and model differ.
 
     Examples
     --------
@@ -52,10 +52,10 @@ def state_at(tree: Tree, model: Model, q: ArrayLike) -> State:
     _check_kinds(tree, model)
     _check_limits(tree, q)
     poses = tree.forward_kinematics(q)
-    # the base of a robot is no body of its mechanism
+    # bodies of the model must be in the tree; the base of a robot is in the tree alone
     missing = [body.name for body in model.bodies if body.name not in poses]
     if missing:
-        message = f"the tree has no body {missing[0]!r} of {model!r}; give the tree of its own"
+        message = f"the tree has no body {missing[0]!r} of {model!r}; give the tree of this model"
         raise InputError(Problem("state_at", message))
     there, angles = np.zeros(model.nq), tree.angles(q)
     for body in model.bodies:
@@ -71,7 +71,7 @@ def state_at(tree: Tree, model: Model, q: ArrayLike) -> State:
 
 
 def _check_kinds(tree: Any, model: Any) -> None:
-    """Refuse what is no tree and no model."""
+    """Raise an error for arguments of wrong types."""
     problems = Problems()
     if not isinstance(tree, Tree):
         problems.add("state_at", f"tree is {tree!r}, must be a Tree")
@@ -81,7 +81,7 @@ def _check_kinds(tree: Any, model: Any) -> None:
 
 
 def _check_limits(tree: Tree, q: ArrayLike) -> None:
-    """Refuse positions outside limits: stops would throw the machine back."""
+    """Raise an error for positions outside their limits, at which stops would act."""
     problems, values = Problems(), dict(zip(tree.positions, np.ravel(np.asarray(q)), strict=False))
     for name, low, high in zip(tree.velocities, tree.lower, tree.upper, strict=True):
         x = values.get(name, low)
@@ -91,7 +91,7 @@ def _check_limits(tree: Tree, q: ArrayLike) -> None:
 
 
 def _check(model: Model, engine: Engine) -> None:
-    """Refuse open joints and drives that are elsewhere."""
+    """Raise an error for open joints and for drives at another position."""
     problems = Problems()
     gaps = np.abs(engine.constraints()[0])
     for joint in model.joints:
@@ -102,13 +102,13 @@ def _check(model: Model, engine: Engine) -> None:
             continue
         if is_drive(joint):
             sentence = (
-                f"begins {gap:.3g} (m or rad) from these positions; let its signal begin there, or "
-                "leave the drive out"
+                f"begins {gap:.3g} (m or rad) away from these positions; change its signal, or "
+                "remove the drive"
             )
         else:
             sentence = (
-                f"is open by {gap:.3g} (m or rad) at these positions; take positions that "
-                "inverse_kinematics has reached"
+                f"is open by {gap:.3g} (m or rad) at these positions; give positions with closed "
+                "loops, such as those of inverse_kinematics"
             )
         problems.add(place(joint), sentence)
     problems.raise_if_any()

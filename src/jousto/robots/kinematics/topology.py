@@ -1,4 +1,4 @@
-"""What a tree is made of: bodies, ties between them and relations, of a mechanism or a robot."""
+"""Topology of a tree: bodies, joints, loop joints and relations of a mechanism or a robot."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from jousto.robots.description import Frame, Robot, RobotJoint
 from jousto.robots.kinematics.loop_joints import Closure, Measured, Place, Sum
 
 E3 = np.eye(3)
-X_UP = E3[:, [1, 2, 0]]  # its z axis is x
+X_UP = E3[:, [1, 2, 0]]  # axes with z along x
 Y_UP = E3[:, [2, 0, 1]]
 CROSS = E3[:, [1, 2, 0]]  # axes of b in the cross of a universal joint, both angles zero
 
 Move = tuple[Array, str, Array]
-"""Axes before, "turn" or "slide" along z or "ball", and axes after."""
+"""Axes before the motion, its kind ("turn" or "slide" along z, or "ball"), and axes after it."""
 
 MOVES: dict[type[Joint], tuple[Move, ...]] = {
     Fixed: (),
@@ -53,7 +53,7 @@ OF_ROBOT: dict[str, type[Joint]] = {
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """A body: its mass (kg), centre (m) and inertia about it (kg m2) in its frame, and its pose."""
+    """Body: mass, kg, centre of mass, m, inertia about it, kg m2, in its frame, and its pose."""
 
     name: str
     mass: float
@@ -64,7 +64,7 @@ class Carried:
 
 @dataclass(frozen=True, eq=False)
 class Tie:
-    """A joint between bodies a and b, numbers from 0 or -1 for the ground, and its frames there."""
+    """Joint between bodies a and b (index, -1 for the ground), with its frames on them."""
 
     name: str
     moves: tuple[Move, ...]
@@ -78,7 +78,7 @@ class Tie:
 
 @dataclass(frozen=True, eq=False)
 class Relation:
-    """A linear relation of scalar coordinates: ``sum factor s = offset``; the last name follows."""
+    """Relation of scalar coordinates ``sum factor s = offset``, which eliminates the last one."""
 
     name: str
     names: tuple[str, ...]
@@ -88,30 +88,30 @@ class Relation:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What a tree is made of.
+    """Bodies, joints, couplings and limits of a tree.
 
     Parameters
     ----------
     bodies : tuple of Carried
-        In the order of the machine.
+        Bodies in the order of the machine.
     joints : tuple of Tie
-        In the order of the machine.
+        Joints in the order of the machine.
     relations : tuple of Relation
         Couplings.
     gravity : (3,) array
-        m/s2.
+        Gravitational acceleration, m/s2.
     armature : dict of str to float
-        Inertia of rotors by the names of coordinates.
+        Rotor inertia by name of the coordinate.
     limits : dict of str to (float, float)
-        By the names of coordinates.
+        Limits by name of the coordinate.
     frames : dict of str to (int, Frame)
-        Named frames: number of the body, -1 for the ground, and where on it.
+        Named frames: index of the body, -1 for the ground, and pose on it.
     closures : tuple of Closure
-        Joints and couplings that are none of the tree.
+        Joints and couplings outside the tree.
     measured : dict of str to Measured
-        Coordinates of such joints.
+        Coordinates of these joints.
     size : float
-        Of the machine and its place in the world, m.
+        Size of the machine including its distance from the origin, m.
     """
 
     bodies: tuple[Carried, ...]
@@ -127,7 +127,7 @@ class Parts:
 
 
 def of_mechanism(mechanism: Mechanism) -> Parts:
-    """Return the parts of a mechanism; of joints that close a loop those with fewest rows are cut.
+    """Return the parts of a mechanism; in each loop the joint with the fewest rows is cut.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def of_mechanism(mechanism: Mechanism) -> Parts:
     frames: dict[str, tuple[int, Frame]] = {}
     for body in mechanism.bodies:
         if isinstance(body, BeamNode):
-            message = "belongs to a beam; a tree has no exact beams, leave it out"
+            message = "belongs to a beam; a tree has no exact beams, remove it"
             problems.add(f"body {body.name!r}", message)
             continue
         r, A, _ = mechanism.pose(body)
@@ -196,23 +196,23 @@ def of_mechanism(mechanism: Mechanism) -> Parts:
 
 
 class _Look:
-    """Joints and coordinates of a mechanism, its bodies by number."""
+    """Conversion of joints and coordinates of a mechanism, with indices of its bodies."""
 
     def __init__(self, numbers: dict[int, int]) -> None:
         self.numbers = numbers
-        self.own: set[str] = set()  # coordinates of the tree
+        self.own: set[str] = set()  # names of the coordinates of the tree
 
     def place(self, marker: Marker) -> Place:
-        """Return where a marker is; -1 is the ground."""
-        return self.numbers.get(id(marker.body), -1), placed(marker)
+        """Return body index (-1 for the ground) and frame of a marker."""
+        return self.numbers.get(id(marker.body), -1), marker_frame(marker)
 
     def ends(self, joint: Joint) -> tuple[int, int]:
-        """Return the numbers of the bodies of a joint."""
+        """Return the indices of the bodies of a joint."""
         a, b = (self.place(marker)[0] for marker in (joint.a, joint.b))
         return a, b
 
     def tie(self, joint: Joint, kind: type[Joint]) -> Tie:
-        """Return a joint of the tree."""
+        """Return a joint as a joint of the tree."""
         (a, frame_a), (b, frame_b) = (self.place(marker) for marker in joint.frames)
         names = tuple(s.name for s in joint.coordinates)
         if kind is Spherical:
@@ -221,18 +221,18 @@ class _Look:
         return Tie(joint.name, MOVES[kind], names, a, b, frame_a, frame_b, initial)
 
     def closure(self, joint: Joint) -> Closure:
-        """Return a joint that is none of the tree."""
+        """Return a joint as a closure outside the tree."""
         a, b = (self.place(marker) for marker in joint.frames)
         lines = tuple(self.line(line) for line in joint.lines)
         return Closure(joint.name, a, b, joint.coincident, joint.perpendicular, lines)
 
     def line(self, line: Line) -> Sum:
-        """Return a row of coordinates."""
+        """Return a linear relation of coordinates as a constraint row."""
         terms = tuple(self.measured(s) for s in line.coordinates)
         return Sum(terms, tuple(map(float, line.factors)), float(line.offset))
 
     def measured(self, s: Coordinate) -> Measured:
-        """Return a coordinate."""
+        """Return a coordinate of the mechanism as one of the tree or between frames."""
         if s.name in self.own:
             return Measured(s.name, s.engine)
         return Measured(s.name, s.engine, s.column, self.place(s.a), self.place(s.b))
@@ -241,7 +241,7 @@ class _Look:
 def points_of(
     number: int, body: RigidBody | FlexibleBody, center: Array
 ) -> dict[str, tuple[int, Frame]]:
-    """Return the named points of a body as frames; of a flexible one its named nodes."""
+    """Return the named points of a rigid body, or named nodes of a flexible one, as frames."""
     own = body.markers if isinstance(body, RigidBody) else body.reduced.named_nodes
     named = {"origin": np.zeros(3), "center": center, **own}
     found = {f"{body.name}.{name}": (number, Frame(r)) for name, r in named.items()}
@@ -249,18 +249,18 @@ def points_of(
 
 
 def relation(name: str, line: Line) -> Relation:
-    """Return a relation of coordinates; two coordinates of the same function are one."""
+    """Return a relation of coordinates, with equal coordinates combined."""
     factors = tuple(map(float, line.factors))
     return Relation(name, tuple(s.name for s in line.coordinates), factors, float(line.offset))
 
 
-def placed(marker: Marker) -> Frame:
-    """Return the frame of a marker in that of its body."""
+def marker_frame(marker: Marker) -> Frame:
+    """Return the pose of a marker in its body."""
     return Frame(np.asarray(marker.position_local), np.asarray(marker.axes))
 
 
 def coordinate_names(joint: RobotJoint) -> tuple[str, ...]:
-    """Return the names of a joint's coordinates, as the joints of a mechanism call them."""
+    """Return the names of the coordinates of a joint, equal to those of a mechanism's joint."""
     own = {
         "revolute": ("angle",),
         "prismatic": ("displacement",),
@@ -272,7 +272,7 @@ def coordinate_names(joint: RobotJoint) -> tuple[str, ...]:
 
 
 def of_robot(robot: Robot, gravity: Array) -> Parts:
-    """Return the parts of a robot, its coordinates zero."""
+    """Return the parts of a robot at zero coordinates."""
     poses = zero_poses(robot)
     numbers = {link.name: i for i, link in enumerate(robot.links)}
     bodies = tuple(
@@ -319,7 +319,7 @@ def of_robot(robot: Robot, gravity: Array) -> Parts:
 
 
 def closure_of(joint: RobotJoint, numbers: dict[str, int]) -> Closure:
-    """Return a joint that closes a loop of a robot."""
+    """Return a loop joint of a robot as a closure."""
     frame, kind = joint.frame, OF_ROBOT[joint.kind]
     a = (numbers[joint.parent], joint.origin @ frame)
     b = (numbers[joint.child], frame)
@@ -340,7 +340,7 @@ def mimic_relation(robot: Robot, joint: RobotJoint) -> Relation:
 
 
 def zero_poses(robot: Robot) -> dict[str, Frame]:
-    """Return the frame of each link in the world where all coordinates are zero."""
+    """Return the pose of each link in the world at zero coordinates."""
     poses = {robot.links[0].name: Frame()}
     for joint in robot.joints:
         poses[joint.child] = poses[joint.parent] @ joint.origin

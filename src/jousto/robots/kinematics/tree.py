@@ -1,4 +1,4 @@
-"""Trees: kinematics and dynamics of rigid machines in the coordinates of their joints."""
+"""Tree: kinematics and dynamics of rigid machines in joint coordinates."""
 
 from __future__ import annotations
 
@@ -17,75 +17,75 @@ from jousto.mechanism.joints.coordinate import Coordinate
 from jousto.mechanism.mechanism import Mechanism
 from jousto.robots.description import Frame, Robot
 from jousto.robots.kinematics.jacobians import cross, in_motion, unit
-from jousto.robots.kinematics.joint_chain import grown, independent
+from jousto.robots.kinematics.joint_chain import build_steps, free_coordinates
 from jousto.robots.kinematics.loop_joints import Bound, Measured
 from jousto.robots.kinematics.loops import Loops, View
 from jousto.robots.kinematics.topology import Parts, of_mechanism, of_robot
 
-FEW = 3  # names in a message
+FEW = 3  # maximum number of names in a message
 
 
 class Tree:
-    """A rigid machine, seen from the coordinates of its joints.
+    """Rigid machine in joint coordinates.
 
-    ``M(q) v' + b(q, v) = tau``, b being the forces of motion and gravity. Joints that close loops
-    are no part of the tree, of each loop those with the fewest rows: `constraints` has what they
-    ask of q, ``C(q) = 0``, and `inverse_kinematics` finds positions that fulfil it. M and b are
-    those of machines without loops alone.
+    ``M(q) v' + b(q, v) = tau`` with the bias forces b of motion and gravity. Joints that close
+    loops, of each loop the joint with the fewest rows, are not in the tree: `constraints` returns
+    their equations ``C(q) = 0``, and `inverse_kinematics` finds positions that satisfy them. M and
+    b are available for machines without loops only.
 
-    Positions q (nq,) and
-    velocities v (nv,) stand in this order: bodies that no joint ties to the ground, as declared,
-    then joints, as declared (in a robot: every one after that which carries it).
+    The order of positions q (nq,) and velocities v (nv,) is: bodies without a joint to the ground,
+    in the order of declaration, then joints in the order of declaration (in a robot each joint
+    follows its parent).
 
     ===================== ================================= =======================================
     coordinate            in q                              in v
     ===================== ================================= =======================================
-    turn, slide           rad, m                            rad/s, m/s
+    angle, displacement   rad, m                            rad/s, m/s
     ball                  4 Euler parameters of b in a      3: angular velocity of b against a, in
                                                             the axes of b, rad/s
-    free body             its place in the world, m, and    its velocity in the axes of the world,
-                          4 Euler parameters                m/s, and 3: its angular velocity in its
-                                                            own axes, rad/s
+    free body             position in the world, m, and     velocity in the axes of the world, m/s,
+                          4 Euler parameters                and 3: angular velocity in the axes of
+                                                            the body, rad/s
     ===================== ================================= =======================================
 
     A planar joint has x, y and the angle, a cylindrical one displacement and angle, a universal
-    one both angles. Couplings, gears, racks and the mimic of robots leave one coordinate out,
-    which follows. Drives leave theirs: `inverse_dynamics` has their force. tau has the units of
-    power over v.
+    one both angles. Couplings, gears, racks and mimic relations eliminate one coordinate each.
+    Drives do not eliminate theirs: `inverse_dynamics` returns their force. The unit of tau is that
+    of power over v.
 
     Parameters
     ----------
     machine : Mechanism, Robot or Model
-        Bodies, joints and couplings of any kind. Flexible bodies are taken as rigid, in their
-        undeformed shape. Joints of the tree are revolute, prismatic, cylindrical, screw, universal,
-        planar, spherical and fixed ones, all others are cut.
+        Machine with bodies, joints and couplings of any kind. Flexible bodies are rigid here, in
+        their undeformed shape. Joints of the tree are revolute, prismatic, cylindrical, screw,
+        universal, planar, spherical and fixed; all others are cut.
     gravity : (3,) array_like, optional
-        Acceleration of free fall, m/s2; None for that of the machine.
+        Gravitational acceleration, m/s2; None is that of the machine.
     limits : dict of str to (float, float), optional
-        Lower and upper limits of coordinates by name, beside those of a robot; of joints that
-        are cut, too.
+        Lower and upper limits of coordinates by name, also of cut joints, in addition to those of
+        a robot.
 
     Attributes
     ----------
     nq, nv : int
-        How many positions and velocities.
+        Numbers of positions and velocities.
     positions, velocities : tuple of str
-        What each of them is.
+        Names of the components of q and v.
     initial : (nq,) array
-        Positions at the pose in which the machine was declared.
+        Positions at the initial pose of the machine.
     lower, upper : (nv,) arrays
-        Limits of the coordinates, infinite where there are none.
+        Limits of the coordinates; infinite without limits.
     cut : tuple of str
-        Joints and couplings that close loops.
+        Names of the joints and couplings that close loops.
     lengths : (nv,) array of bool
-        Which velocities are m/s; the others are rad/s.
+        Whether a velocity is in m/s; otherwise it is in rad/s.
     gravity : (3,) array
-        m/s2.
+        Gravitational acceleration, m/s2.
 
     Raises
     ------
     InputError
-        If it has exact beams, or couplings contradict each other.
+        If the machine has exact beams, or couplings contradict each other.
 
     Examples
     --------
@@ -136,9 +136,9 @@ class Tree:
             message = f"machine is {machine!r}, must be a Mechanism, a Robot or a Model"
             raise InputError(Problem("Tree", message))
         self._parts: Parts = parts
-        self._steps, self._at, names = grown(parts)
+        self._steps, self._at, names = build_steps(parts)
         self.gravity = read_only(parts.gravity if g is None else g)
-        kept, self._G, self._c = independent(parts, names)
+        kept, self._G, self._c = free_coordinates(parts, names)
         self._scalar = names.scalar
         self._all = (len(names.positions), len(names.velocities))
         self._arrange(names.positions, names.velocities, kept)
@@ -167,7 +167,7 @@ class Tree:
                     self._armature[i] = inertia
 
     def _arrange(self, positions: list[str], velocities: list[str], kept: list[str]) -> None:
-        """Keep names of what is free, and where the coordinates stand."""
+        """Set the names of free coordinates and the indices of all coordinates."""
         gone = set(self._scalar) - set(kept)
         self.positions = tuple(name for name in positions if name not in gone)
         self.velocities = tuple(name for name in velocities if name not in gone)
@@ -179,7 +179,7 @@ class Tree:
         ]
         places = [self.positions.index(name) for name in kept]
         self._places = np.array(places, dtype=np.intp)
-        # positions of balls and free bodies: first place of the parameters, and of the velocities
+        # balls and free bodies: first index of the Euler parameters in q and of their rates in v
         self._turns = [
             (self.positions.index(f"{name}.e0"), self.velocities.index(f"{name}.wx"))
             for name in dict.fromkeys(x[:-3] for x in self.positions if x not in self._scalar)
@@ -192,7 +192,7 @@ class Tree:
         ]
 
     def _limit(self, limits: Mapping[str, Any]) -> None:
-        """Keep limits; those of coordinates that follow become limits of the leading one."""
+        """Set the limits; those of eliminated coordinates become limits of the free ones."""
         lower, upper = np.full(self.nv, -np.inf), np.full(self.nv, np.inf)
         rows = {name: i for i, name in enumerate(self._scalar)}
         problems = Problems()
@@ -208,10 +208,10 @@ class Tree:
                 problems.add(where, f"is {given!r}, must be a lower and an upper limit")
                 continue
             if np.isnan(low) or np.isnan(high):
-                problems.add(where, f"is {given!r}, must be numbers; infinite ones are no limits")
+                problems.add(where, f"is {given!r}, must be numbers; inf for no limit")
                 continue
             if not low <= high:
-                problems.add(where, f"lower limit {low:g} lies above the upper one, {high:g}")
+                problems.add(where, f"lower limit {low:g} is above the upper limit {high:g}")
                 continue
             if name not in rows:
                 self.loops.bounds.append(Bound(self._parts.measured[name], low, high))
@@ -233,13 +233,13 @@ class Tree:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """Names of the frames that the functions take: bodies, and points of bodies."""
+        """Names of the frames: bodies, and points of bodies."""
         return tuple(self._parts.frames)
 
     # -- positions --------------------------------------------------------------------------
 
     def forward_kinematics(self, q: ArrayLike) -> dict[str, Frame]:
-        """Return where every body is.
+        """Return the poses of all bodies at given positions.
 
         Parameters
         ----------
@@ -258,23 +258,23 @@ class Tree:
         }
 
     def pose(self, frame: str | Marker, q: ArrayLike) -> Frame:
-        """Return where a frame is: a body, a point such as ``"hand.tip"``, or a marker."""
+        """Return the pose of a frame: a body, a point such as ``"hand.tip"``, or a marker."""
         at = self.view(q).spot(self._frame(frame))
         return Frame(at.r, at.A)
 
     def jacobian(self, frame: str | Marker, q: ArrayLike) -> Array:
-        """Return J (6, nv), by which a frame moves: ``[r', w] = J v``.
+        """Return the Jacobian J (6, nv) of a frame, ``[r', w] = J v``.
 
-        The first three rows are the velocity of its origin, m/s, the others its angular velocity,
-        rad/s, both in the axes of the world.
+        The first three rows give the velocity of its origin, m/s, the others its angular velocity,
+        rad/s, both in the world frame.
         """
         at = self.view(q).spot(self._frame(frame))
         return np.concatenate([at.Jr, at.Jw])
 
     def coordinate(self, coordinate: str | Coordinate, q: ArrayLike) -> float:
-        """Return a coordinate, m or rad: of a joint by its name, also of one that is cut.
+        """Return the value of a coordinate of a joint, also of a cut one, m or rad.
 
-        Angles that are no coordinate of the tree lie within half a turn.
+        Angles outside the tree are from -pi to pi.
 
         Parameters
         ----------
@@ -301,10 +301,10 @@ class Tree:
         return self.view(q).measure(Measured(name, s.engine, s.column, *places))[0]
 
     def constraints(self, q: ArrayLike) -> Array:
-        """Return C (m,), what is missing at the joints that are cut: zero where loops are closed.
+        """Return the residuals C (m,) of the cut joints; zero if the loops are closed.
 
-        Joint after joint in the order of ``tree.cut``, rows as those of the joint: m where points
-        coincide, the cosine of axes at right angles, and coordinates, m or rad.
+        The rows are those of the joints in the order of ``tree.cut``: m for coincident points, the
+        cosine of the angle for perpendicular axes, and m or rad for coordinates.
 
         Parameters
         ----------
@@ -314,22 +314,22 @@ class Tree:
         return np.array([row.value for row in self.loops.rows(self.view(q))])
 
     def constraint_jacobian(self, q: ArrayLike) -> Array:
-        """Return Cq (m, nv), by which `constraints` change: ``C' = Cq v``."""
+        """Return the Jacobian Cq (m, nv) of `constraints`, ``C' = Cq v``."""
         rows = self.loops.rows(self.view(q))
         return np.array([row.rates for row in rows]).reshape(len(rows), self.nv)
 
     def moved(self, q: ArrayLike, step: ArrayLike) -> Array:
-        """Return the positions (nq,) after a motion with constant velocity for a second.
+        """Return the positions (nq,) after an increment of the coordinates.
 
-        Turns of balls and free bodies are multiplied on, ``A exp(w~)``, so that Euler parameters
-        keep their length.
+        Rotations of balls and free bodies are ``A exp(w~)``, so that Euler parameters keep their
+        length.
 
         Parameters
         ----------
         q : (nq,) array_like
             Positions.
         step : (nv,) array_like
-            Velocity times time.
+            Increment: constant velocity times time.
         """
         here = self._vector("q", q, self.nq).copy()
         d = self._vector("step", step, self.nv)
@@ -345,7 +345,7 @@ class Tree:
     # -- forces -----------------------------------------------------------------------------
 
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """Return M (nv, nv), symmetric: ``v . M v / 2`` is the kinetic energy, J."""
+        """Return the symmetric mass matrix M (nv, nv); ``v . M v / 2`` is the kinetic energy, J."""
         self._without_loops()
         motion = self.view(q).motion
         M = np.diag(self._armature)
@@ -357,18 +357,18 @@ class Tree:
         return np.asarray(0.5 * (M + M.T))
 
     def bias_forces(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Return b (nv,): what holds the motion v without acceleration, against gravity too.
+        """Return the bias forces b (nv,): the forces tau for zero acceleration, with gravity.
 
-        Springs, dampers and other forces of the machine are not part of it.
+        Springs, dampers and other forces of the machine are not included.
         """
         return self.inverse_dynamics(q, v, np.zeros(self.nv))
 
     def gravity_forces(self, q: ArrayLike) -> Array:
-        """Return the forces (nv,) that hold the machine at rest against gravity."""
+        """Return the forces (nv,) that balance gravity at rest."""
         return self.bias_forces(q, np.zeros(self.nv))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """Return the forces tau (nv,) that move the machine with an acceleration.
+        """Return the forces tau (nv,) for given velocities and accelerations.
 
         By the principle of virtual power, ``tau = sum Jc^T m (c'' - g) + Jw^T (I w' + w x I w)``.
 
@@ -377,7 +377,7 @@ class Tree:
         q : (nq,) array_like
             Positions.
         v, a : (nv,) array_like
-            Velocities, and their rates.
+            Velocities and accelerations.
         """
         self._without_loops()
         a = self._Gv @ self._vector("a", a, self.nv)
@@ -400,20 +400,20 @@ class Tree:
         Raises
         ------
         InputError
-            If something moves that has no mass.
+            If the mass matrix is singular because a moving body has no mass.
         """
         rhs = self._vector("tau", tau, self.nv) - self.bias_forces(q, v)
         M = self.mass_matrix(q)
         try:
             return np.asarray(np.linalg.solve(M, rhs))
         except np.linalg.LinAlgError:
-            message = "the mass matrix is singular: something moves that has no mass"
+            message = "the mass matrix is singular: a moving body has no mass"
             raise InputError(Problem("Tree", message)) from None
 
     # -- inside -----------------------------------------------------------------------------
 
     def view(self, q: ArrayLike) -> View:
-        """Return the machine at positions q (nq,); that of the last ones is kept."""
+        """Return the machine at positions q (nq,); the last view is cached."""
         given = self._vector("q", q, self.nq)
         key, last = given.tobytes(), self._view
         if last is not None and last[0] == key:
@@ -425,19 +425,19 @@ class Tree:
         return found
 
     def angles(self, q: ArrayLike) -> dict[str, float]:
-        """Return the angles that may have made whole turns, rad, by names."""
+        """Return the angles that may exceed a revolution, rad, by name."""
         view = self.view(q)
         own = {name: float(view.q[place]) for name, (place, _) in self._scalar.items()}
         return own | self.loops.turned(view)
 
     def _without_loops(self) -> None:
-        """Raise InputError if loops close."""
+        """Raise InputError if the machine has loops."""
         if self.cut:
             names = ", ".join(repr(name) for name in self.cut[:FEW])
             names += f" and {len(self.cut) - FEW} more" if len(self.cut) > FEW else ""
             message = (
-                f"masses and forces are those of machines without loops, but {names} close loops; "
-                "leave them out, or take `compile` and the verbs of simulation, which take loops"
+                f"masses and forces are for machines without loops, but {names} close loops; "
+                "remove them, or use `compile` and the functions of simulation"
             )
             raise InputError(Problem("Tree", message))
 
@@ -449,7 +449,7 @@ class Tree:
         return found
 
     def _full(self, q: ArrayLike) -> Array:
-        """Return all positions, those that follow too."""
+        """Return all positions, including the eliminated ones."""
         given = self._vector("q", q, self.nq)
         full = np.zeros(self._all[0])
         for i, j in self._where:
@@ -460,7 +460,7 @@ class Tree:
         return full
 
     def _frame(self, frame: Any) -> tuple[int, Frame]:
-        """Return the number of the body of a frame, -1 for the ground, and where on it."""
+        """Return the index of the body of a frame, -1 for the ground, and its pose on the body."""
         if isinstance(frame, Marker):
             names = [body.name for body in self._parts.bodies]
             at = Frame(np.asarray(frame.position_local), np.asarray(frame.axes))
@@ -468,7 +468,7 @@ class Tree:
                 return -1, at
             if frame.body.name in names:
                 return names.index(frame.body.name), at
-            raise InputError(Problem("frame", f"{frame.label} is on no body of the tree"))
+            raise InputError(Problem("frame", f"{frame.label} is not on a body of the tree"))
         if not isinstance(frame, str):
             message = f"is {frame!r}, must be a name such as 'hand.tip' or a marker"
             raise InputError(Problem("frame", message))

@@ -1,4 +1,4 @@
-"""Checks of robots: what cannot run is refused by name, what is odd is told, all at once."""
+"""Checks of robots: names, tree, joints, mimics and masses, with all errors together."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from jousto.base.errors import suggest
 from jousto.robots.description import Frame, Link, Robot, RobotJoint
-from jousto.robots.readers.masses import check_mass, note_sizes, weighed
+from jousto.robots.readers.masses import check_mass, merge_and_check, note_sizes
 from jousto.robots.readers.xml import Adder, Reading
 
 
@@ -25,16 +25,16 @@ def robot(
     repair: bool = False,
     complete: Callable[[Robot], Robot] = lambda made: made,
 ) -> Robot:
-    """Return the robot of links and joints in any order, completed by what needs its tree.
+    """Return the checked robot of links and joints in any order, after the call of `complete`.
 
     Raises
     ------
     InputError
-        With everything that cannot run.
+        With all errors.
     """
     add = Adder(reading)
-    links, joints = renamed(add, links, joints)
-    joints = [unfollowed(add, joint) for joint in joints]
+    links, joints = with_valid_names(add, links, joints)
+    joints = [without_mimic(add, joint) for joint in joints]
     check_names(add, links, joints)
     root = check_tree(add, links, joints)
     check_joints(add, joints)
@@ -45,9 +45,9 @@ def robot(
                 check_mass(add, link)
         reading.finish()
     assert root is not None
-    ordered_links, ordered_joints = ordered(root, links, joints)
+    ordered_links, ordered_joints = tree_order(root, links, joints)
     made = Robot(name, ordered_links, ordered_joints, fixed_base, source=reading.path)
-    made = weighed(add, made, merge=merge, repair=repair)
+    made = merge_and_check(add, made, merge=merge, repair=repair)
     if not reading.problems:
         note_sizes(add, made)
         made = complete(made)
@@ -57,7 +57,7 @@ def robot(
 def split_loops(
     joints: Sequence[RobotJoint], kinds: Sequence[str]
 ) -> tuple[list[RobotJoint], list[RobotJoint]]:
-    """Return the joints of a tree, and those of some kinds that close loops."""
+    """Return the joints of a spanning tree, and the joints of given kinds that close loops."""
     root: dict[str, str] = {}
 
     def end(name: str) -> str:
@@ -79,7 +79,7 @@ def split_loops(
 
 
 def with_loops(made: Robot, loops: Sequence[RobotJoint]) -> Robot:
-    """Return a robot with joints that close loops between its links, which may be merged."""
+    """Return a robot with loop joints between its links; merged links become frames."""
     places = {name: (link.name, at) for link in made.links for name, at in link.frames.items()}
     places |= {link.name: (link.name, Frame()) for link in made.links}
     found = []
@@ -101,39 +101,39 @@ def with_loops(made: Robot, loops: Sequence[RobotJoint]) -> Robot:
     return replace(made, loops=(*made.loops, *found))
 
 
-def unfollowed(add: Adder, joint: RobotJoint) -> RobotJoint:
-    """Return a joint; one that is fixed follows nothing."""
+def without_mimic(add: Adder, joint: RobotJoint) -> RobotJoint:
+    """Return a joint, without its mimic relation if the joint is fixed."""
     if joint.kind != "fixed" or joint.mimic is None:
         return joint
     add.note(joint, f"is fixed, so that it does not follow joint {joint.mimic.joint!r}")
     return replace(joint, mimic=None)
 
 
-def clean(name: str, forbidden: str) -> str:
-    """Return a name without some letters."""
+def clean_name(name: str, forbidden: str) -> str:
+    """Return a name with forbidden characters replaced."""
     new = "".join("_" if x in forbidden else x for x in name).strip()
     return f"{new}_" if new == "ground" or new in (".", "..") else new
 
 
 def link_name(name: str) -> str:
-    """Return the name of a link as a body of a mechanism may have it."""
-    return clean(name, "./")
+    """Return the name of a link without the characters forbidden for bodies of a mechanism."""
+    return clean_name(name, "./")
 
 
 def joint_name(name: str) -> str:
-    """Return the name of a joint as a joint of a mechanism may have it."""
-    return clean(name, "/")
+    """Return the name of a joint without the characters forbidden for joints of a mechanism."""
+    return clean_name(name, "/")
 
 
-def renamed(
+def with_valid_names(
     add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[list[Link], list[RobotJoint]]:
-    """Return links and joints with names that bodies and joints of a mechanism may have."""
+    """Return links and joints with names that are valid in a mechanism."""
     things: list[Link | RobotJoint] = [*links, *joints]
     for thing in things:
         new = link_name(thing.name) if isinstance(thing, Link) else joint_name(thing.name)
         if new != thing.name:
-            add.note(thing, f"{thing.name!r} is called {new!r} here")
+            add.note(thing, f"{thing.name!r} is renamed to {new!r}")
     new_links = [
         replace(
             link,
@@ -159,19 +159,19 @@ def renamed(
 
 
 def check_names(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> None:
-    """Note names that are empty or used twice."""
+    """Add errors for names that are empty or used twice."""
     for word, things in (("link", links), ("joint", joints)):
         times = Counter(thing.name for thing in things)
         for thing in things:
             if not thing.name.strip():
                 add(thing, f"the {word} has no name")
             elif times[thing.name] > 1:
-                add(thing, f"{times[thing.name]} {word}s are called {thing.name!r}; rename them")
+                add(thing, f"{times[thing.name]} {word}s have the name {thing.name!r}; rename them")
                 times[thing.name] = 1
 
 
 def check_tree(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) -> str | None:
-    """Return the name of the root, or note why the links are no tree."""
+    """Return the name of the root; add errors if the links do not form a tree."""
     known = {link.name: link for link in links}
     if not links:
         add(None, "has no links")
@@ -187,32 +187,32 @@ def check_tree(add: Adder, links: Sequence[Link], joints: Sequence[RobotJoint]) 
             other = parents[joint.child].name
             add(
                 joint,
-                f"link {joint.child!r} is the child of joint {other!r} already: a loop cannot be "
-                "a tree; leave one of the joints out and close the loop in the mechanism",
+                f"link {joint.child!r} is also the child of joint {other!r}, which closes a loop; "
+                "remove one of the joints and close the loop in the mechanism",
             )
         else:
             parents[joint.child] = joint
     roots = [link for link in links if link.name not in parents]
     if not roots:
-        add(None, "the joints go round in a circle: no link is without a parent")
+        add(None, "all links have a parent: the joints form a circle; a robot needs one root")
         return None
-    # a child of a wrong name leaves a link without a parent, which was told
+    # a child with a wrong name leaves a link without a parent, which is reported already
     astray = len({joint.name for joint in joints if joint.child not in known})
     if len(roots) > 1 + astray:
         names = ", ".join(repr(link.name) for link in roots[:6])
         more = ", ..." if len(roots) > 6 else ""
         add(None, f"{len(roots)} links have no parent: {names}{more}; a robot has one root")
     if not add.reading.problems:
-        reached = {link.name for link in ordered(roots[0].name, links, joints)[0]}
+        reached = {link.name for link in tree_order(roots[0].name, links, joints)[0]}
         lost = [link.name for link in links if link.name not in reached]
         if lost:
             names = ", ".join(repr(name) for name in lost[:6])
-            add(None, f"the joints of {names} go round in a circle that hangs on nothing")
+            add(None, f"the joints of {names} form a circle without a link to the root")
     return roots[0].name
 
 
 def check_joints(add: Adder, joints: Sequence[RobotJoint]) -> None:
-    """Note axes without a direction, limits the wrong way round, and impossible mimics."""
+    """Add errors for axes without a direction, reversed limits and invalid mimics."""
     known = {joint.name: joint for joint in joints}
     for joint in joints:
         single = joint.kind in ("revolute", "prismatic", "screw")
@@ -220,7 +220,7 @@ def check_joints(add: Adder, joints: Sequence[RobotJoint]) -> None:
             found = ", ".join(f"{x:g}" for x in joint.axis)
             add(joint, f"axis is ({found}), must have a direction")
         if single and joint.lower > joint.upper:
-            add(joint, f"lower limit {joint.lower:g} lies above the upper one, {joint.upper:g}")
+            add(joint, f"lower limit {joint.lower:g} is above the upper limit {joint.upper:g}")
         for key in ("damping", "friction", "armature", "stiffness", "velocity", "effort"):
             if getattr(joint, key) < 0.0:
                 add(joint, f"{key} is {getattr(joint, key):g}, must not be negative")
@@ -228,7 +228,7 @@ def check_joints(add: Adder, joints: Sequence[RobotJoint]) -> None:
 
 
 def check_mimic(add: Adder, joint: RobotJoint, known: dict[str, RobotJoint]) -> None:
-    """Note a joint that follows one that is not there, has several coordinates, or itself."""
+    """Add an error for a mimic of a missing joint, of several coordinates or of itself."""
     if joint.mimic is None:
         return
     name = joint.mimic.joint
@@ -244,13 +244,13 @@ def check_mimic(add: Adder, joint: RobotJoint, known: dict[str, RobotJoint]) -> 
         add(joint, f"mimic: {' follows '.join(repr(x) for x in (*seen, at))}, itself")
     for other in (joint, known[name]):
         if other.kind not in ("revolute", "prismatic"):
-            add(joint, f"mimic: joint {other.name!r} is {other.kind}, has not one coordinate")
+            add(joint, f"mimic: joint {other.name!r} is {other.kind}, must have one coordinate")
 
 
-def ordered(
+def tree_order(
     root: str, links: Sequence[Link], joints: Sequence[RobotJoint]
 ) -> tuple[tuple[Link, ...], tuple[RobotJoint, ...]]:
-    """Return links and joints, every one after what carries it; branches as the file has them."""
+    """Return links and joints, each after its parent; branches in the order of the file."""
     known = {link.name: link for link in links}
     below: dict[str, list[RobotJoint]] = {}
     for joint in joints:

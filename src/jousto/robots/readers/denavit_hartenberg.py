@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg tables."""
+"""Robots from Denavit-Hartenberg tables."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ X, Z = np.eye(3)[0], np.eye(3)[2]
 @described
 @dataclass(frozen=True, eq=False)
 class DHRow:
-    """A row of a Denavit-Hartenberg table: a joint and the link that it carries.
+    """Row of a Denavit-Hartenberg table: a joint and its child link.
 
     Parameters
     ----------
     a, alpha : float
         Length (m) and twist (rad) of the link.
     d, theta : float
-        Offset (m) along and angle (rad) about the axis of the joint; the coordinate adds to
-        theta, or to d of a prismatic joint.
+        Offset (m) along and angle (rad) about the joint axis; the coordinate is added to theta, or
+        to d of a prismatic joint.
     kind : {"revolute", "prismatic"}
-        The joint.
+        Kind of the joint.
     lower, upper : float
-        Its limits, rad or m.
+        Limits of the joint, rad or m.
     mass : float
         Mass of the link, kg; zero for kinematics alone.
     center : (3,) array_like
-        Its centre of mass in its frame, m.
+        Centre of mass in the frame of the link, m.
     inertia : (3,) or (3, 3) array_like
-        About the centre in the axes of its frame, kg m2.
+        Inertia about the centre of mass in the axes of the link, kg m2.
     name : str
-        Name of the joint; None for ``joint1`` and so on.
+        Name of the joint; None for ``joint1``, ``joint2`` ...
     """
 
     a: float
@@ -64,32 +64,31 @@ class DHRow:
 def from_dh(rows: Sequence[Any], *, convention: str, name: str = "robot") -> Robot:
     """Return the robot of a Denavit-Hartenberg table.
 
-    From frame i - 1 to frame i of link i leads, in the standard convention,
-    ``Rot_z(theta_i) Trans_z(d_i) Trans_x(a_i) Rot_x(alpha_i)``: the joint turns about z of frame
-    i - 1 and the frame of a link is at its far end (Spong, Hutchinson and Vidyasagar, Robot
-    Modeling and Control, 2006, eq. 3.10). In the modified one it is ``Rot_x(alpha_i)
-    Trans_x(a_i) Rot_z(theta_i) Trans_z(d_i)``, row i holding a and alpha with index i - 1 of
-    the book: the frame of a link is at its joint (Craig, Introduction to Robotics, 3rd ed.,
-    eq. 3.6).
+    The transformation from frame i - 1 to frame i in the standard convention is
+    ``Rot_z(theta_i) Trans_z(d_i) Trans_x(a_i) Rot_x(alpha_i)``: the joint axis is z of frame i - 1,
+    and the frame of a link is at its distal end (Spong, Hutchinson and Vidyasagar, Robot Modeling
+    and Control, 2006, eq. 3.10). In the modified convention it is ``Rot_x(alpha_i) Trans_x(a_i)
+    Rot_z(theta_i) Trans_z(d_i)``, where row i has the a and alpha of index i - 1 in the book: the
+    frame of a link is at its joint (Craig, Introduction to Robotics, 3rd ed., eq. 3.6).
 
     Parameters
     ----------
     rows : sequence of DHRow or of (a, alpha, d, theta)
-        From the base outward; m and rad. Links are called ``link1`` and so on.
+        Rows from the base outward; m and rad. Links are named ``link1``, ``link2`` ...
     convention : {"standard", "modified"}
-        Which of the two; nothing in a table tells.
+        Convention of the table; mandatory.
     name : str
         Name of the robot.
 
     Returns
     -------
     Robot
-        Rows without mass serve kinematics; a mechanism needs masses.
+        Robot. Rows without mass suffice for kinematics; a mechanism needs masses.
 
     Raises
     ------
     InputError
-        With everything that is wrong.
+        With all errors of the table.
 
     Examples
     --------
@@ -109,7 +108,7 @@ def from_dh(rows: Sequence[Any], *, convention: str, name: str = "robot") -> Rob
     names = [row.name or f"joint{i + 1}" for i, row in enumerate(made)]
     for i, one in enumerate(names):
         if one in names[:i]:
-            problems.add(f"rows[{i}]", f"name {one!r} is taken by another row")
+            problems.add(f"rows[{i}]", f"name is {one!r}, which another row has too; rename it")
     links = [Link("base", where="base")]
     joints = []
     for i, (row, joint) in enumerate(zip(made, names, strict=True)):
@@ -122,7 +121,7 @@ def from_dh(rows: Sequence[Any], *, convention: str, name: str = "robot") -> Rob
 
 
 def _row(problems: Problems, i: int, row: Any) -> DHRow:
-    """Return a row as an object, or note why it is none."""
+    """Return a row as a DHRow; add a problem if it is not valid."""
     if isinstance(row, DHRow):
         return row
     values = problems.array(f"rows[{i}]", "(a, alpha, d, theta)", row, (4,))
@@ -160,7 +159,7 @@ def _joint(
         if np.isnan(getattr(row, key)):
             problems.add(where, f"{key} is nan, must be a number")
     if row.lower > row.upper:
-        problems.add(where, f"lower limit {row.lower:g} lies above the upper one, {row.upper:g}")
+        problems.add(where, f"lower limit {row.lower:g} is above the upper limit {row.upper:g}")
     if problems.found:
         return RobotJoint(name, "fixed", parent, child)
     along_x = Frame(row.a * X, exp_rotation(row.alpha * X))
@@ -168,7 +167,7 @@ def _joint(
     common: Any = {"lower": float(row.lower), "upper": float(row.upper), "where": where}
     if convention == "modified":
         return RobotJoint(name, row.kind, parent, child, along_x @ along_z, Z, **common)
-    # about and along z of the frame before, seen from that of the link
+    # joint axis z of the previous frame, in the frame of the link
     origin = along_z @ along_x
     back = origin.inverted()
     return RobotJoint(name, row.kind, parent, child, origin, back.A @ Z, back.r, **common)

@@ -1,4 +1,4 @@
-"""Robots of any file: the format is that of its root element."""
+"""Reader of robot files of any format, which is recognised by the root element."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ READERS: dict[str, Callable[..., Robot]] = {
 
 @explained
 def read_robot(path: str | Path, **options: Any) -> Robot:
-    """Read a robot from a URDF, MJCF or SDF file, whatever its name ends with.
+    """Return the robot in a URDF, MJCF or SDF file with any suffix.
 
     Parameters
     ----------
     path : str or Path
-        The file.
+        Robot file.
     **options
-        Those of `read_urdf`, `read_mjcf` or `read_sdf`.
+        Options of `read_urdf`, `read_mjcf` or `read_sdf`.
 
     Raises
     ------
     InputError
-        With everything that cannot run, or if it is none of these.
+        With all errors of the file, or for another format.
     """
     root = parse_file(Path(path))
     if root.tag not in READERS:

@@ -1,4 +1,4 @@
-"""Masses of robots: which links move without one, what no body has, and what is merged."""
+"""Masses of robots: moving links without mass, impossible inertia, merging of fixed links."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ from jousto.mechanism.bodies.inertia import check_inertia
 from jousto.robots.description import Frame, Link, Robot
 from jousto.robots.readers.xml import Adder
 
-# a radius of gyration that is so many times the size of the robot has its mass in another unit
+# radius of gyration over the size of the robot, above which mass or inertia has a wrong unit
 ODD_RADIUS = 20.0
-HEAVY = 1e5  # kg
-LONG = 1e3  # m
-TURNS, DEGREES = 8.0 * math.pi, 720.0  # rad: limits between them were likely meant as degrees
-THIN = 1e-3  # of the size of the robot: the least radius of gyration that a repair leaves
+HEAVY = 1e5  # mass of a link above which a warning follows, kg
+LONG = 1e3  # size of a robot above which a warning follows, m
+TURNS, DEGREES = 8.0 * math.pi, 720.0  # range of limits, rad, that are probably in degrees
+THIN = 1e-3  # smallest radius of gyration of a repaired inertia over the size of the robot
 
 
-def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
-    """Return the robot with links merged, or note inertia that no body has and moving nothing.
+def merge_and_check(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
+    """Return the robot with fixed links merged; add problems for impossible mass and inertia.
 
-    What stands on a fixed joint may have any inertia, as long as what it is merged with has
-    one that a body can have.
+    A link on a fixed joint may have any inertia if the merged link has a possible one.
     """
-    made = idle(add, made)
+    made = fix_massless_joints(add, made)
     wrong = {link.name: said for link in made.links if (said := wrong_mass(link))}
-    whole, homes = merged(made)
+    whole, homes = merge_links(made)
     if not merge:
         whole, homes = made, {link.name: link.name for link in made.links}
-    # what is fixed to a link with a mass adds its inertia, with or without a mass of its own
+    # links fixed to a link with mass add their inertia, with or without own mass
     whole = replace(whole, links=without_idle_inertia(add, made, whole, homes))
     held = held_links(whole)
     links, size = [], extent(made)
@@ -40,7 +39,7 @@ def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
         said = wrong_mass(link)
         if said and repair and link.mass > 0.0 and link.name not in held:
             add.note(link, f"{said}; repaired")
-            link = replace(link, inertia=nearest(link, size))
+            link = replace(link, inertia=nearest_inertia(link, size))
         elif said and link.name not in held:
             names = [name for name in wrong if homes[name] == link.name] or [link.name]
             known = {one.name: one for one in made.links}
@@ -52,14 +51,14 @@ def weighed(add: Adder, made: Robot, *, merge: bool, repair: bool) -> Robot:
         if link.mass < 0.0 and homes[link.name] not in bad:
             add(link, wrong[link.name])
         elif link.name in wrong and homes[link.name] not in bad:
-            add.note(link, f"{wrong[link.name]}; it does not matter, since it is fixed to others")
+            add.note(link, f"{wrong[link.name]}; without effect, since it is fixed to other links")
     return replace(whole, links=tuple(links))
 
 
 def held_links(made: Robot) -> set[str]:
     """Return the names of links that do not move."""
     held = {made.links[0].name} if made.fixed_base else set()
-    for joint in made.joints:  # parents come first
+    for joint in made.joints:  # parents precede children
         if joint.kind == "fixed" and joint.parent in held:
             held.add(joint.child)
     return held
@@ -68,19 +67,22 @@ def held_links(made: Robot) -> set[str]:
 def without_idle_inertia(
     add: Adder, made: Robot, whole: Robot, homes: dict[str, str]
 ) -> tuple[Link, ...]:
-    """Return merged links, without inertia where there is no mass; note the links that gave it."""
+    """Return merged links with inertia removed where the mass is zero; warn of these links."""
     empty = {link.name for link in whole.links if link.mass == 0.0}
     for link in made.links:
         if link.mass == 0.0 and homes[link.name] in empty and np.any(link.inertia != 0.0):
-            add.note(link, "has inertia but no mass; it counts as a frame without either")
+            add.note(link, "has inertia but no mass; its inertia is ignored")
     return tuple(
         replace(link, inertia=np.zeros((3, 3))) if link.name in empty else link
         for link in whole.links
     )
 
 
-def idle(add: Adder, made: Robot) -> Robot:
-    """Return the robot with joints held that move nothing, or note what moves without a mass."""
+def fix_massless_joints(add: Adder, made: Robot) -> Robot:
+    """Return the robot with its massless joints fixed; add problems for massless moving links.
+
+    A problem is a moving link without mass whose joint cannot be fixed.
+    """
     mass = {link.name: link.mass for link in made.links}
     drawn = {link.name: bool(link.shapes) for link in made.links}
     for joint in reversed(made.joints):
@@ -89,7 +91,7 @@ def idle(add: Adder, made: Robot) -> Robot:
     links = {link.name: link for link in made.links}
     root = made.links[0]
     if not made.fixed_base and mass[root.name] == 0.0:
-        add(root, "moves freely, but neither it nor what it carries has a mass; give it one")
+        add(root, "moves freely, but neither it nor its children have a mass; give it one")
         return made
     leads = {joint.mimic.joint for joint in made.joints if joint.mimic is not None}
     joints = []
@@ -99,18 +101,18 @@ def idle(add: Adder, made: Robot) -> Robot:
         elif drawn[joint.child] or joint.name in leads:
             add(
                 links[joint.child],
-                f"moves with joint {joint.name!r}, but neither it nor what it carries has a mass; "
+                f"moves with joint {joint.name!r}, but neither it nor its children have a mass; "
                 "give it one, or make the joint fixed",
             )
             return replace(made, joints=made.joints)
         else:
-            add.note(joint, "moves nothing that has a mass or a shape; it is held at zero")
+            add.note(joint, "moves no link with a mass or a shape; it is fixed at zero")
             joints.append(replace(joint, kind="fixed", mimic=None))
     return replace(made, joints=tuple(joints))
 
 
 def wrong_mass(link: Link) -> str:
-    """Return why no body has the mass and inertia of a link; empty if one may."""
+    """Return why mass and inertia of a link are impossible; empty if they are possible."""
     if link.mass < 0.0:
         return f"mass is {link.mass:g} kg, must not be negative"
     if link.mass == 0.0:
@@ -121,16 +123,16 @@ def wrong_mass(link: Link) -> str:
 
 
 def check_mass(add: Adder, link: Link) -> None:
-    """Note why no body has the mass and inertia of a link."""
+    """Add a problem if mass and inertia of a link are impossible."""
     said = wrong_mass(link)
     if said:
         add(link, said)
 
 
-def nearest(link: Link, size: float) -> Array:
-    """Return an inertia that a body can have: the second moments of mass become positive.
+def nearest_inertia(link: Link, size: float) -> Array:
+    """Return the nearest possible inertia of a link: second moments of mass become positive.
 
-    With ``S = tr(J) / 2 - J`` a body has ``S = int x x^T dm``.
+    The second moments of a body are ``S = int x x^T dm = tr(J) / 2 - J``.
     """
     J = 0.5 * (link.inertia + link.inertia.T)
     least = link.mass * (THIN * max(size, THIN)) ** 2
@@ -141,7 +143,7 @@ def nearest(link: Link, size: float) -> Array:
 
 
 def note_sizes(add: Adder, made: Robot) -> None:
-    """Note masses, lengths and angles that were likely given in other units."""
+    """Add warnings for masses, lengths and angles that are probably in other units."""
     size = extent(made)
     for link in made.links:
         if link.mass > HEAVY:
@@ -164,7 +166,7 @@ def note_sizes(add: Adder, made: Robot) -> None:
 
 
 def extent(made: Robot) -> float:
-    """Return the longest chain of distances between joints and centres of mass, m."""
+    """Return the size of a robot, m: the longest chain of joints and centres of mass."""
     long = {made.links[0].name: 0.0}
     for joint in made.joints:
         long[joint.child] = long[joint.parent] + float(np.linalg.norm(joint.origin.r))
@@ -174,8 +176,8 @@ def extent(made: Robot) -> float:
     )
 
 
-def merged(made: Robot) -> tuple[Robot, dict[str, str]]:
-    """Return the robot with links on fixed joints merged, and where each link has gone."""
+def merge_links(made: Robot) -> tuple[Robot, dict[str, str]]:
+    """Return the robot with links on fixed joints merged, and the merged link of each link."""
     place = {made.links[0].name: (made.links[0].name, Frame())}
     links = {made.links[0].name: made.links[0]}
     known = {link.name: link for link in made.links}

@@ -18,24 +18,24 @@ from jousto.mechanism.bodies.shapes import Solid, read_surface
 from jousto.robots.readers.xml import Element, Reading
 
 READ = (".stl", ".obj", ".ply", ".dae")
-LARGEST = 256 * 2**20  # bytes
-MOST = 1e100  # m, beyond squares overflow
+LARGEST = 256 * 2**20  # largest size of a mesh file, bytes
+MOST = 1e100  # largest coordinate, m, whose square does not overflow
 
 
 class Folders:
-    """The folders in which meshes may be: that of the file, and those of its packages.
+    """Folders in which mesh files are allowed: that of the robot's file and those of packages.
 
     Parameters
     ----------
     path : Path
-        The file of the robot.
+        File of the robot.
     packages : dict of str to path or None
         Folders of packages by their names.
 
     Raises
     ------
     InputError
-        If the packages are no mapping of names to folders.
+        If the packages are not a mapping of names to folders.
     """
 
     def __init__(self, path: Path, packages: Any) -> None:
@@ -53,19 +53,19 @@ class Folders:
         self.base = self.home
 
     def within(self, name: str) -> Folders:
-        """Return the same folders, names counted from a folder in that of the file."""
+        """Return the same folders, with names relative to a subfolder of the file's folder."""
         found = copy(self)
         found.base = self.base / name
         return found
 
     def at(self, folder: Path) -> Folders:
-        """Return the same folders for a file in one of them, names counted from there."""
+        """Return the same folders, with names relative to one of them."""
         found = copy(self)
         found.base = folder
         return found
 
     def find(self, name: str) -> tuple[Path | None, str]:
-        """Return the file of a name in a robot's file, or why it may not be read."""
+        """Return the path of a file name in a robot's file, or None and the reason."""
         head, mark, rest = name.partition("://")
         if not name.strip() or "\x00" in name:
             return None, "has no name"
@@ -77,18 +77,18 @@ class Folders:
             if folder is None:
                 known = suggest(package, self.packages) if self.packages else ""
                 say = f"packages={{{package!r}: folder}}"
-                return None, f"is in package {package!r}; say where, {say}{known}"
+                return None, f"is in package {package!r}; give its folder, {say}{known}"
             path = folder / inner
         elif mark and head == "file":
             path = Path(rest)
         elif mark or ":" in head.partition("/")[0][2:]:
-            return None, f"is at {head}://, only files are read"
+            return None, f"is at {head}://, must be a file or a package"
         else:
             path = self.base / name
         return self.allowed(path)
 
     def allowed(self, path: Path) -> tuple[Path | None, str]:
-        """Return a path that is in one of the folders, links followed; else why not."""
+        """Return a resolved path if it is in one of the folders, or None and the reason."""
         try:
             real = path.resolve()
             inside = any(
@@ -106,7 +106,7 @@ class Folders:
         return real, ""
 
     def surface(self, name: str) -> tuple[Array | None, str]:
-        """Return the triangles (nt, 3, 3) of a mesh file, m, or why there are none."""
+        """Return the triangles (nt, 3, 3) of a mesh file, m, or None and the reason."""
         path, why = self.find(name)
         shown = harmless(name)
         if path is None:
@@ -115,41 +115,43 @@ class Folders:
             known = ", ".join(READ)
             return None, f"'{shown}' is a {path.suffix or 'nameless'} file, {known} are read"
         try:
-            with np.errstate(all="ignore"):  # readers guess the kind of a file by its numbers
+            with np.errstate(
+                all="ignore"
+            ):  # readers test the kind of a file by its numbers, which may overflow
                 triangles = read_surface("mesh", path, "m")
         except InputError as error:
             return None, f"'{shown}' cannot be used: {error.problems[0].message}"
         if not np.isfinite(triangles).all() or np.abs(triangles).max(initial=0.0) > MOST:
-            return None, f"'{shown}' cannot be used: it has corners that are no finite numbers"
+            return None, f"'{shown}' cannot be used: it has corners that are not finite"
         return triangles, ""
 
     def mesh(self, reading: Reading, element: Element, name: str, scale: Array) -> Array | None:
-        """Return the triangles (nt, 3, 3) of a mesh file, m, or note why there are none."""
+        """Return the scaled triangles (nt, 3, 3) of a mesh file, m, or None with a warning."""
         found, why = self.surface(name)
         if found is None:
-            reading.note(element, f"the mesh {why}; the shape is left out")
+            reading.note(element, f"the mesh {why}; the shape is ignored")
             return None
         found = found * scale
-        # a mirrored mesh is turned inside out
+        # reverse the order of the corners of a mirrored mesh, so that normals point outward
         return found[:, ::-1] if np.prod(scale) < 0.0 else found
 
 
 def solid_of(reading: Reading, element: Element, kind: str, sizes: Array) -> Solid | None:
-    """Return a solid about its middle, its axis z, or note that it has no size.
+    """Return a solid centred at the origin with axis z; None with a warning if it has no size.
 
     Parameters
     ----------
     reading, element
-        Where problems are noted.
+        Collector of warnings, and the element of the solid.
     kind : {"box", "cylinder", "capsule", "sphere", "ellipsoid"}
-        Its form.
+        Form of the solid.
     sizes : (n,) array
         Lengths of a box; radius and length, without the round ends of a capsule; radius;
         half axes, m.
     """
     if not (sizes > 0.0).all():
         found = ", ".join(f"{x:g}" for x in sizes)
-        reading.note(element, f"the {kind} has the size ({found}), must be positive; left out")
+        reading.note(element, f"the {kind} has the size ({found}), must be positive; it is ignored")
         return None
     z = np.array([0.0, 0.0, 1.0])
     if kind == "box":
@@ -164,10 +166,10 @@ def solid_of(reading: Reading, element: Element, kind: str, sizes: Array) -> Sol
 
 
 def capsule(r: float, long: float) -> Solid:
-    """Return a cylinder of a length about z with half spheres at its ends, density 1.
+    """Return a cylinder along z of a given length with half-spheres at its ends, density 1.
 
-    Of a half sphere of mass m the centre is 3 r / 8 above its disc, and the moment across about
-    that centre is ``(2/5 - 9/64) m r^2``.
+    The centre of mass of a half-sphere of mass m is 3 r / 8 above its disc, and its transverse
+    inertia about that centre is ``(2/5 - 9/64) m r^2``.
     """
     m, b = np.pi * r * r * long, 2.0 / 3.0 * np.pi * r**3
     along = 0.5 * m * r * r + 2.0 * 0.4 * b * r * r

@@ -1,4 +1,4 @@
-"""MJCF: the models of MuJoCo, as far as they are rigid bodies."""
+"""Reader of MJCF files, the models of MuJoCo, for rigid bodies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_bodies import Bodies
 from jousto.robots.readers.mjcf_collected import Collected
-from jousto.robots.readers.mjcf_ties import Motor, closed, read_actuators, read_ties
+from jousto.robots.readers.mjcf_ties import Motor, read_actuators, read_ties, with_loop_joints
 from jousto.robots.readers.mjcf_words import CONTACT
 from jousto.robots.readers.xml import Reading, parse_file
 
@@ -26,42 +26,42 @@ SINGLE = ("revolute", "prismatic")
 def read_mjcf(
     path: str | Path, *, merge: bool = True, repair: bool = False, meshes: bool = True
 ) -> Robot:
-    """Read rigid bodies from an MJCF file.
+    """Return the robot of the rigid bodies in an MJCF file.
 
-    Read are bodies with ``pos`` and any of the five orientations, ``hinge``, ``slide``, ``ball``
-    and ``free`` joints (several on one body, too) with anchor, range, reference, damping,
-    stiffness, dry friction and armature, ``inertial`` or the mass of the geoms, classes of
-    defaults, sites as frames, gravity and its compensation, equalities of joints that are linear,
-    ``connect`` and ``weld`` as rigid joints that close loops, and actuators of joints as inputs.
-    Files that it includes and models that it attaches are read from its folder. Angles are in
-    degrees unless ``<compiler angle="radian">`` says otherwise. The root is the world. Joints count
-    as in MuJoCo, and start at their ``ref``.
+    Supported are bodies with ``pos`` and any of the five orientations; ``hinge``, ``slide``,
+    ``ball`` and ``free`` joints (also several on one body) with anchor, range, reference, damping,
+    stiffness, dry friction and armature; ``inertial`` or the mass of geoms; classes of defaults;
+    sites as frames; gravity and gravity compensation; linear equalities of joints; ``connect`` and
+    ``weld`` as rigid joints that close loops; and actuators of joints as inputs. Included files and
+    attached models are read from the folder of the file. Angles are in degrees unless the file has
+    ``<compiler angle="radian">``. The root is the world. Joint coordinates are those of MuJoCo, and
+    their initial value is ``ref``.
 
-    Contact is not modelled. What is not done and changes the motion is refused or warned of, with
-    its line and effect; docs/robot-words.md lists every word. A body with several joints has links
+    Contact is not modelled. Unsupported words that change the motion give an error or a warning,
+    with line and effect; docs/robot-words.md lists every word. A body with several joints has links
     without mass between them.
 
     Parameters
     ----------
     path : str or Path
-        The file. Other files are looked for in its folder and nowhere else.
+        MJCF file. Other files must be in its folder.
     merge : bool
-        Whether bodies without joints are merged with those that carry them.
+        Whether bodies without joints are merged with their parents.
     repair : bool
-        Whether inertia that no body has is replaced by the nearest one that a body can have, with
-        a warning, instead of refused.
+        Whether a physically impossible inertia is replaced by the nearest possible one, with a
+        warning, instead of an error.
     meshes : bool
-        Whether meshes are read for pictures; those that give a body its mass are always read.
+        Whether meshes are read for pictures; those that determine the mass of a body always are.
 
     Raises
     ------
     InputError
-        With everything that cannot run.
+        With all errors of the file.
 
     Warns
     -----
     JoustoWarning
-        What is left out or odd.
+        Of elements that are ignored and of implausible values.
     """
     path = Path(path)
     root = parse_file(path)
@@ -81,8 +81,10 @@ def read_mjcf(
     name = root.given.get("model", path.stem)
 
     def complete(made: Robot) -> Robot:
-        made = replace(sprung(made, found), gravity=bodies.settings.weight)
-        return replace(closed(bodies, made, ties), actuators=tuned(made, motors))
+        made = replace(with_springdampers(made, found), gravity=bodies.settings.weight)
+        return replace(
+            with_loop_joints(bodies, made, ties), actuators=with_damping_ratios(made, motors)
+        )
 
     return checks.robot(
         reading,
@@ -97,7 +99,7 @@ def read_mjcf(
 
 
 def weigh(found: Collected, total: float) -> None:
-    """Give all bodies their share of a total mass, kg, and the weights that are compensated."""
+    """Scale the masses of all bodies to a total, kg, and set their gravity compensation."""
     mass = sum(link.mass for link in found.links)
     share = total / mass if total > 0.0 and mass > 0.0 else 1.0
     for i, link in enumerate(found.links):
@@ -108,7 +110,7 @@ def weigh(found: Collected, total: float) -> None:
 
 
 def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> None:
-    """Note once that geoms of different bodies that can touch do not."""
+    """Add one warning if geoms of different bodies could touch, since contact is not modelled."""
     for model in models:
         for pair in (pair for section in model.root.all("contact") for pair in section.all("pair")):
             if not {"contact", "constraint"} & model.settings.off:
@@ -125,7 +127,7 @@ def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> No
     for element, link, one, other in found.touching:
         masks.setdefault((home(link), one, other))
         first = first or element
-    seen = list(masks)[:200]  # enough to find a pair
+    seen = list(masks)[:200]  # limits the search for one pair
     for i, (a, one, other) in enumerate(seen):
         for b, two, another in seen[:i]:
             carried = any(x in above and home(above[x].parent) == y for x, y in ((a, b), (b, a)))
@@ -137,9 +139,9 @@ def note_contact(reading: Reading, models: list[Bodies], found: Collected) -> No
 
 
 def inertias(robot: Robot) -> dict[str, float]:
-    """Return what moves with each joint where the robot starts while the others are free.
+    """Return the effective inertia of each joint at the initial pose, kg m2 or kg.
 
-    The inverse of the mean of ``(M^-1)_ii`` over its coordinates, kg m2 or kg.
+    It is the inverse of the mean of ``(M^-1)_ii`` over the coordinates of the joint.
     """
     free = replace(
         robot, loops=(), joints=tuple(replace(joint, mimic=None) for joint in robot.joints)
@@ -152,11 +154,11 @@ def inertias(robot: Robot) -> dict[str, float]:
     return {name: len(x) / max(sum(x), 1e-15) for name, x in shares.items()}
 
 
-def sprung(robot: Robot, found: Collected) -> Robot:
+def with_springdampers(robot: Robot, found: Collected) -> Robot:
     """Return a robot whose joints have the springs and dampers of ``springdamper``.
 
-    With the time constant T, the ratio z and the mean m of what moves with the coordinates of the
-    joint, ``k = m / (T z)^2`` and ``c = 2 m / T``.
+    ``k = m / (T z)^2`` and ``c = 2 m / T`` with the time constant T, the damping ratio z and the
+    effective inertia m of the joint.
     """
     if not found.springs:
         return robot
@@ -172,8 +174,8 @@ def sprung(robot: Robot, found: Collected) -> Robot:
     return replace(robot, joints=tuple(joints))
 
 
-def tuned(robot: Robot, motors: list[Motor]) -> tuple[Actuator, ...]:
-    """Return the actuators, those of a damping ratio z with ``b2 = -2 z sqrt(kp m / g^2)``."""
+def with_damping_ratios(robot: Robot, motors: list[Motor]) -> tuple[Actuator, ...]:
+    """Return the actuators, with ``b2 = -2 z sqrt(kp m / g^2)`` of those with a damping ratio z."""
     joints = {joint.name: joint for joint in robot.joints if joint.kind in SINGLE}
     inertia = inertias(robot) if any(motor.ratio for motor in motors) else {}
     found = []

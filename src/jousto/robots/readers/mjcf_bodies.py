@@ -1,4 +1,4 @@
-"""Bodies of MJCF files one within the other: their joints, masses, shapes and sites."""
+"""Reader of the nested bodies of MJCF files: joints, masses, shapes and sites."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from jousto.robots.readers.mjcf_expand import (
     everything,
     find_named,
     include_files,
-    renamed,
     replicate,
+    with_affixes,
 )
 from jousto.robots.readers.mjcf_geoms import Geom, Geoms
 from jousto.robots.readers.mjcf_settings import Places
@@ -30,29 +30,29 @@ from jousto.robots.readers.xml import DEEPEST, Element, Reading, parse_file
 
 TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "floating"}
 LOSSES = {"stiffness": "spring", "damping": "damper", "frictionloss": "frictionloss"}
-MOST_ATTACHED = 10_000
+MOST_ATTACHED = 10_000  # maximum number of attached models
 OWN = {"stiffness": "stiffness", "damping": "damping", "frictionloss": "friction"}
 
 
 class Bodies:
-    """Reads bodies one within the other.
+    """Reader of the nested bodies of a model.
 
     Parameters
     ----------
     reading : Reading
-        Where problems are noted.
+        Collector of problems.
     root : Element
-        The model.
+        Root element of the model.
     folders : Folders
-        Where files may be.
+        Allowed folders of files.
     found : Collected
-        What is filled.
+        Collector of links, joints and actuators.
     draw : bool
-        Whether meshes that only show a body are read.
+        Whether meshes for pictures alone are read.
     prefix : str
-        What names begin with.
+        Prefix of all names.
     above : tuple of Path
-        The models that attach this one.
+        Paths of the models that attach this one.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Bodies:
     def flat(
         self, element: Element, at: Frame, inherited: str
     ) -> Iterator[tuple[Element, Frame, str]]:
-        """Yield what stands in a body, frames taken apart, with its frame and class."""
+        """Yield the elements in a body, also those in its <frame>s, with pose and class."""
         for child in element.children:
             if child.tag == "frame":
                 inner = child.given.get("childclass", inherited)
@@ -98,7 +98,7 @@ class Bodies:
     def contents(
         self, element: Element, link: Link, at: Frame, inherited: str, *, moving: bool
     ) -> None:
-        """Fill a link with what stands in its element, and read the bodies within it."""
+        """Add the contents of an element to a link, and read the bodies in it."""
         inner = list(self.flat(element, at, inherited))
         inertial = next((child for child, _, _ in inner if child.tag == "inertial"), None)
         from_geoms = self.settings.from_geoms
@@ -110,7 +110,7 @@ class Bodies:
         if inertial is not None and moving and (not weighed or mass == 0.0):
             mass, center, inertia = self.inertial(inertial)
         if not (np.isfinite(mass) and np.isfinite(inertia).all()):
-            self.reading.add(element, "mass or inertia is beyond all numbers; are sizes in m?")
+            self.reading.add(element, "mass or inertia is not finite; check that sizes are in m")
             mass, inertia = 0.0, np.zeros((3, 3))
         if moving:
             mass, inertia = self.bounded(mass, inertia)
@@ -152,14 +152,14 @@ class Bodies:
         return parts, frames
 
     def touches(self, given: Element, link: str) -> None:
-        """Keep a geom that may touch others."""
+        """Add a geom that may touch others to the list for the warning on contact."""
         masks = [given.given.get(key, "1") for key in ("contype", "conaffinity")]
         if not {"contact", "constraint"} & self.settings.off and masks != ["0", "0"]:
             one, other = (int(x) if x.lstrip("-").isdigit() else 1 for x in masks)
             self.found.touching.append((given, link, one, other))
 
     def inertial(self, element: Element) -> tuple[float, Array, Array]:
-        """Return mass, centre and inertia in the axes of the body."""
+        """Return mass, centre of mass and inertia of ``<inertial>`` in the axes of the body."""
         reading = self.reading
         at, mass = self.places.frame(element), reading.number(element, "mass")
         if "fullinertia" in element.given:
@@ -171,7 +171,7 @@ class Bodies:
         return mass, at.r, at.A @ tensor @ at.A.T
 
     def bounded(self, mass: float, inertia: Array) -> tuple[float, Array]:
-        """Return mass and inertia within the bounds that the compiler sets."""
+        """Return mass and inertia raised to the lower bounds of the compiler settings."""
         found = self.settings
         mass = max(mass, found.least_mass)
         if found.least_inertia <= 0.0 and not found.balance:
@@ -183,7 +183,7 @@ class Bodies:
         return mass, np.asarray((vectors * values) @ vectors.T)
 
     def name(self, element: Element, kind: str) -> str:
-        """Return the name of an element, or a new one."""
+        """Return the name of an element, or a new unique one."""
         found = self.found
         found.count[kind] = found.count.get(kind, 0) + 1
         given = element.given.get("name", "").strip()
@@ -194,7 +194,7 @@ class Bodies:
         return name
 
     def body(self, element: Element, parent: str, at: Frame, inherited: str) -> None:
-        """Read a body with its joints and all that it carries."""
+        """Read a body with its joints and nested bodies."""
         inherited = element.given.get("childclass", inherited)
         name = self.name(element, "body")
         place = at @ self.places.frame(element)
@@ -211,7 +211,7 @@ class Bodies:
         for k, joint in enumerate(joints):
             last = k == len(joints) - 1
             child = name if last else f"{name} {k + 1}"
-            # the file places the body where the coordinates are their references
+            # the pose in the file is that at the reference coordinates
             origin = (place if k == 0 else Frame()) @ turned_back(joint)
             self.found.joints.append(replace(joint, parent=parent, child=child, origin=origin))
             self.found.links.append(Link(child, where=where))
@@ -221,7 +221,7 @@ class Bodies:
         self.contents(element, self.found.links[-1], Frame(), inherited, moving=True)
 
     def joint(self, element: Element, at: Frame, inherited: str) -> RobotJoint:
-        """Return a joint without its links."""
+        """Return a joint without the names of its links."""
         name, reading = self.name(element, "joint"), self.reading
         where = reading.where(element)
         if element.tag == "freejoint":
@@ -244,7 +244,7 @@ class Bodies:
             text = element.given.get("range")
             low, high = reading.numbers(element, text, "range", 2, None) * scale
             if kind == "ball":
-                reading.note(element, "the limit of a ball is left out: it turns beyond it")
+                reading.note(element, "the limit of a ball joint is ignored: it turns beyond it")
             else:
                 values["lower"], values["upper"] = low, high
         if self.limited(element, "actuatorfrclimited", "actuatorfrcrange"):
@@ -265,7 +265,7 @@ class Bodies:
         )
 
     def losses(self, element: Element, name: str, kind: str) -> dict[str, Any]:
-        """Return spring, damping, dry friction and rotor of a joint; note what it cannot have."""
+        """Return spring, damping, dry friction and rotor of a joint; warn of unsupported ones."""
         reading = self.reading
         values: dict[str, Any] = {"armature": reading.number(element, "armature", 0.0)}
         for key, flag in LOSSES.items():
@@ -296,7 +296,7 @@ class Bodies:
         return values if kind != "free" else {}
 
     def limited(self, element: Element, word: str, span: str) -> bool:
-        """Return whether a joint has a range that counts."""
+        """Return whether the range of a joint is a limit."""
         value = element.given.get(word, "auto")
         if value == "auto":
             return self.settings.limits and span in element.given
@@ -305,7 +305,7 @@ class Bodies:
     # -- other models -----------------------------------------------------------------------
 
     def attach(self, element: Element, link: Link, at: Frame, inherited: str) -> None:
-        """Read what is attached to a link: a body or frame of this model, or of another file."""
+        """Read an ``<attach>`` of a link: a body or frame of this model or of another file."""
         prefix = element.given.get("prefix", "")
         model, depth = element.given.get("model"), len(self.above)
         tag = "body" if "body" in element.given else "frame"
@@ -334,9 +334,9 @@ class Bodies:
         other.fill(element, link, at, tag, wanted)
 
     def model(self, element: Element, name: str) -> tuple[Element | None, Path | None]:
-        """Return the root and the path of a model among the assets, or note why there is none.
+        """Return the root and the path of a model among the assets; add a problem if there is none.
 
-        A model without a name of its own is called as its file says.
+        The default name of a model is that in its file.
         """
         for own, asset in self.models.items():
             path, why = self.folders.find(asset.given.get("file", ""))
@@ -362,17 +362,17 @@ class Bodies:
     def attach_own(
         self, element: Element, link: Link, at: Frame, tag: str, wanted: str, prefix: str
     ) -> None:
-        """Read a copy of a body or frame of the same model, its names with a prefix."""
+        """Read a copy of a body or frame of the same model, with a prefix on its names."""
         found = find_named(self.root, tag, wanted)
         if found is None or any(x is element for x in everything(found[0])):
             why = "does not exist" if found is None else "contains this <attach> itself"
             self.reading.add(element, f"{tag} {wanted!r} {why}")
             return
-        copy = renamed(found[0], before=prefix)
+        copy = with_affixes(found[0], before=prefix)
         self.inside(copy, link, at, found[1])
 
     def fill(self, element: Element, link: Link, at: Frame, tag: str, wanted: str | None) -> None:
-        """Read a body, a frame or all bodies of this model as if they stood in a link."""
+        """Read a body, a frame or all bodies of this model as contents of a link."""
         if wanted is None:
             for section in self.root.all("worldbody"):
                 self.inside(replace(section, tag="frame", given={}), link, at, "main")
@@ -381,18 +381,18 @@ class Bodies:
             (x for s in self.root.all("worldbody") if (x := find_named(s, tag, wanted))), None
         )
         if found is None:
-            self.reading.add(element, f"no {tag} {wanted!r} in the model that is attached")
+            self.reading.add(element, f"no {tag} {wanted!r} in the attached model")
             return
         self.inside(found[0], link, at, found[1])
 
     def inside(self, element: Element, link: Link, at: Frame, inherited: str) -> None:
-        """Read an element as if it stood in a link that is read already."""
+        """Read an element as contents of a link that was read before."""
         inner = [(element, at, inherited)]
         if element.tag == "frame":
             own = element.given.get("childclass", inherited)
             inner = list(self.flat(element, at @ self.places.frame(element), own))
         filled = [x for x in inner if x[0].tag in ("geom", "site")]
-        if filled:  # shapes and sites of a frame move with the link
+        if filled:  # shapes and sites of a frame form a body fixed to the link
             fixed = self.name(Element("body", {}, element.line), "body")
             where = self.reading.where(element)
             self.found.links.append(Link(fixed, where=where))

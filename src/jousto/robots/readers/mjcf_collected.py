@@ -1,4 +1,4 @@
-"""What is collected from an MJCF model and those that are attached to it."""
+"""Contents of an MJCF model and its attached models, collected during reading."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jousto.robots.readers.xml import Element
 
 @dataclass
 class Site:
-    """A named frame: its link and where it is there."""
+    """Named frame with its link and its pose in the link."""
 
     link: str
     frame: Frame
@@ -21,22 +21,22 @@ class Site:
 
 @dataclass
 class Collected:
-    """What is found in a model and those that are attached to it.
+    """Contents of a model and of the models attached to it.
 
     Attributes
     ----------
     links, joints, loops, actuators
         As of `Robot`.
     sites : dict of str to Site
-        By their names.
+        Sites by name.
     springs : dict of str to (float, float)
         ``springdamper`` of joints: time constant, s, and damping ratio.
     lifted : dict of str to float
         ``gravcomp`` of bodies.
     names : set of str
-        Those that are taken.
+        Used names.
     touching : list of (Element, str, int, int)
-        Geoms that can touch, their bodies, ``contype`` and ``conaffinity``.
+        Geoms that can touch, with body, ``contype`` and ``conaffinity``.
     """
 
     links: list[Link] = field(default_factory=list)
@@ -52,7 +52,7 @@ class Collected:
 
 
 def turned_back(joint: RobotJoint) -> Frame:
-    """Return the frame of a body where the coordinate of its joint is 0, in that of the file."""
+    """Return the pose of a body at coordinate 0 of its joint, relative to its pose in the file."""
     size = float(np.linalg.norm(joint.axis))
     if joint.initial == 0.0 or size == 0.0:
         return Frame()

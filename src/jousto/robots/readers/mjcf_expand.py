@@ -1,4 +1,4 @@
-"""Includes, replicas and attachments of MJCF files, written out as if the file had them in full."""
+"""Expansion of includes, replicas and names of attached models in MJCF files."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from jousto.robots.readers.xml import DEEPEST, MOST, Element, Reading, parse_fil
 
 
 def include_files(reading: Reading, root: Element, folders: Folders) -> Element:
-    """Return a model with the files that it includes in their places.
+    """Return a model with the contents of its included files.
 
-    A file is looked for in the folder of the model, then in that of the file that includes it, and
-    never outside the folder of the model. MuJoCo reads each file once.
+    A file is searched in the folder of the model, then in that of the including file, and must be
+    in the folder of the model. A file may be included once, as in MuJoCo.
     """
     return _Includes(reading, folders).within(root, folders.home, (), 0)
 
@@ -32,7 +32,7 @@ class _Includes:
         self.count = 0
 
     def within(self, element: Element, here: Path, above: tuple[Path, ...], depth: int) -> Element:
-        """Return an element whose children are those of the files that it includes."""
+        """Return an element with its includes replaced by the contents of the files."""
         children: list[Element] = []
         for child in element.children:
             self.count += 1
@@ -45,7 +45,7 @@ class _Includes:
     def file(
         self, element: Element, here: Path, above: tuple[Path, ...], depth: int
     ) -> list[Element]:
-        """Return the children of the root of an included file, or note why it is not read."""
+        """Return the children of the root of an included file; add a problem if it is invalid."""
         name = element.given.get("file", "")
         path, why = self.folders.find(name)
         if path is None and here != self.folders.home:
@@ -73,10 +73,10 @@ class _Includes:
 def replicate(
     reading: Reading, element: Element, euler: Callable[[Array], Array]
 ) -> tuple[Element, dict[str, list[str]]]:
-    """Return an element with its replicas as frames, and the names that each name has become.
+    """Return an element with its replicas as frames, and the new names of each replicated name.
 
-    Replica i of ``<replicate>`` is turned by i times its angles, and displaced by the sum of the
-    offsets, each in the axes of the replica before.
+    Replica i of ``<replicate>`` is rotated by i times its angles, and displaced by the sum of the
+    offsets, each in the axes of the previous replica.
     """
     maker = _Replicas(reading, euler)
     made = maker.within(element)
@@ -90,7 +90,7 @@ class _Replicas:
         self.count = 0
 
     def within(self, element: Element) -> Element:
-        """Return an element whose replicas are written out."""
+        """Return an element with its replicas expanded."""
         children: list[Element] = []
         for child in element.children:
             if child.tag == "replicate":
@@ -127,7 +127,7 @@ class _Replicas:
             given = {"pos": numbers(r), "quat": numbers(euler_parameters(A))}
             if "childclass" in element.given:
                 given["childclass"] = element.given["childclass"]
-            children = [renamed(x, after=suffix) for x in inner.children]
+            children = [with_affixes(x, after=suffix) for x in inner.children]
             made.append(replace(element, tag="frame", given=given, children=children))
             for name in own:
                 now.setdefault(first.get(name, name), []).append(f"{name}{suffix}")
@@ -137,12 +137,12 @@ class _Replicas:
 
 
 def numbers(values: Array) -> str:
-    """Return numbers as text, to the last digit."""
+    """Return numbers as a text with all digits."""
     return " ".join(repr(float(x)) for x in values)
 
 
 def everything(element: Element) -> Iterator[Element]:
-    """Yield an element and all below it."""
+    """Yield an element and all its descendants."""
     waiting = [element]
     while waiting:
         element = waiting.pop()
@@ -150,20 +150,22 @@ def everything(element: Element) -> Iterator[Element]:
         waiting += reversed(element.children)
 
 
-def renamed(element: Element, before: str = "", after: str = "") -> Element:
-    """Return a copy of an element in which all names have something before and after them."""
+def with_affixes(element: Element, before: str = "", after: str = "") -> Element:
+    """Return a copy of an element with a prefix and a suffix on all names."""
     given = dict(element.given)
     if "name" in given:
         given["name"] = f"{before}{given['name']}{after}"
     return replace(
-        element, given=given, children=[renamed(child, before, after) for child in element.children]
+        element,
+        given=given,
+        children=[with_affixes(child, before, after) for child in element.children],
     )
 
 
 def find_named(
     element: Element, tag: str, name: str, inherited: str = "main"
 ) -> tuple[Element, str] | None:
-    """Return an element below another one by its name, and the class that it inherits."""
+    """Return the descendant of a tag and name, and its inherited class; None if there is none."""
     for child in element.children:
         if child.tag == tag and child.given.get("name") == name:
             return child, inherited

@@ -31,13 +31,13 @@ from jousto.robots.readers.xml import Element
 
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 LINES = ("capsule", "cylinder", "box", "ellipsoid")
-LEAST = 1e-14  # kg, mjEPS of MuJoCo: lighter geoms do not count
-SAME = 1e-2  # relative difference of volumes that is not reported
+LEAST = 1e-14  # smallest mass of a geom, kg (mjEPS of MuJoCo); lighter ones have none
+SAME = 1e-2  # relative difference of volumes below which there is no warning
 
 
 @dataclass(frozen=True, eq=False)
 class Geom:
-    """A shape with its mass: centre, inertia about it and triangles in the frame of its body."""
+    """Shape with mass, centre, inertia about it and triangles, in the frame of its body."""
 
     mass: float
     center: Array
@@ -47,16 +47,16 @@ class Geom:
 
 @dataclass
 class Asset:
-    """A mesh that is read when it is needed.
+    """Mesh of the assets, read at its first use.
 
     Parameters
     ----------
     load : callable
-        Returns its triangles (nt, 3, 3), m, or None and why there are none.
+        Function that returns the triangles (nt, 3, 3), m, or None, and the reason for None.
     kind : str
-        How its mass is counted.
+        Rule for its mass: "convex", "exact", "legacy" or "shell".
     where : Element
-        The asset.
+        Element of the asset.
     """
 
     load: Callable[[], tuple[Array | None, str]]
@@ -76,16 +76,16 @@ class Asset:
 
 
 class Geoms:
-    """Reads the shapes of a file.
+    """Reader of the geoms of a file.
 
     Parameters
     ----------
     places : Places
-        What reads places and orientations.
+        Reader of poses.
     folders : Folders
-        Where meshes may be.
+        Allowed folders of meshes.
     draw : bool
-        Whether meshes that only show a body are read.
+        Whether meshes for pictures alone are read.
     """
 
     def __init__(self, places: Places, folders: Folders, *, draw: bool = True) -> None:
@@ -94,7 +94,7 @@ class Geoms:
         self.meshes: dict[str, Asset] = {}
 
     def asset(self, element: Element) -> None:
-        """Keep a mesh by its name; its file is read when a geom needs it."""
+        """Add a mesh to the assets; its file is read at its first use."""
         given = self.places.given(element, "main")
         file = given.given.get("file", "")
         name = given.given.get("name", file.rpartition("/")[2].rpartition(".")[0])
@@ -106,7 +106,7 @@ class Geoms:
         self.meshes[name] = Asset(lambda: self.load(given, file), kind, element)
 
     def load(self, given: Element, file: str) -> tuple[Array | None, str]:
-        """Return the triangles of a mesh in the frame of its geoms, or why there are none."""
+        """Return the triangles of a mesh in the frame of its geoms, or None and the reason."""
         reading = self.reading
         scale = reading.vector(given, "scale", (1.0, 1.0, 1.0))
         r = reading.vector(given, "refpos", (0.0, 0.0, 0.0))
@@ -127,7 +127,7 @@ class Geoms:
         return (found[:, ::-1] if np.prod(scale) < 0.0 else found), ""
 
     def inline(self, given: Element) -> tuple[Array | None, str]:
-        """Return the triangles of a mesh whose corners stand in the file, or why there are none."""
+        """Return the triangles of a mesh defined in the MJCF file, or None and the reason."""
         points = self.reading.list(given, "vertex")
         if points is None or len(points) % 3 or len(points) < 12:
             return None, "its vertex must be four or more points of three numbers"
@@ -145,7 +145,7 @@ class Geoms:
         return np.asarray(points[corners.astype(np.intp).reshape(-1, 3)]), ""
 
     def read(self, element: Element, at: Frame, *, weighed: bool) -> Geom | None:
-        """Return a geom, or None for one without volume; `weighed` if its mass may count."""
+        """Return a geom, or None for one without volume; with mass if `weighed`."""
         kind = element.given.get("type", "sphere")
         if kind == "mesh" and "mesh" not in element.given:
             self.reading.add(element, "names no mesh")
@@ -190,22 +190,22 @@ class Geoms:
         return mass
 
     def grouped(self, element: Element) -> bool:
-        """Return whether the group of a geom is one of those that have mass."""
+        """Return whether the group of a geom has mass."""
         low, high = self.places.settings.groups
         return bool(low <= self.reading.number(element, "group", 0.0) <= high)
 
     def weightless(self, element: Element) -> bool:
-        """Return whether a geom says that it has no mass."""
+        """Return whether a geom has an explicit mass of zero."""
         key = "mass" if "mass" in element.given else "density"
         return self.reading.number(element, key, 1.0) == 0.0
 
     def sized(self, element: Element, kind: str, at: Frame) -> tuple[Array, Frame]:
-        """Return the sizes of a solid and where it is."""
+        """Return the sizes and the pose of a solid."""
         count = SIZES[kind]
         text = element.given.get("size", "")
         words = text.split()
         if "fromto" not in element.given or kind not in LINES:
-            # sizes that a form does not need may stand there
+            # further sizes, which the form does not need, are allowed
             half = self.reading.numbers(
                 element, " ".join(words[:count]) or None, "size", count, None
             )
@@ -214,7 +214,7 @@ class Geoms:
         axis = ends[3:] - ends[:3]
         long = float(np.linalg.norm(axis))
         if long == 0.0:
-            self.reading.add(element, "fromto has no length")
+            self.reading.add(element, "fromto has two equal points, must have a length")
             axis, long = np.array([0.0, 0.0, 1.0]), 1.0
         radius = self.reading.numbers(element, " ".join(words[:1]) or None, "size", 1, None)[0]
         half = np.array([radius, radius, 0.5 * long])
@@ -243,7 +243,7 @@ class Geoms:
                     "<inertial> to the body",
                 )
             elif asset.why:
-                message = f"the mesh {name!r} is not read: {asset.why}; the shape is left out"
+                message = f"the mesh {name!r} is not read: {asset.why}; the shape is ignored"
                 self.reading.note(asset.where, message)
                 asset.why = ""
             return None, place
@@ -255,7 +255,7 @@ class Geoms:
         return self.fitted(element, kind, solid, place)
 
     def solid(self, asset: Asset, name: str, triangles: Array) -> Solid | None:
-        """Return the mass of a mesh for unit density as its asset counts it, or note a problem."""
+        """Return the solid of a mesh by the rule of its asset, density 1; None with a problem."""
         if asset.solid is not None:
             return asset.solid
         true: Solid | None = None
@@ -283,13 +283,13 @@ class Geoms:
         if asset.kind == LEGACY and not true:
             self.reading.note(
                 asset.where,
-                f"the mesh {name!r} counts {solid.volume:.4g} m3, as in MuJoCo, although {why}",
+                f"the mesh {name!r} has {solid.volume:.4g} m3, as in MuJoCo, although {why}",
             )
         elif true is not None and abs(solid.volume / true.volume - 1.0) > SAME:
             self.reading.note(
                 asset.where,
-                f"the mesh {name!r} counts {solid.volume:.4g} m3, as in MuJoCo, and encloses "
-                f"{true.volume:.4g} m3; inertia='exact' counts what it encloses",
+                f"the mesh {name!r} has {solid.volume:.4g} m3, as in MuJoCo, but encloses "
+                f"{true.volume:.4g} m3; inertia='exact' takes the enclosed volume",
             )
         asset.solid = solid
         return solid
@@ -297,7 +297,7 @@ class Geoms:
     def fitted(
         self, element: Element, kind: str, solid: Solid, place: Frame
     ) -> tuple[Solid | None, Frame]:
-        """Return a simple shape that is fitted to a mesh: to its inertia, or to its extent."""
+        """Return a solid fitted to the inertia or to the bounding box of a mesh, and its pose."""
         half, A = inertia_box(solid)
         center = solid.center
         if self.places.settings.fit_box:
@@ -322,7 +322,7 @@ class Geoms:
         return made, place @ Frame(center, A)
 
     def total(self, parts: Sequence[Geom]) -> tuple[float, Array, Array]:
-        """Return mass, centre and inertia about it of several geoms."""
+        """Return mass, centre of mass and inertia about it of several geoms."""
         parts = [part for part in parts if part.mass > LEAST]
         mass = sum(part.mass for part in parts)
         if not mass > 0.0:
@@ -336,7 +336,7 @@ class Geoms:
 
 
 def _lengths(kind: str, half: Array) -> Array:
-    """Return the sizes of `solid_of` from those of MJCF, which are halves."""
+    """Return the sizes for `solid_of` from the half sizes of MJCF."""
     if kind in ("capsule", "cylinder"):
         return half * [1.0, 2.0]
     return 2.0 * half if kind == "box" else half

@@ -1,4 +1,4 @@
-"""Settings of MJCF files: compiler, options, flags, classes of defaults; places."""
+"""Settings of MJCF files: compiler, options, flags, classes of defaults, poses of elements."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ Classes = dict[str, dict[str, dict[str, str]]]
 
 @dataclass
 class Settings:
-    """What ``<compiler>``, ``<option>`` and ``<flag>`` set; the last of several values counts.
+    """Settings of ``<compiler>``, ``<option>`` and ``<flag>``; the last of several values is used.
 
     Attributes
     ----------
     angle : float
-        rad for one unit of angle.
+        Unit of angles in the file, rad.
     sequence : str
-        Of Euler angles.
+        Sequence of Euler angles.
     limits : bool
-        Whether a range alone makes a limit.
+        Whether a range is a limit without the attribute `limited`.
     from_geoms : {"auto", "true", "false"}
-        Whether inertia is that of the geoms.
+        Whether mass and inertia are those of the geoms.
     groups : (2,) array
-        First and last group of geoms that have mass.
+        First and last group of geoms with mass.
     meshes : str
         Folder of meshes.
     strip, fit_box, exact, balance : bool
@@ -42,11 +42,11 @@ class Settings:
     least_mass, least_inertia, total : float
         ``boundmass`` (kg), ``boundinertia`` (kg m2) and ``settotalmass`` (kg).
     gravity : (3,) array
-        m/s2.
+        Gravitational acceleration, m/s2.
     off : set of str
-        Flags that are disabled.
+        Disabled flags.
     idle_groups : set of int
-        Groups of actuators that exert no force.
+        Disabled groups of actuators.
     """
 
     angle: float = DEGREE
@@ -68,7 +68,7 @@ class Settings:
 
     @property
     def weight(self) -> Array:
-        """Acceleration of free fall, m/s2; zero where gravity is disabled."""
+        """Gravitational acceleration, m/s2; zero if gravity is disabled."""
         return np.zeros(3) if "gravity" in self.off else self.gravity
 
 
@@ -114,14 +114,14 @@ def _compiler(reading: Reading, element: Element, found: Settings) -> None:
     found.groups = reading.numbers(element, text, "inertiagrouprange", 2, found.groups)
     sequence = given.get("eulerseq", found.sequence)
     if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-        reading.add(element, f"eulerseq is {sequence!r}, must be such as xyz")
+        reading.add(element, f"eulerseq is {sequence!r}, must be three axes such as xyz")
     else:
         found.sequence = sequence
     found.meshes = given.get("meshdir", given.get("assetdir", found.meshes))
 
 
 def read_classes(root: Element) -> Classes:
-    """Return the attributes that the classes of defaults give: by class, element and attribute."""
+    """Return the default attributes by class, element and attribute."""
     found: Classes = {"main": {}}
     for element in root.all("default"):
         # sections at the top add to each other
@@ -143,20 +143,20 @@ def _class(element: Element, above: dict[str, dict[str, str]], spare: str, found
 
 
 def override(given: dict[str, str], by: dict[str, str]) -> dict[str, str]:
-    """Return attributes, replaced by others; of words that exclude each other the later counts."""
+    """Return attributes updated by others; a new one removes those of its exclusive group."""
     gone = {x for words in EXCLUSIVE if any(word in by for word in words) for x in words}
     return {key: value for key, value in given.items() if key not in gone} | by
 
 
 class Places:
-    """Reads places and orientations, and the classes of elements.
+    """Reader of poses of elements, with the defaults of their classes.
 
     Parameters
     ----------
     reading : Reading
-        Where problems are noted.
+        Collector of problems.
     root : Element
-        The model.
+        Root element of the model.
     """
 
     def __init__(self, reading: Reading, root: Element) -> None:
@@ -165,7 +165,7 @@ class Places:
         self.classes = read_classes(root)
 
     def given(self, element: Element, inherited: str, tag: str = "") -> Element:
-        """Return an element with the attributes of its class, those of another tag if told."""
+        """Return an element with the default attributes of its class for its own or another tag."""
         name = element.given.get("class", inherited)
         if name not in self.classes:
             self.reading.add(element, f"no class {name!r} of defaults")
@@ -174,7 +174,7 @@ class Places:
         return replace(element, given=override(own, element.given))
 
     def frame(self, element: Element) -> Frame:
-        """Return the place and orientation that an element gives."""
+        """Return the pose given by the attributes of an element."""
         return Frame(self.reading.vector(element, "pos", (0.0, 0.0, 0.0)), self.axes(element))
 
     def axes(self, element: Element) -> Array:
@@ -205,7 +205,7 @@ class Places:
         e = self.reading.numbers(element, element.given.get(key), key, 4, spare)
         size = float(np.linalg.norm(e))
         if size == 0.0:
-            self.reading.add(element, f"{key} is zero; 1 0 0 0 is no turn")
+            self.reading.add(element, f"{key} is zero; 1 0 0 0 is no rotation")
             return np.eye(3)
         return rotation_matrix(e / size)
 
@@ -219,9 +219,9 @@ class Places:
         return A
 
     def unit(self, element: Element, vector: Array, name: str) -> Array:
-        """Return a vector of length 1, or note that it has no direction."""
+        """Return the unit vector of a vector; add a problem if the vector is zero."""
         size = float(np.linalg.norm(vector))
         if size == 0.0:
-            self.reading.add(element, f"{name} has no direction")
+            self.reading.add(element, f"{name} is zero, must have a direction")
             return np.array([0.0, 0.0, 1.0])
         return vector / size

@@ -1,4 +1,4 @@
-"""Equalities and actuators of MJCF files: joints that follow others, loops, motors and servos."""
+"""Equalities and actuators of MJCF files: mimic joints, loop joints, motors and servos."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ POLYNOMIAL = np.array([0.0, 1.0, 0.0, 0.0, 0.0])
 
 @dataclass(frozen=True, eq=False)
 class Tied:
-    """Two bodies or sites that are tied: names, point or pose, and where the file says so."""
+    """Equality ``connect`` or ``weld`` of two bodies or sites: names, point or pose, line."""
 
     name: str
     kind: str
@@ -39,7 +39,7 @@ class Tied:
 
 
 def each_copy(bodies: Bodies, element: Element) -> Iterator[Element]:
-    """Yield an element, or one for each replica of what it refers to."""
+    """Yield an element, or a copy for each replica of the elements to which it refers."""
     given, copies = element.given, bodies.copies
     named = [key for key in NAMES if given.get(key) in copies]
     if not named:
@@ -56,7 +56,7 @@ def each_copy(bodies: Bodies, element: Element) -> Iterator[Element]:
 
 
 def read_ties(bodies: Bodies) -> list[Tied]:
-    """Let joints follow others, and return the bodies that are tied."""
+    """Set the joints that follow others; return the ``connect`` and ``weld`` equalities."""
     if {"equality", "constraint"} & bodies.settings.off:
         return []
     found: list[Tied] = []
@@ -75,14 +75,14 @@ def read_ties(bodies: Bodies) -> list[Tied]:
 
 
 def _follow(bodies: Bodies, element: Element) -> None:
-    """Let a joint follow another one, or note why it does not.
+    """Set a joint to follow another one, or add a warning if that is not possible.
 
-    ``q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...``, q_0 being the references.
+    ``q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...`` with the reference coordinates q_0.
     """
     joints = bodies.found.joints
     one, other = (element.given.get(key, "") for key in ("joint1", "joint2"))
     c = POLYNOMIAL.copy()
-    if "polycoef" in element.given:  # those that are left out are as usual
+    if "polycoef" in element.given:  # missing coefficients have their default
         given = bodies.reading.list(element, "polycoef")
         if given is None or len(given) > 5:
             text = element.given["polycoef"][:60]
@@ -106,7 +106,7 @@ def _follow(bodies: Bodies, element: Element) -> None:
 
 
 def held_at(joint: RobotJoint, value: float) -> RobotJoint:
-    """Return a joint that is fixed where its coordinate is a value, rad or m."""
+    """Return a joint fixed at a value of its coordinate, rad or m."""
     if joint.kind not in SINGLE:
         return joint
     turn = turned_back(replace(joint, initial=-value))
@@ -133,8 +133,8 @@ def _tied(bodies: Bodies, element: Element) -> Tied:
     return Tied(name, kind, one, other, sites, anchor, pose, reading.where(element))
 
 
-def closed(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
-    """Return a robot with the joints that close its loops where it starts."""
+def with_loop_joints(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
+    """Return a robot with the loop joints of ``connect`` and ``weld`` at its initial pose."""
     if not ties:
         return robot
     tree = Tree(robot)
@@ -153,7 +153,7 @@ def closed(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
         (a, at_a), (b, at_b) = places[one], places[other]
         if a == b:
             continue
-        between = poses[a].inverted() @ poses[b]  # b in a
+        between = poses[a].inverted() @ poses[b]  # pose of b in a
         point = at_a.r + at_a.A @ tie.anchor
         if tie.kind == "fixed" and tie.pose is not None:
             between = at_a @ tie.pose @ at_b.inverted()
@@ -173,7 +173,7 @@ def closed(bodies: Bodies, robot: Robot, ties: list[Tied]) -> Robot:
 
 @dataclass(frozen=True)
 class Motor:
-    """An actuator, its share of the critical damping, and what all on its joint exert at most."""
+    """Actuator, its damping ratio, and the limit of the force on its joint."""
 
     made: Actuator
     ratio: float
@@ -181,7 +181,7 @@ class Motor:
 
 
 def read_actuators(bodies: Bodies) -> list[Motor]:
-    """Return the motors and servos on joints; note what makes no force."""
+    """Return the motors and servos on joints; add a warning for other actuators."""
     off = bodies.settings.off
     if "actuation" in off:
         return []
@@ -189,7 +189,7 @@ def read_actuators(bodies: Bodies) -> list[Motor]:
     for section in bodies.root.all("actuator"):
         for one in section.children:
             if one.tag not in ACTUATORS:
-                continue  # its word is reported
+                continue  # reported as a word
             for element in each_copy(bodies, one):
                 motor = _motor(bodies, element)
                 if motor is None:
@@ -217,7 +217,7 @@ def _motor(bodies: Bodies, element: Element) -> Motor | None:
     index = {joint.name: i for i, joint in enumerate(bodies.found.joints)}
     i = index.get(bodies.prefix + target)
     if i is None:
-        if not bodies.prefix:  # what is attached in part leaves motors behind
+        if not bodies.prefix:  # a partly attached model may lack the joints of its motors
             reading.add(element, f"no joint {target!r}")
         return None
     joint = bodies.found.joints[i]
@@ -231,7 +231,7 @@ def _motor(bodies: Bodies, element: Element) -> Motor | None:
     g = 1.0 if gear is None else float(gear[0])
     gain, bias, ratio = gains
     rotor, viscous = (reading.list(whole, key) for key in ("armature", "damping"))
-    # what the actuator adds to its joint, g turns of it for one
+    # rotor inertia of the actuator reduced to the joint, gear ratio g
     more = 0.0 if rotor is None else float(rotor[0]) * g * g
     loss = 0.0 if viscous is None else float(viscous[0]) * g * g
     bodies.found.joints[i] = replace(
@@ -246,7 +246,7 @@ def _motor(bodies: Bodies, element: Element) -> Motor | None:
 def _gains(
     bodies: Bodies, element: Element
 ) -> tuple[float, tuple[float, float, float], float] | None:
-    """Return gain, bias and damping ratio of an actuator, or None with a note."""
+    """Return gain, bias and damping ratio of an actuator, or None with a warning."""
     reading, given = bodies.reading, element.given
     if element.tag == "motor":
         return 1.0, (0.0, 0.0, 0.0), 0.0
@@ -266,7 +266,7 @@ def _gains(
     if bias is not None and kinds[1] == "affine":
         b[: min(3, len(bias))] = bias[:3]
     ratio = float(max(b[2], 0.0)) if b[1] < 0.0 else 0.0
-    if ratio > 0.0:  # a positive one is a damping ratio
+    if ratio > 0.0:  # a positive value is a damping ratio instead of a bias
         b[2] = 0.0
     return 1.0 if gain is None else float(gain[0]), (float(b[0]), float(b[1]), float(b[2])), ratio
 
@@ -275,16 +275,16 @@ _KINDS = (("gaintype", "fixed"), ("biastype", "none"), ("dyntype", "none"))
 
 
 def _limit(bodies: Bodies, element: Element, most: float, *, servo: bool) -> float:
-    """Return the largest force of an actuator, infinite where there is none.
+    """Return the largest force of an actuator; infinite without a limit.
 
     Parameters
     ----------
     bodies, element
-        As everywhere.
+        Reader of the bodies, and the element of the actuator.
     most : float
-        Largest force on its joint, as one of the actuator.
+        Limit of the force on its joint, reduced to the actuator.
     servo : bool
-        Whether it can keep a limit; what others do not keep is noted.
+        Whether the actuator supports a limit; otherwise a limit is a warning.
     """
     limits = {"actuatorfrcrange": most}
     if bodies.limited(element, "forcelimited", "forcerange"):

@@ -1,4 +1,4 @@
-"""Words of MJCF and what `read_mjcf` does with each; MuJoCo 4.0 prints them with mj_printSchema."""
+"""Words of MJCF (MuJoCo 4.0, mj_printSchema) and the treatment of each by `read_mjcf`."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ FLAGS = (
     "island multiccd override energy fwdinv invdiscrete sleep diagexact ipc speculative"
 )
 CONTROL = "name class joint jointinparent gear ctrlrange ctrllimited forcelimited forcerange"
-OTHER_ENDS = "tendon slidersite cranksite site refsite"  # the reader reports them by actuator
+OTHER_ENDS = "tendon slidersite cranksite site refsite"  # reported by `read_actuators`
 _contact = warned(CONTACT, silent=True)
 _touch = {TOUCH + " adhesion": _contact}
 _soft = {"solref solimp": warned(SOFT)}

@@ -1,4 +1,4 @@
-"""SDF: the models of Gazebo, as far as they are trees."""
+"""Reader of SDF files, the models of Gazebo."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.robots.description import Frame, Link, Mimic, Robot, RobotJoint
 from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders, solid_of
-from jousto.robots.readers.sdf_nested import flattened
+from jousto.robots.readers.sdf_nested import flatten_model
 from jousto.robots.readers.sdf_words import CONTACT, SDF
 from jousto.robots.readers.urdf import roll_pitch_yaw
 from jousto.robots.readers.words import check_words
@@ -34,7 +34,7 @@ TYPES = {
     "gearbox": "gearbox",
 }
 CLOSING = ("revolute", "prismatic", "ball", "fixed")
-FAR = 1e15  # limits beyond are none
+FAR = 1e15  # magnitude of a limit above which there is no limit, rad or m
 
 
 @explained
@@ -47,40 +47,40 @@ def read_sdf(
     repair: bool = False,
     meshes: bool = True,
 ) -> Robot:
-    """Read a robot from an SDF file: its first model, with the models within it.
+    """Return the robot in an SDF file: its first model, with its nested models.
 
-    Poses may be relative to any link, joint or frame of the model. Without ``relative_to`` that of
-    a joint is relative to its child, the others to the model. Joints are revolute, continuous,
-    prismatic, screw, universal, revolute2, ball and fixed; those that close loops, too. A gearbox
-    couples the joints between its reference body and its two links. The root is the world; what
-    no joint holds moves freely, unless the model is static or `fixed_base`. Links of a model within
-    are called ``model::link``.
+    Poses may be relative to any link, joint or frame of the model. Without ``relative_to`` the pose
+    of a joint is relative to its child, other poses to the model. Joints are revolute, continuous,
+    prismatic, screw, universal, revolute2, ball and fixed, also those that close loops. A gearbox
+    couples the joints between its reference body and its two links. The root is the world; links
+    without a joint to the world move freely, unless the model is static or `fixed_base`. Links of a
+    nested model are named ``model::link``.
 
     Parameters
     ----------
     path : str or Path
-        The file. Meshes are looked for in its folder and nowhere else.
+        SDF file. Meshes must be in its folder or in a package.
     packages : dict of str to path, optional
         Folders of further packages, for ``model://name/file.stl`` and ``package://name/...``.
     fixed_base : bool
-        Whether links that no joint holds are fixed to the world.
+        Whether links without a joint to the world are fixed to it.
     merge : bool
-        Whether links on fixed joints are merged with those that carry them.
+        Whether links on fixed joints are merged with their parents.
     repair : bool
-        Whether inertia that no body has is replaced by the nearest one that a body can have, with
-        a warning, instead of refused.
+        Whether a physically impossible inertia is replaced by the nearest possible one, with a
+        warning, instead of an error.
     meshes : bool
-        Whether meshes are read; without them they are not drawn.
+        Whether meshes are read for pictures.
 
     Raises
     ------
     InputError
-        With everything that cannot run.
+        With all errors of the file.
 
     Warns
     -----
     JoustoWarning
-        What is left out or odd.
+        Of elements that are ignored and of implausible values.
     """
     path = Path(path)
     root = parse_file(path)
@@ -96,7 +96,7 @@ def read_sdf(
     if reading.problems:
         reading.finish()
     for other in models[1:]:
-        reading.note(other, "is left out, only the first model is read")
+        reading.note(other, "is ignored: only the first model is read")
     version = root.given.get("version", "1.7")
     reader = _Reader(reading, models[0], version, Folders(path, packages), draw=meshes)
     links, joints = reader.parts(fixed_base)
@@ -122,13 +122,13 @@ def read_sdf(
 
 
 class _Reader:
-    """Reads one model."""
+    """Reader of one SDF model."""
 
     def __init__(
         self, reading: Reading, model: Element, version: str, folders: Folders, *, draw: bool
     ) -> None:
-        self.old = version in ("1.0", "1.2", "1.3", "1.4")  # axes are those of the model
-        model = flattened(model, self.old)
+        self.old = version in ("1.0", "1.2", "1.3", "1.4")  # axes are in the frame of the model
+        model = flatten_model(model, self.old)
         self.reading, self.model, self.folders, self.draw = reading, model, folders, draw
         self.loops: list[RobotJoint] = []
         self.named: dict[str, Element] = {}
@@ -141,7 +141,7 @@ class _Reader:
                 self.named.setdefault(element.given.get("name", ""), element)
 
     def parts(self, fixed_base: bool) -> tuple[list[Link], list[RobotJoint]]:
-        """Return links and joints, the world first."""
+        """Return links and joints, with the world as the first link."""
         static = _text(self.model, "static") in ("true", "1")
         links = [Link("world", where=self.reading.where(self.model, "world"))]
         links += [self.link(element) for element in self.model.all("link")]
@@ -168,10 +168,10 @@ class _Reader:
         return links, joints
 
     def gearbox(self, element: Element, joints: list[RobotJoint]) -> None:
-        """Let the joint of the parent follow that of the child: ``q1 = -ratio q2``.
+        """Set the joint of a gearbox's parent in `joints` to follow ``q1 = -ratio q2``.
 
-        q1 and q2 are the angles of parent and child against the reference body about ``axis`` and
-        ``axis2``.
+        q1 and q2 are the angles of parent and child relative to the reference body about ``axis``
+        and ``axis2``.
         """
         body = _text(element, "gearbox_reference_body")
         found = []
@@ -198,7 +198,7 @@ class _Reader:
     # -- places -----------------------------------------------------------------------------
 
     def pose(self, element: Element, spare: Frame) -> Frame:
-        """Return the numbers of the ``<pose>`` of an element."""
+        """Return the ``<pose>`` of an element, relative to its own reference frame."""
         pose = element.first("pose")
         if pose is None or not pose.text.strip():
             return spare
@@ -215,7 +215,7 @@ class _Reader:
         return Frame(x[:3], roll_pitch_yaw(x[3:] * turn))
 
     def place(self, name: str, asking: Element | None, depth: int = 0) -> Frame:
-        """Return where a link, joint or frame is in the model."""
+        """Return the pose of a link, joint or frame in the model."""
         if name in self.placed:
             return self.placed[name]
         element = self.named.get(name)
@@ -247,7 +247,7 @@ class _Reader:
                 here = self.place(name, element).inverted()
                 frames[frame.given["name"]] = here @ self.place(frame.given["name"], frame)
         inertial = element.first("inertial")
-        mass, at, tensor = 1.0, Frame(), np.eye(3)  # as the format says
+        mass, at, tensor = 1.0, Frame(), np.eye(3)  # defaults of the format
         if inertial is None:
             reading.note(element, "has no <inertial>; the format gives it 1 kg and 1 kg m2")
         else:
@@ -259,13 +259,13 @@ class _Reader:
                 xy, xz, yz = (self.value(found, key, 0.0) for key in ("ixy", "ixz", "iyz"))
                 tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         where, inertia = reading.where(element), at.A @ tensor @ at.A.T
-        # a link without gravity moves as one whose weight is compensated
+        # <gravity>false</gravity>: full gravity compensation of the link
         weightless = _text(element, "gravity") in ("false", "0") and mass != 0.0
         lifts = ((mass, at.r),) if weightless else ()
         return Link(name, mass, at.r, inertia, tuple(shapes), frames, where, lifts)
 
     def visual(self, visual: Element) -> Array | None:
-        """Return the triangles of a ``<visual>`` in the frame of its link, or None."""
+        """Return the triangles (nt, 3, 3), m, of a ``<visual>`` in the link frame, or None."""
         geometry = visual.first("geometry")
         if geometry is None or not geometry.children:
             return None
@@ -290,7 +290,7 @@ class _Reader:
         return None if solid is None else at.r + solid.triangles @ at.A.T
 
     def value(self, element: Element, tag: str, spare: float) -> float:
-        """Return the number in a child."""
+        """Return the number in a child element, or a default."""
         child = element.first(tag)
         if child is None:
             return spare
@@ -299,7 +299,7 @@ class _Reader:
     # -- joints -----------------------------------------------------------------------------
 
     def joint(self, element: Element, links: list[Link]) -> list[RobotJoint]:
-        """Return the joint of an element, two for a universal one."""
+        """Return the joint of an element; two joints for a universal one."""
         name, reading = element.given.get("name", ""), self.reading
         where, kind = reading.where(element), element.given.get("type", "")
         if kind not in TYPES:
@@ -337,9 +337,9 @@ class _Reader:
         ]
 
     def pitch(self, element: Element) -> float:
-        """Return the displacement of a screw in one turn, m.
+        """Return the displacement of a screw per revolution, m.
 
-        ``thread_pitch`` is that of Gazebo Classic: rad/m of a left-hand thread.
+        ``thread_pitch`` (Gazebo Classic) is in rad/m of a left-hand thread.
         """
         if element.first("screw_thread_pitch") is None and element.first("thread_pitch"):
             found = -self.value(element, "thread_pitch", 1.0)
@@ -347,12 +347,12 @@ class _Reader:
         else:
             pitch = self.value(element, "screw_thread_pitch", 1.0)
         if pitch == 0.0 or not math.isfinite(pitch):
-            self.reading.add(element, "the pitch of the screw is 0; a revolute joint has none")
+            self.reading.add(element, "the pitch of the screw is 0; use a revolute joint")
             return 1.0
         return pitch
 
     def axis(self, element: Element, axis: Element | None, below: Frame) -> dict[str, Any]:
-        """Return direction, limits and losses of an ``<axis>``, the direction in the child."""
+        """Return direction (in the child frame), limits and losses of an ``<axis>``."""
         name = element.given.get("name", "")
         if axis is None:
             z = below.A.T @ self.place(name, element).A[:, 2]
@@ -388,11 +388,11 @@ class _Reader:
 
 
 def _text(element: Element, tag: str) -> str:
-    """Return the text of a child, empty if there is none."""
+    """Return the text of a child element; empty if there is none."""
     child = element.first(tag)
     return "" if child is None else child.text.strip()
 
 
 def _numbers(reading: Reading, element: Element, count: int, spare: Array | None) -> Array:
-    """Return the numbers that an element holds."""
+    """Return the numbers in the text of an element."""
     return reading.numbers(element, element.text, element.tag, count, spare)

@@ -1,4 +1,4 @@
-"""Models within models of SDF files, written out with the names that SDF gives them."""
+"""Flattening of nested models of SDF files, with scoped names as in SDF."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from jousto.robots.readers.xml import Element
 NAMED = ("link", "joint", "frame")
 
 
-def flattened(model: Element, old: bool) -> Element:
-    """Return a model with all that is in the models within it, named ``model::link``.
+def flatten_model(model: Element, old: bool) -> Element:
+    """Return a model with the elements of its nested models, named ``model::link``.
 
-    A model within becomes a frame of its name; what is placed in it is placed relative to that
-    frame. `old` is whether axes without a frame are those of the model.
+    A nested model becomes a frame of its name, and poses of its elements become relative to this
+    frame. With `old`, axes without a frame are in the axes of the model.
     """
     children: list[Element] = []
     for child in model.children:
         if child.tag != "model":
             children.append(child)
             continue
-        name, inner = child.given.get("name", ""), flattened(child, old)
+        name, inner = child.given.get("name", ""), flatten_model(child, old)
         pose = [x for x in inner.children if x.tag == "pose"]
         children.append(replace(child, tag="frame", given={"name": name}, children=pose))
         for element in inner.children:
@@ -31,7 +31,7 @@ def flattened(model: Element, old: bool) -> Element:
 
 
 def _scoped(element: Element, model: str, old: bool) -> Element:
-    """Return a link, joint or frame of a model within as one of the model around it."""
+    """Return a link, joint or frame of a nested model as an element of the enclosing model."""
 
     def scoped(name: str) -> str:
         if name in ("", "world"):
@@ -57,7 +57,7 @@ def _scoped(element: Element, model: str, old: bool) -> Element:
 
 
 def _inside(element: Element, scoped: Callable[[str], str]) -> Element:
-    """Return what stands in a link or joint with the names of the model around."""
+    """Return an element inside a link or joint with the names of the enclosing model."""
     given = dict(element.given)
     for key in ("relative_to", "expressed_in"):
         if given.get(key):
@@ -72,7 +72,7 @@ def _inside(element: Element, scoped: Callable[[str], str]) -> Element:
 
 
 def _axis(element: Element, model: str, old: bool) -> Element:
-    """Return an axis whose frame is that of its model, where the file says so."""
+    """Return an axis, with the frame of its nested model if the file refers to the model frame."""
     if element.tag not in ("axis", "axis2"):
         return element
     flag = element.first("use_parent_model_frame")

@@ -1,4 +1,4 @@
-"""Words of SDF 1.12 and what `read_sdf` does with each."""
+"""Words of SDF 1.12 and the treatment of each by `read_sdf`."""
 
 from __future__ import annotations
 

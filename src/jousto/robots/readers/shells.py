@@ -1,4 +1,4 @@
-"""Mass of hollow solids and of meshes as MuJoCo counts it: volume, area or convex hull."""
+"""Mass of hollow solids and of meshes by MuJoCo's rules: volume, area or convex hull."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from jousto.mechanism.bodies.shapes import Solid
 
 HULL, EXACT, LEGACY, SHELL = "convex", "exact", "legacy", "shell"
 MESH_MASSES = (HULL, EXACT, LEGACY, SHELL)
-THOMSEN = 1.6075  # exponent of Thomsen's formula for the area of an ellipsoid, within 1.1 %
+THOMSEN = 1.6075  # exponent of Thomsen's formula for the area of an ellipsoid (error below 1.1 %)
 
 
 def surface_mass(triangles: Array) -> Solid:
-    """Return the surface of triangles (nt, 3, 3) as a shell of unit mass per area.
+    """Return the shell of triangles (nt, 3, 3) with unit mass per area.
 
     With the corners a, b, c of a triangle of area A and s = a + b + c:
     ``int x x^T dA = A (s s^T + a a^T + b b^T + c c^T) / 12``.
@@ -26,10 +26,10 @@ def surface_mass(triangles: Array) -> Solid:
 
 
 def pyramid_mass(triangles: Array) -> Solid:
-    """Return MuJoCo's ``inertia="legacy"``: pyramids over all faces, none of them negative.
+    """Return the solid of MuJoCo's ``inertia="legacy"``: pyramids of positive volume on all faces.
 
-    Their apex is the centroid of the surface for the centre, and the centre for the inertia. The
-    volume is that of the solid where every face is seen from inside, and more elsewhere.
+    Their apex is the centroid of the surface for the centre of mass, and the centre of mass for the
+    inertia. The volume is exact for star-shaped solids and too large for others.
     """
     apex = surface_mass(triangles).center
     about = _pyramids(triangles, apex)
@@ -72,7 +72,7 @@ def _pyramids(triangles: Array, apex: Array, center: Array | None = None) -> Sol
 def _moments(
     share: Array, triangles: Array, n: float, k: float, apex: Array, center: Array | None = None
 ) -> Solid:
-    """Return the sum of shares of triangles (k = 3) or of pyramids over them (k = 4)."""
+    """Return the weighted sum of triangles (k = 3) or of pyramids over them (k = 4) as a solid."""
     total = float(share.sum())
     a, b, c = np.moveaxis(triangles - apex, 1, 0)
     s = a + b + c
@@ -88,16 +88,16 @@ def _moments(
 
 
 def shell_of(kind: str, sizes: Array, solid: Solid) -> Solid:
-    """Return a hollow solid of unit mass per area about its middle, its axis z.
+    """Return a hollow solid of unit mass per area, centred at the origin, with axis z.
 
     Parameters
     ----------
     kind : {"box", "cylinder", "capsule", "sphere", "ellipsoid"}
-        Its form.
+        Form of the solid.
     sizes : (n,) array
         Lengths of a box; radius and length without round ends; radius; half axes, m.
     solid : Solid
-        The full one, whose triangles it has.
+        Full solid, whose triangles the hollow one has.
     """
     if kind == "box":
         x, y, z = sizes
@@ -118,7 +118,7 @@ def shell_of(kind: str, sizes: Array, solid: Solid) -> Solid:
         if kind == "cylinder":
             across += ends * (r * r / 4.0 + long * long / 4.0)
             axial += ends * r * r / 2.0
-        else:  # centre of a half sphere r / 2 above its disc
+        else:  # centre of mass of a hollow half-sphere: r / 2 above its disc
             away = 0.5 * long + 0.5 * r
             across += ends * (2.0 / 3.0 * r * r + away * away - 0.25 * r * r)
             axial += ends * 2.0 / 3.0 * r * r
@@ -129,13 +129,13 @@ def shell_of(kind: str, sizes: Array, solid: Solid) -> Solid:
 
 
 def _ellipsoid(half: Array) -> tuple[float, Array]:
-    """Return area by Thomsen's formula, and the inertia of a shell of equal thickness as d/dt.
+    """Return area (Thomsen's formula) and inertia per area of a shell of constant thickness.
 
-    ``d/dt int x^2 dV`` of an ellipsoid whose half axes grow by t, divided by ``dV/dt``.
+    The inertia is ``d/dt int x^2 dV`` of an ellipsoid whose half axes grow by t, over ``dV/dt``.
     """
     products = half * np.roll(half, -1)
     area = 4.0 * np.pi * float(np.mean(products**THOMSEN)) ** (1.0 / THOMSEN)
-    # int x^2 dV = V a^2 / 5 with V ~ a b c: its rate by that of V
+    # derivative of int x^2 dV = V a^2 / 5, V ~ a b c, over that of V
     rate = (1.0 / half).sum()
     squares = (half**2 * rate + 2.0 * half) / (5.0 * rate) * area
     return area, np.diag(squares.sum() - squares)

@@ -1,4 +1,4 @@
-"""URDF: the robot descriptions of ROS."""
+"""Reader of URDF files, the robot descriptions of ROS."""
 
 from __future__ import annotations
 
@@ -39,45 +39,44 @@ def read_urdf(
     repair: bool = False,
     meshes: bool = True,
 ) -> Robot:
-    """Read a robot from a URDF file.
+    """Return the robot in a URDF file.
 
-    The frame of a link is that of the joint that carries it, and turned against that of its
-    parent by ``R = Rz(yaw) Ry(pitch) Rx(roll)``. Inertia stands in the file about the centre of
-    mass, in the axes of the origin of ``<inertial>``. An axis that is left out is x. Joints
-    without ``<limit>`` have none.
+    The frame of a link is that of its parent joint, rotated against the frame of its parent link
+    by ``R = Rz(yaw) Ry(pitch) Rx(roll)``. The inertia in the file is about the centre of mass, in
+    the axes of the origin of ``<inertial>``. The default axis is x. Joints without ``<limit>`` have
+    no limits.
 
     Parameters
     ----------
     path : str or Path
-        The file. Meshes are looked for in its folder and nowhere else.
+        URDF file. Meshes must be in its folder or in a package.
     packages : dict of str to path, optional
         Folders of further packages, for ``package://name/file.stl``.
     fixed_base : bool
-        Whether the root is fixed to the ground; else it moves freely.
+        Whether the root is fixed to the ground; otherwise it moves freely.
     merge : bool
-        Whether links on fixed joints are merged with those that carry them; their names become
-        frames there.
+        Whether links on fixed joints are merged with their parents, in which they become frames.
     repair : bool
-        Whether inertia that no body has is replaced by the nearest one that a body can have, with
-        a warning, instead of refused.
+        Whether a physically impossible inertia is replaced by the nearest possible one, with a
+        warning, instead of an error.
     meshes : bool
-        Whether meshes are read; without them they are not drawn.
+        Whether meshes are read for pictures.
 
     Returns
     -------
     Robot
-        The links, the joints and what was odd.
+        Robot with links, joints and warnings.
 
     Raises
     ------
     InputError
-        With everything that cannot run: inertia that no body has, moving links without mass,
-        limits the wrong way round, loops, unknown links, names used twice, NaN.
+        With all errors: impossible inertia, moving links without mass, reversed limits, loops,
+        unknown links, names used twice, NaN.
 
     Warns
     -----
     JoustoWarning
-        Meshes that are missing, units that were likely others, elements that are left out.
+        Of missing meshes, probably wrong units and elements that are ignored.
     """
     path = Path(path)
     root = parse_file(path)
@@ -139,7 +138,7 @@ def read_tensor(reading: Reading, element: Element) -> Array:
 
 
 def read_origin(reading: Reading, element: Element) -> Frame:
-    """Return the frame of the child ``<origin>``, that of the element if there is none."""
+    """Return the pose of the child ``<origin>``; the identity if there is none."""
     origin = element.first("origin")
     if origin is None:
         return Frame()
@@ -149,13 +148,13 @@ def read_origin(reading: Reading, element: Element) -> Frame:
         )
         e = np.array([w, x, y, z])
         if not (size := float(np.linalg.norm(e))) > 0.0:
-            reading.add(origin, "quat_xyzw is zero; 0 0 0 1 is no turn")
+            reading.add(origin, "quat_xyzw is zero; 0 0 0 1 is no rotation")
             return Frame()
         return Frame(reading.vector(origin, "xyz", (0.0, 0.0, 0.0)), rotation_matrix(e / size))
     angles = reading.vector(origin, "rpy", (0.0, 0.0, 0.0))
     if np.abs(angles).max() > 2.0 * np.pi:
         reading.note(
-            origin, f"rpy is {origin.given['rpy']!r}; are these degrees? They are read as rad"
+            origin, f"rpy is {origin.given['rpy']!r}, read as rad; check that it is not in degrees"
         )
     return Frame(reading.vector(origin, "xyz", (0.0, 0.0, 0.0)), roll_pitch_yaw(angles))
 
@@ -179,11 +178,11 @@ def roll_pitch_yaw(angles: Array) -> Array:
 
 
 def read_visual(reading: Reading, folders: Folders, visual: Element, *, draw: bool) -> Array | None:
-    """Return the triangles of a ``<visual>`` in the frame of its link, or None."""
+    """Return the triangles (nt, 3, 3) of a ``<visual>`` in the frame of its link, m, or None."""
     at = read_origin(reading, visual)
     geometry = visual.first("geometry")
     if geometry is None or not geometry.children:
-        reading.note(visual, "has no geometry, it is left out")
+        reading.note(visual, "has no <geometry>; it is ignored")
         return None
     shape = geometry.children[0]
     solid = None
@@ -206,7 +205,7 @@ def read_visual(reading: Reading, folders: Folders, visual: Element, *, draw: bo
 
 
 def read_joint(reading: Reading, element: Element) -> RobotJoint:
-    """Return a joint."""
+    """Return the joint of an element."""
     kind = element.given.get("type", "")
     if kind not in TYPES:
         known = ", ".join(TYPES)
@@ -240,7 +239,7 @@ def read_limits(reading: Reading, element: Element, kind: str) -> dict[str, Any]
     limit = element.first("limit")
     if limit is None:
         if kind in ("revolute", "prismatic"):
-            reading.note(element, f"a {kind} joint has no <limit>; it moves without end")
+            reading.note(element, f"a {kind} joint has no <limit>; its motion is not limited")
         return {}
     found = {
         "velocity": reading.limit(limit, "velocity", math.inf),
@@ -255,7 +254,7 @@ def read_limits(reading: Reading, element: Element, kind: str) -> dict[str, Any]
 
 
 def read_dynamics(reading: Reading, element: Element) -> dict[str, Any]:
-    """Return damping, dry friction and what the spring and the rotor of simulators add."""
+    """Return damping, dry friction, spring and rotor inertia of a joint."""
     dynamics = element.first("dynamics")
     if dynamics is None:
         return {}
@@ -263,7 +262,7 @@ def read_dynamics(reading: Reading, element: Element) -> dict[str, Any]:
 
 
 def read_mimic(reading: Reading, element: Element) -> Mimic | None:
-    """Return what a joint follows."""
+    """Return the relation of a joint that follows another one, or None."""
     mimic = element.first("mimic")
     if mimic is None:
         return None

@@ -1,4 +1,4 @@
-"""Words of URDF, and of Gazebo in it, and what `read_urdf` does with each."""
+"""Words of URDF, with those of Gazebo, and the treatment of each by `read_urdf`."""
 
 from __future__ import annotations
 

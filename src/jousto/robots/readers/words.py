@@ -1,4 +1,4 @@
-"""Words of a format: what a reader does with each, declared once for readers, tests and page."""
+"""Words of a format and their treatment by a reader, for readers, tests and documentation."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ TREATMENTS = (DONE, QUIET, WARNED, REFUSED)
 
 @dataclass(frozen=True)
 class Word:
-    """What a reader does with an attribute or an element.
+    """Treatment of an attribute or an element by a reader.
 
     Parameters
     ----------
     treatment : {"done", "no effect", "warned of", "refused"}
-        "no effect" is that on the motion.
+        Treatment; "no effect" means no effect on the motion.
     text : str
-        The effect that is warned of, or the remedy of what is refused.
+        Effect, for a warning, or remedy, for an error.
     unless : tuple of str
-        Values of an attribute that change nothing, so that nothing is reported; each a word or
-        a number that all numbers of the value must be.
+        Values of an attribute that have no effect and are not reported; a word, or a number that
+        all numbers of the value equal.
     silent : bool
-        Whether the reader itself reports it, once for all words of this kind.
+        Whether the reader reports the word itself, once for all words of this kind.
     """
 
     treatment: str
@@ -35,7 +35,7 @@ class Word:
     silent: bool = False
 
     def counts(self, value: str) -> bool:
-        """Return whether a value of the attribute changes anything."""
+        """Return whether a value of the attribute has an effect."""
         for idle in self.unless:
             if value.strip() == idle:
                 return False
@@ -48,30 +48,30 @@ class Word:
 
 
 def warned(text: str, *unless: str, silent: bool = False) -> Word:
-    """Return a word that is warned of with its effect."""
+    """Return the treatment of a word with a warning of its effect."""
     return Word(WARNED, text, unless, silent)
 
 
 def refused(text: str, *unless: str) -> Word:
-    """Return a word that is refused with a remedy."""
+    """Return the treatment of a word that is an error, with its remedy."""
     return Word(REFUSED, text, unless)
 
 
 @dataclass(frozen=True)
 class Tag:
-    """What a reader does with an element and the words in it.
+    """Treatment of an element and of the words in it by a reader.
 
     Parameters
     ----------
     done, quiet : str
-        Attributes, and children without attributes that matter, separated by spaces.
+        Attributes, and children whose attributes have no effect, separated by spaces.
     words : dict of str to Word
-        Those that are warned of or refused; several with the same treatment under one key,
-        separated by spaces.
+        Words with a warning or an error; several with the same treatment under one key, separated
+        by spaces.
     whole : Word or None
-        Treatment of the element with everything in it; None if it is that of its words.
+        Treatment of the element with all its contents; None if each word has its own.
     free : bool
-        Whether other programs may put words of theirs there, which are not reported.
+        Whether words of other programs are allowed here and not reported.
     """
 
     done: str = ""
@@ -104,16 +104,16 @@ QUIET_TAG = Tag(whole=Word(QUIET))
 
 @dataclass(frozen=True)
 class Format:
-    """All words of a format.
+    """Words of a format.
 
     Parameters
     ----------
     name : str
-        Of the format.
+        Name of the format.
     tags : dict of str to Tag
-        By ``parent/element``; ``*/element`` holds below any other parent.
+        Treatments by ``parent/element``; ``*/element`` is for any other parent.
     same : dict of str to str
-        Parents whose children are those of another one.
+        Parents with the same children as another parent.
     """
 
     name: str
@@ -121,7 +121,7 @@ class Format:
     same: Mapping[str, str] = field(default_factory=dict)
 
     def tag(self, parent: str, name: str) -> Tag | None:
-        """Return the treatment of an element below a parent, None if it is not declared."""
+        """Return the treatment of an element below a parent; None if it is not declared."""
         parent = self.same.get(parent, parent)
         return self.tags.get(f"{parent}/{name}") or self.tags.get(f"*/{name}")
 
@@ -133,13 +133,15 @@ class Format:
         path : sequence of str
             Names of the elements from the root to the element.
         word : str
-            An attribute, or a child without words of its own.
+            Name of an attribute, or of a child without own words.
         """
         parent, tag = "", Tag()
         for name in path:
             below = self.tag(parent, name)
             if below is None:
-                return tag.word(name)  # a child that is a word of its parent, with all in it
+                return tag.word(
+                    name
+                )  # a child that is declared as a word of its parent, with all its contents
             if below.whole is not None:
                 return below.whole
             parent, tag = name, below
@@ -148,7 +150,7 @@ class Format:
 
 
 def check_words(reading: Reading, root: Element, words: Format, parent: str = "") -> None:
-    """Report every word of an element and below it that is refused, warned of, or not known."""
+    """Report all words of an element and its children with an error or warning, or unknown."""
     waiting = [(root, words.tag(parent, root.tag) or Tag())]
     while waiting:
         element, tag = waiting.pop()
@@ -160,7 +162,7 @@ def check_words(reading: Reading, root: Element, words: Format, parent: str = ""
             if word is not None:
                 if word.counts(value):
                     _report(reading, element, name, word)
-            elif ":" not in name and not tag.free:  # words of other programs have a name space
+            elif ":" not in name and not tag.free:  # words of other programs have a namespace
                 known = [known for known, _ in tag.all()]
                 reading.note(element, f"{name!r} is not read{suggest(name, known)}")
         for child in reversed(element.children):

@@ -1,4 +1,4 @@
-"""XML of descriptions: read without entities, network or surprises, with the line of everything."""
+"""Safe reader of XML files: no entities, no network access, with the line of each element."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from jousto.base.errors import InputError, MissingFileError, Problem, warn
 from jousto.base.files import check_input
 from jousto.base.names import harmless
 
-LARGEST = 64 * 2**20  # bytes of a file
-MOST = 200_000  # elements
-DEEPEST = 100
+LARGEST = 64 * 2**20  # largest size of a file, bytes
+MOST = 200_000  # maximum number of elements
+DEEPEST = 100  # maximum depth of nested elements
 
 
 @dataclass
 class Element:
-    """An element of a file.
+    """Element of an XML file.
 
     Parameters
     ----------
     tag : str
-        Its name.
+        Name of the element.
     given : dict of str to str
-        Its attributes.
+        Attributes.
     line : int
-        Where it begins, from 1.
+        Line of its first character, from 1.
     children : list of Element
-        In their order.
+        Child elements in their order.
     text : str
-        What stands in it besides them.
+        Text besides the children.
     file : str
-        Name of the file it stands in.
+        Name of the file.
     """
 
     tag: str
@@ -49,7 +49,7 @@ class Element:
     file: str = ""
 
     def all(self, *tags: str) -> Iterator[Element]:
-        """Yield the children of some names."""
+        """Yield the children with given names."""
         return (child for child in self.children if child.tag in tags)
 
     def first(self, tag: str) -> Element | None:
@@ -58,11 +58,11 @@ class Element:
 
 
 class Refused(Exception):
-    """What a file must not contain; carries a sentence."""
+    """Error of a file with forbidden contents."""
 
 
 class _Builder:
-    """Builds elements from the events of a parser."""
+    """Builder of elements from the events of an XML parser."""
 
     def __init__(self, file: str) -> None:
         self.file = file
@@ -80,7 +80,7 @@ class _Builder:
         self.count += 1
         if self.count > MOST or len(self.open) >= DEEPEST:
             raise Refused(f"has more than {MOST} elements, or {DEEPEST} within each other")
-        # names of files end up in messages
+        # remove control characters, since attributes appear in messages
         known = {key: harmless(value) for key, value in given.items()}
         line = self.parser.CurrentLineNumber
         element = Element(harmless(tag), known, line, file=self.file)
@@ -100,8 +100,8 @@ class _Builder:
             self.open[-1].text += text
 
     def doctype(self, *_: object) -> None:
-        """Refuse declarations of entities."""
-        raise Refused("has a DOCTYPE, through which a file could reach for others; remove it")
+        """Raise an error for a DOCTYPE, which may declare entities."""
+        raise Refused("has a DOCTYPE, which could include other files; remove it")
 
 
 def parse_file(path: Path) -> Element:
@@ -110,7 +110,7 @@ def parse_file(path: Path) -> Element:
     Raises
     ------
     InputError
-        If it is no file, too large, no XML, or declares a document type.
+        If the file does not exist, is too large, is not XML, or has a DOCTYPE.
     """
     where = harmless(path.name)
     try:
@@ -120,7 +120,7 @@ def parse_file(path: Path) -> Element:
         if path.stat().st_size > LARGEST:
             size = path.stat().st_size / 2**20
             raise InputError(
-                Problem(where, f"has {size:.0f} MB, at most {LARGEST // 2**20} are read")
+                Problem(where, f"has {size:.0f} MB, must have at most {LARGEST // 2**20} MB")
             )
         data = path.read_bytes()
     except (OSError, ValueError) as error:
@@ -131,7 +131,7 @@ def parse_file(path: Path) -> Element:
 
 
 def parse_bytes(data: bytes, where: str) -> Element:
-    """Return the root of XML, see `parse_file`."""
+    """Return the root element of XML data, see `parse_file`."""
     builder = _Builder(where)
     try:
         builder.parser.Parse(data, True)
@@ -142,21 +142,19 @@ def parse_bytes(data: bytes, where: str) -> Element:
     except (expat.ExpatError, LookupError, ValueError) as error:
         line = getattr(error, "lineno", builder.parser.CurrentLineNumber)
         text = harmless(str(error).partition(":")[0])
-        raise InputError(
-            Problem(f"{where}:{line}", f"is no XML that can be read: {text}")
-        ) from None
+        raise InputError(Problem(f"{where}:{line}", f"is not valid XML: {text}")) from None
     if builder.root is None:
         raise InputError(Problem(where, "is empty"))
     return builder.root
 
 
 class Reading:
-    """What is found while a file is read: problems, and what is only odd.
+    """Collector of the errors and warnings of a file.
 
     Parameters
     ----------
     path : Path
-        The file.
+        Path of the file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -167,7 +165,7 @@ class Reading:
         self.effects: dict[str, tuple[str, dict[str, int]]] = {}
 
     def where(self, element: Element | None, what: str = "") -> str:
-        """Return the beginning of messages, ``arm.urdf:12: joint 'elbow'``."""
+        """Return the location of an element for messages, ``arm.urdf:12: joint 'elbow'``."""
         file = harmless(self.path.name)
         if element is None:
             return file if not what else f"{file}: {what}"
@@ -180,26 +178,26 @@ class Reading:
         return f"{element.file or harmless(self.path.name)}:{element.line}"
 
     def add(self, element: Element | None, message: str, what: str = "") -> None:
-        """Note a problem."""
+        """Add an error."""
         self.problems.append(Problem(self.where(element, what), message))
 
     def note(self, element: Element | None, message: str, what: str = "") -> None:
-        """Note what is odd."""
+        """Add a warning."""
         self.odd.append(Problem(self.where(element, what), message))
 
     def leave_out(self, element: Element, name: str = "") -> None:
-        """Note an element that is not read; all of one name are told together."""
+        """Add an ignored element to the warnings; all of one name are reported together."""
         name = name or element.tag
         line, times = self.ignored.get(name, (self.line(element), 0))
         self.ignored[name] = (line, times + 1)
 
     def effect(self, element: Element, word: str, effect: str) -> None:
-        """Note what a word that is not done changes; all words of one effect are told together."""
+        """Add a word with its effect to the warnings; words of one effect are reported together."""
         _, words = self.effects.setdefault(effect, (self.where(element), {}))
         words[word] = words.get(word, 0) + 1
 
     def finish(self) -> tuple[Problem, ...]:
-        """Raise InputError with all problems, or warn of what is odd and return it."""
+        """Raise InputError with all errors, or issue the warnings and return them."""
         if self.problems:
             raise InputError(self.problems)
         for effect, (where, words) in self.effects.items():
@@ -208,7 +206,7 @@ class Reading:
             self.odd.append(Problem(where, f"{named}{again}: {effect}"))
         for name, (line, times) in self.ignored.items():
             again = f" and {times - 1} more" if times > 1 else ""
-            self.odd.append(Problem(line, f"<{name}>{again} is not read, left out"))
+            self.odd.append(Problem(line, f"<{name}>{again} is ignored"))
         for odd in self.odd:
             warn(odd.where, odd.message)
         return tuple(self.odd)
@@ -218,7 +216,7 @@ class Reading:
     def numbers(
         self, element: Element, text: str | None, what: str, count: int, default: Array | None
     ) -> Array:
-        """Return the numbers of a text, or note a problem and return the default or zeros."""
+        """Return the numbers in a text; for an invalid text add an error, return the default."""
         spare = np.zeros(count) if default is None else np.array(default, dtype=np.float64)
         if text is None:
             if default is None:
@@ -235,14 +233,14 @@ class Reading:
         if len(values) != count:
             self.add(element, f"{what} has {len(values)} numbers, must be {_wanted(count)}")
             return spare
-        # beyond, squares overflow
+        # magnitudes above 1e100, whose squares overflow
         if not np.isfinite(values).all() or np.abs(values).max() > 1e100:
             self.add(element, f"{what} is {text.strip()[:60]!r}, must be finite")
             return spare
         return values
 
     def list(self, element: Element, key: str) -> Array | None:
-        """Return the numbers of an attribute, however many, or None for none and for text."""
+        """Return all numbers of an attribute; None if it is missing or not numeric."""
         try:
             values = np.array([float(word) for word in element.given.get(key, "").split()])
         except ValueError:
@@ -270,21 +268,21 @@ class Reading:
 
 
 class Adder:
-    """Adds problems under the place of a link or a joint."""
+    """Collector of errors and warnings with the location of a link or joint."""
 
     def __init__(self, reading: Reading) -> None:
         self.reading = reading
 
     def __call__(self, thing: Any, message: str) -> None:
-        """Note a problem."""
+        """Add an error."""
         self.reading.problems.append(Problem(self.where(thing), message))
 
     def note(self, thing: Any, message: str) -> None:
-        """Note what is odd."""
+        """Add a warning."""
         self.reading.odd.append(Problem(self.where(thing), message))
 
     def where(self, thing: Any) -> str:
-        """Return the place of a thing."""
+        """Return the location of a link or joint for messages."""
         return self.reading.where(None) if thing is None else thing.where or thing.name
 
 

@@ -1,11 +1,11 @@
-"""Algebraic loops: outputs of units that depend at once on what they do to the machine.
+"""Algebraic loops between a machine and units whose outputs act on it at the same instant.
 
-A unit that takes an acceleration or a reaction and returns a force closes a loop without delay:
-``y = g(s(y))``, s being the sensors for outputs y and g the unit's outputs for these sensors. Held
-values iterate ``y <- g(s(y))`` once an exchange, which grows by the loop's gain,
-``|dg/ds ds/dy|``, e.g. the added mass over that of the machine. Newton's method on the interface
-solves it (Kuebler and Schiehlen, Mathematical and Computer Modelling of Dynamical Systems 6, 2000,
-93-113): ``(dg/dy - I) dy = y - g``.
+A unit that receives an acceleration or a reaction and returns a force closes a loop without delay:
+``y = g(s(y))``, with the sensors s for outputs y and the outputs g of the unit for these sensors.
+Constant values between exchanges are the iteration ``y <- g(s(y))``, one per exchange, whose error
+grows by the gain of the loop, ``|dg/ds ds/dy|``, e.g. the added mass over that of the machine.
+Newton's method on the interface converges (Kuebler and Schiehlen, Mathematical and Computer
+Modelling of Dynamical Systems 6, 2000, 93-113): ``(dg/dy - I) dy = y - g``.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ import numpy as np
 
 from jousto.base.arrays import Array
 
-CLOSED = 1e-9  # residual over the largest value of the loop so far
-PROBE = 1e-4  # difference for the Jacobian over the values
-MOST = 20  # iterations of Newton's method
-SLOW = 0.1  # reduction of the residual above which the Jacobian is computed anew
-GROWTH = 20  # exchanges in a row after which growing differences are an unstable loop
-STEEP = 1.3  # ratio of two differences that a smooth motion does not keep up
+CLOSED = 1e-9  # residual over the largest value of the loop so far, at which it is solved
+PROBE = 1e-4  # relative increment of the finite differences of the Jacobian
+MOST = 20  # maximum number of Newton iterations
+SLOW = 0.1  # ratio of successive residuals, above which the Jacobian is computed again
+GROWTH = 20  # number of successive growing differences that indicate an unstable loop
+STEEP = 1.3  # ratio of successive differences that a smooth motion does not have 20 times
 
 
 class LoopFailed(Exception):
-    """The loop has no solution that Newton's method finds."""
+    """Error of an algebraic loop for which Newton's method finds no solution."""
 
 
 @dataclass
 class Loop:
-    """Solves ``y = g(y)`` for what crosses between a machine and units at one instant.
+    """Solver of ``y = g(y)`` for the outputs y of units at one instant.
 
     Attributes
     ----------
     jacobian : (n, n) array
-        ``dg/dy``, kept from exchange to exchange until it is no longer good enough.
+        ``dg/dy``, reused until the iteration converges slowly.
     largest : float
         Largest value of a solution so far, the scale of residuals.
     """
@@ -45,12 +45,12 @@ class Loop:
     largest: float = 0.0
 
     def solve(self, y: Array, g: Callable[[Array], Array]) -> None:
-        """Iterate from outputs `y` (n,); the last call of `g` is at the solution.
+        """Solve ``y = g(y)`` from outputs `y` (n,); the last call of `g` is at the solution.
 
         Raises
         ------
         LoopFailed
-            If it does not converge.
+            If the iteration does not converge.
         """
         found, last = g(y), np.inf
         for _ in range(MOST):
@@ -73,14 +73,14 @@ class Loop:
 
     @property
     def gain(self) -> float:
-        """Factor by which held values would grow from exchange to exchange."""
+        """Gain of the loop: growth of the error per exchange without Newton's method."""
         return float(np.abs(np.linalg.eigvals(self.jacobian)).max(initial=0.0))
 
     def _noisy(self, y: Array, found: Array, g: Callable[[Array], Array]) -> bool:
-        """Return whether a residual is the rounding of `g`, such as that of forces that cancel.
+        """Return whether a residual is round-off of `g`, such as that of forces that cancel.
 
-        A smooth function has second differences that are small beside the residual; one that is
-        rounded to steps has larger ones, or does not change at all.
+        A smooth function has second differences that are small beside the residual; a rounded one
+        has larger ones, or does not change at all.
         """
         above, below = g(y + PROBE * y), g(y - PROBE * y)
         jumps = np.abs(above + below - 2.0 * found).max() > SLOW * np.abs(found - y).max()
@@ -94,19 +94,19 @@ class Loop:
 
 @dataclass
 class Growth:
-    """Watches differences of outputs from exchange to exchange.
+    """Detector of growing differences of outputs from exchange to exchange.
 
     Attributes
     ----------
     ratios : list of float
-        Of successive differences, the newest last; negative where they change their sign.
+        Ratios of successive differences, the newest last; negative if the sign changes.
     """
 
     ratios: list[float] = field(default_factory=list)
     last: Array | None = None
 
     def see(self, before: Array, now: Array) -> None:
-        """Take the outputs of two successive exchanges."""
+        """Add the outputs of two successive exchanges."""
         change = now - before
         if self.last is not None:
             square = float(self.last @ self.last)
@@ -116,10 +116,10 @@ class Growth:
 
     @property
     def gain(self) -> float:
-        """Factor of the growth that cannot be a motion; 0 where there is none.
+        """Growth factor per exchange of an unstable loop; 0 if there is none.
 
-        Differences that alternate and grow, or grow by more than 1.3 over 20 exchanges: those of a
-        start from rest like t^n fall below that.
+        Unstable are differences that alternate and grow, and those that grow by more than 1.3 in
+        each of 20 exchanges; a start from rest like t^n grows less.
         """
         found = np.array(self.ratios)
         if len(found) < GROWTH or not ((found < -1.0).all() or (found > STEEP).all()):

@@ -1,8 +1,8 @@
-"""Coupling: a model and functional mock-up units that step side by side and exchange values.
+"""Coupling: co-simulation of a model and functional mock-up units, with Jacobi's scheme.
 
-Both sides step from one exchange to the next with what they knew at its beginning (Jacobi's
-scheme); then the units get the new values of the sensors and the model their outputs. Where these
-depend on each other at once, `loops` finds values that agree.
+Model and units step from one exchange to the next with the values of the last exchange; then the
+units receive the new values of the sensors, and the model receives their outputs. If outputs and
+sensors depend on each other at the same instant, `algebraic_loops` solves for both.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from jousto.simulation.cosimulation.fmu_process import FmuFailed, FmuProcess
 from jousto.simulation.results.diagnostics import FAIR
 from jousto.simulation.solvers.schedule import Schedule
 
-GROWING = 2  # ratios of differences that name a unit where a run failed
+GROWING = 2  # number of growing ratios of differences after which a message names the unit
 
 
 @dataclass
 class Partner:
-    """A unit in a run.
+    """Functional mock-up unit in a run.
 
     Attributes
     ----------
@@ -35,16 +35,16 @@ class Partner:
     every : int
         Steps of the model between two exchanges.
     known : list of (time, outputs, inputs)
-        At the last exchanges, the newest last.
+        Values at the last exchanges, the newest last.
     account : (2,) array
-        Energy that it delivered and that the model received, J; without `power` what its outputs
-        do in the model as they are at exchanges, and as the model has them.
+        Energy that the unit delivered and that the model received, J. Without `power`: work of the
+        outputs in the model, with their values at exchanges and with those used by the model.
     told : (2,) array
-        The same at the last exchange: only there do both know as much.
+        Value of `account` at the last exchange, the only instants at which both are comparable.
     rate : float
         Power of its outputs in the model after the last exchange, W.
     growth : Growth
-        Of outputs that depend directly on its inputs.
+        Growth of the outputs that depend directly on inputs.
     """
 
     model: FmuModel
@@ -80,7 +80,7 @@ class Partner:
         return np.concatenate([sensors[self.places], self.given])
 
     def ahead(self, time: float, lag: int, which: int) -> Array:
-        """Return its outputs (1) or inputs (2) at a time, from what was known at exchanges."""
+        """Return the outputs (which=1) or inputs (2) at a time, extrapolated from exchanges."""
         t, *last = self.known[-1]
         value = last[which - 1]
         if not self.linear or len(self.known) <= lag:
@@ -90,7 +90,7 @@ class Partner:
         return np.asarray(value + (time - t) * slope)
 
     def step(self, time: float, lag: int) -> None:
-        """Step to a time with inputs as they were known in the middle."""
+        """Step to a time with the inputs extrapolated to the middle of the step."""
         t, start, _ = self.known[-1]
         given = self.ahead(0.5 * (t + time), lag, 2)
         end = self.process.step(t, time - t, given)
@@ -99,12 +99,12 @@ class Partner:
         self.known = [*self.known[-2:], (time, end, given)]
 
     def exchange(self, time: float, sensors: Array) -> None:
-        """Give it new inputs and take its outputs."""
+        """Set the inputs to sensor values and read the outputs."""
         given = self.measured(sensors)
         self.known[-1] = (time, self.process.exchange(time, given), given)
 
     def tally(self) -> None:
-        """Keep the account of an exchange."""
+        """Update the largest difference of delivered and received energy at an exchange."""
         self.told = self.account.copy()
         self.extremes = np.array(
             [min(self.extremes[0], self.account[1]), max(self.extremes[1], self.account[1])]
@@ -113,32 +113,32 @@ class Partner:
 
     @property
     def misses(self) -> str:
-        """The sentence about energy that the exchange adds or takes; empty for little."""
+        """Return the warning of an energy error of the exchange; empty if it is small."""
         crossed = float(self.extremes[1] - self.extremes[0])
         if not (self.error > FAIR * crossed and crossed > 0.0):
             return ""
         fmu = self.model.fmu
         hint = "" if fmu.between == "linear" else " or between='linear'"
         return (
-            f"the exchange misses up to {self.error:.3g} J of {crossed:.3g} J that "
-            f"crossed; a smaller step than {fmu.step:g} s{hint} is more accurate"
+            f"the exchange has an energy error of up to {self.error:.3g} J of {crossed:.3g} J "
+            f"transferred; a smaller step than {fmu.step:g} s{hint} is more accurate"
         )
 
 
 class Coupling:
-    """All units of a run.
+    """Functional mock-up units of a run.
 
     Parameters
     ----------
     engine : Engine
-        At the start.
+        Engine in the initial state.
     plan : Schedule
         Steps of the run.
 
     Raises
     ------
     FmuFailed
-        As all its methods, if a unit fails.
+        From the constructor and all methods, if a unit fails.
     """
 
     def __init__(self, engine: Engine, plan: Schedule) -> None:
@@ -174,24 +174,24 @@ class Coupling:
 
     @property
     def largest(self) -> int:
-        """Most steps of the model between two exchanges."""
+        """Largest number of steps of the model between two exchanges."""
         return max(partner.every for partner in self.partners)
 
     def ahead(self, done: int) -> int:
-        """Return the steps until the next exchange."""
+        """Return the number of steps to the next exchange, after `done` steps."""
         return min(partner.every - done % partner.every for partner in self.partners)
 
     def begin(self, row: Array) -> None:
-        """Take what the sensors have at the start."""
+        """Set the inputs of the units to the sensor values in the row of the initial state."""
         self._seen = self._values(row).copy()
 
     def extrapolate(self, step: float, lag: int) -> None:
-        """Set what the model knows of the units in the middle of its next step."""
+        """Set the inputs of the model to the outputs extrapolated to the middle of its step."""
         if self.linear:
             self._put(float(self.engine.time[0]) + 0.5 * step, lag)
 
     def audit(self, rows: Array, step: float) -> None:
-        """Add up what the model received in steps that end with these rows."""
+        """Add the energy that the model received in the steps that end with these rows."""
         for row in rows:
             now = self._values(row)
             for partner in self.partners:
@@ -204,10 +204,10 @@ class Coupling:
                     )
                     mean = 0.5 * (self._seen[place] + now[place])
                     partner.account[1] += force * mean * step
-            self._seen = now.copy()  # the rows are written over
+            self._seen = now.copy()  # copy, since the buffer of rows is overwritten
 
     def meet(self, done: int, lag: int = 1, *, all_of_them: bool = False) -> None:
-        """Step the units that are due to the time of the model, and exchange."""
+        """Step the units that are due to the time of the model, then exchange values."""
         time = float(self.engine.time[0])
         due = [p for p in self.partners if all_of_them or done % p.every == 0]
         self._put(time, lag)
@@ -215,7 +215,7 @@ class Coupling:
         for partner in due:
             partner.step(time, lag)
         self._put(time, lag)
-        # sensors may depend on what another unit has now
+        # evaluate the sensors again, since they may depend on outputs of another unit
         row = self.engine.row()
         for partner in due:
             partner.exchange(time, self._values(row))
@@ -227,7 +227,7 @@ class Coupling:
         self._put(time, lag)
 
     def save(self) -> None:
-        """Keep where the units are."""
+        """Save the states of all units."""
         time = float(self.engine.time[0])
         self._kept = [
             (list(p.known), p.account.copy(), p.told, p.extremes, p.error, p.rate,
@@ -239,7 +239,7 @@ class Coupling:
             partner.process.save(time)
 
     def restore(self) -> list[Array]:
-        """Go back to there; return the outputs where they were."""
+        """Restore the saved states of all units; return the outputs before the restoration."""
         found = [partner.known[-1][1] for partner in self.partners]
         time = float(self.engine.time[0])
         self._seen = self._seen_then
@@ -252,25 +252,25 @@ class Coupling:
         return found
 
     def compare(self, coarse: list[Array]) -> None:
-        """Estimate the errors of a step, made as two halves, from one of full length."""
+        """Set the error estimate of a step: two halves compared with one step of full length."""
         for partner, other in zip(self.partners, coarse, strict=True):
             share = 3.0 if partner.linear else 1.0  # 2^p - 1 of a method of order p
             partner.errors = np.abs(partner.known[-1][1] - other) / share
         self._put(float(self.engine.time[0]), 1)
 
     def again(self) -> None:
-        """Set what the model knew where it went back to."""
+        """Set the inputs of the model to their values at the restored instant."""
         self._put(float(self.engine.time[0]), 1)
 
     def judge(self) -> None:
-        """Warn of energy that the exchange added or took."""
+        """Warn of units whose exchange has a large energy error."""
         for partner in self.partners:
             if partner.misses:
                 warn(partner.where, partner.misses)
 
     @property
     def suspects(self) -> str:
-        """What is said of units where a run could not go on; empty if they seem right."""
+        """Return the units that probably caused the failure of a run, as a text; empty if none."""
         found = []
         for partner in self.partners:
             ratios = np.abs(partner.growth.ratios[-GROWING:])
@@ -282,19 +282,20 @@ class Coupling:
         return "; ".join(found)
 
     def close(self) -> None:
-        """End all units."""
+        """Terminate all units."""
         for partner in self.partners:
             partner.process.close()
 
-    # -- what depends on each other at once ---------------------------------------------------
+    # -- algebraic loops -----------------------------------------------------------------------
 
     def _close_loops(self, time: float, lag: int, due: list[Partner]) -> None:
-        """Find outputs that agree with the sensors they change.
+        """Solve the algebraic loops: outputs of units and the sensors that depend on them.
 
         Raises
         ------
         FmuFailed
-            If there are none, or if outputs grow since they follow their inputs a step later.
+            If Newton's method finds no solution, or if the outputs of a unit that responds only
+            after a step grow from exchange to exchange.
         """
         direct = [p for p in due if len(p.direct)]
         if not direct:
@@ -332,13 +333,13 @@ class Coupling:
                     raise FmuFailed(
                         f"{p.where} at {time:.6g} s: its outputs grow by a factor of "
                         f"{p.growth.gain:.3g} at each exchange, an algebraic loop with the machine "
-                        "of that gain; it answers new inputs only after a step, so that the loop "
-                        "cannot be solved: give it positions and velocities instead of "
-                        "accelerations and reactions, or make the loop part of the machine"
+                        "of that gain; the unit responds to new inputs only after a step, so that "
+                        "the loop cannot be solved: give it positions and velocities instead of "
+                        "accelerations and reactions, or model the loop in the machine"
                     )
 
     def _answers(self, partner: Partner) -> bool:
-        """Return whether what a unit measures depends at once on its outputs."""
+        """Return whether the inputs of a unit depend on its outputs at the same instant."""
         before = partner.measured(self._values(self.engine.row()))
         kept = self.engine.input.copy()
         for name in partner.model.set.values():
@@ -350,7 +351,7 @@ class Coupling:
     # -- energy without `power` ----------------------------------------------------------------
 
     def _power_of(self, partner: Partner, outputs: Array) -> float:
-        """Return the power of some outputs in the model in its present state, W."""
+        """Return the power of given outputs of a unit in the current state of the model, W."""
         kept, found = self.engine.input.copy(), []
         for values in (outputs, np.zeros(len(outputs))):
             for k, name in enumerate(partner.model.fmu.outputs):
@@ -362,7 +363,7 @@ class Coupling:
         return found[0] - found[1]
 
     def _watch(self, partner: Partner, used: float) -> None:
-        """Account for a step whose end had the power `used` by what the model knew, W."""
+        """Add a step to the account; `used` is its power at the end by extrapolated outputs, W."""
         if partner.watched:
             now = self._power_of(partner, partner.known[-1][1])
             length = partner.known[-1][0] - partner.known[-2][0]
@@ -373,7 +374,7 @@ class Coupling:
         return row[self.sensors : self.sensors + self.engine.model.nout]
 
     def _put(self, time: float, lag: int) -> None:
-        """Set the inputs of the model and what the results have of the units."""
+        """Set the inputs of the model and the columns of the units in the results."""
         put = self.engine.input
         for partner in self.partners:
             fmu = partner.model.fmu

@@ -1,4 +1,4 @@
-"""A functional mock-up unit in a process of its own, so that its crash is a sentence here."""
+"""Functional mock-up unit in a separate process, so that its crash becomes an error message."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ from jousto.model.model import FmuModel
 log = logging.getLogger(__name__)
 
 MOST_LOG = 20
-"""Lines of a unit's log that are kept for a message."""
-PATIENCE = 5.0  # s that a process gets to end
-OPENING = 60.0  # s that loading may take at least
-LOOKS = 4  # how often the watch is looked at within the time that an answer may take
+"""Maximum number of lines of the log of a unit in a message."""
+PATIENCE = 5.0  # shutdown timeout of the FMU process, s
+OPENING = 60.0  # smallest timeout of loading, s
+LOOKS = 4  # number of checks of the clock within the timeout of an answer
 
 
 class FmuFailed(JoustoError):
-    """A unit refused, failed or crashed."""
+    """Error of a unit: it returned an error or crashed."""
 
 
 class FmuProcess:
-    """Talks to the process of a unit; all values are in SI.
+    """Client of the process of a functional mock-up unit; all values are in SI.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class FmuProcess:
     Raises
     ------
     FmuFailed
-        As all its methods, if the unit does not do what it is asked for.
+        From the constructor and all methods, if the unit returns an error, crashes or is late.
     """
 
     def __init__(self, model: FmuModel, values: Array, stop: float) -> None:
@@ -61,12 +61,12 @@ class FmuProcess:
         self._last: list[str] = []
         self._folder = tempfile.TemporaryDirectory(prefix="jousto-", ignore_cleanup_errors=True)
         folder = Path(self._folder.name)
-        with zipfile.ZipFile(self.fmu.file) as archive:  # its names were checked
+        with zipfile.ZipFile(self.fmu.file) as archive:  # file names were checked before
             archive.extractall(folder / "unit")
         (folder / "unit" / "resources").mkdir(exist_ok=True)
         self._printed = open(folder / "printed", "w+b")
         paths = os.pathsep.join(entry for entry in sys.path if entry)
-        # -P: modules that lie in the working folder are not imported; Ctrl-C is ours alone
+        # -P: no import of modules from the working folder; a new session: no Ctrl-C of the user
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "jousto.simulation.cosimulation.fmu_worker"],
             stdin=subprocess.PIPE,
@@ -77,7 +77,7 @@ class FmuProcess:
             encoding="utf-8",
             start_new_session=True,
         )
-        self._until: float | None = None  # on the watch: when an answer must be here
+        self._until: float | None = None  # deadline of the current answer, s of the clock
         self._late = False
         self._closed = threading.Event()
         self._guard = threading.Thread(target=self._watch, name="jousto-fmu", daemon=True)
@@ -111,20 +111,20 @@ class FmuProcess:
         return self._ask("step", time, at=time, step=step, values=self._theirs(values))
 
     def exchange(self, time: float, values: Array) -> Array:
-        """Return the outputs with these inputs now."""
+        """Return the outputs at the current time with these inputs."""
         return self._ask("exchange", time, values=self._theirs(values))
 
     def save(self, time: float) -> None:
-        """Let the unit keep its state."""
+        """Save the state of the unit in its process."""
         self._ask("save", time)
 
     def restore(self, time: float) -> None:
-        """Let the unit go back to the state that it kept."""
+        """Restore the saved state of the unit."""
         self._ask("restore", time)
 
     def close(self) -> None:
-        """End the unit and its process."""
-        with broken_pipes_raise():  # what is left to write is written as the pipe is closed
+        """Terminate the unit and its process."""
+        with broken_pipes_raise():  # closing the pipe writes its buffer
             self._close()
 
     def _close(self) -> None:
@@ -134,7 +134,7 @@ class FmuProcess:
                 if sys.exc_info()[0] is None:
                     self._ask("close", 0.0)
             except FmuFailed:
-                pass  # its results are complete
+                pass  # all results were received before
             try:
                 process.stdin.close()  # type: ignore[union-attr]
                 process.wait(0.1 if sys.exc_info()[0] else PATIENCE)
@@ -151,7 +151,7 @@ class FmuProcess:
         self._folder.cleanup()
 
     def _watch(self) -> None:
-        """End the process if an answer takes too long; whoever waits for it reads its end."""
+        """Kill the process after the deadline; the thread that waits then reads an end of file."""
         while not self._closed.wait(min(1.0, self.fmu.patience / LOOKS)):
             until = self._until
             if until is not None and clock.monotonic() > until:
@@ -181,7 +181,7 @@ class FmuProcess:
             raise FmuFailed(
                 self._sentence(
                     time,
-                    f"it gave no answer ({do}) within its patience of {patience:g} s and "
+                    f"it did not answer ({do}) within its patience of {patience:g} s and "
                     f"was ended{self._said()}",
                 )
             )
@@ -216,7 +216,7 @@ class FmuProcess:
 
 
 def _ending(code: int) -> str:
-    """Return how the process of a unit ended.
+    """Return a text on the end of the process of a unit, from its exit code.
 
     >>> _ending(-11)
     'its binary crashed (SIGSEGV)'
@@ -225,5 +225,5 @@ def _ending(code: int) -> str:
         return f"its binary ended the process (exit code {code})"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else str(code)
     if name == "SIGKILL":
-        return "its process was killed; is there enough memory?"
+        return "its process was killed; check the free memory"
     return f"its binary crashed ({name})"

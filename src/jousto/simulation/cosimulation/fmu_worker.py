@@ -1,4 +1,4 @@
-"""The process of a functional mock-up unit: obeys lines of JSON, one answer each."""
+"""Process of a functional mock-up unit: reads tasks as lines of JSON, writes one answer each."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 
 
 class Worker:
-    """A unit that is loaded, with what it wrote into its log."""
+    """Loaded functional mock-up unit with the lines of its log."""
 
     def __init__(self) -> None:
         self.log: list[str] = []
         self.saved: list[Any] = []
 
     def told(self, status: int, message: Any) -> None:
-        """Keep a line of the log."""
+        """Append a message of the unit to the log; the callback of FMPy."""
         text = message.decode(errors="replace") if isinstance(message, bytes) else str(message)
         self.log = [*self.log[1 - MOST_LOG :], f"{STATUS[status % 6]}: {text}"]
 
     def open(self, task: dict[str, Any]) -> list[float]:
-        """Load a unit, begin at time 0 with parameters and inputs, return its outputs."""
+        """Load a unit, initialise it at time 0 with parameters and inputs, return its outputs."""
         from fmpy import calloc, fmi2, fmi3, free
 
         self.version = task["version"]
@@ -65,7 +65,7 @@ class Worker:
         return self.values()
 
     def put_some(self, references: list[int], values: list[float]) -> None:
-        """Set values, if there are any."""
+        """Set values of variables; no call of the unit for an empty list."""
         if references:
             self.put(references, values)
 
@@ -88,28 +88,28 @@ class Worker:
         return self.values()
 
     def save(self, task: dict[str, Any]) -> list[float]:
-        """Keep the state."""
+        """Save the state of the unit."""
         self.saved = [self.unit.getFMUState()]
         return []
 
     def restore(self, task: dict[str, Any]) -> list[float]:
-        """Go back to the state that was kept."""
+        """Restore the saved state of the unit."""
         self.unit.setFMUState(self.saved[0])
         self.unit.freeFMUState(self.saved.pop())
         return []
 
     def close(self, task: dict[str, Any]) -> list[float]:
-        """End the unit."""
+        """Terminate the unit."""
         self.unit.terminate()
         self.unit.freeInstance()
         return []
 
 
 def expand_messages(calls: Any) -> None:
-    """Let the native logger of FMPy fill in the values of messages, which are formats of printf.
+    """Install the native logger of FMPy, which inserts the values into printf formats.
 
-    Callbacks of Python get the format alone. FMPy has no such library for some platforms; messages
-    then show their ``%d``.
+    A callback in Python receives only the format. FMPy has no such library for some platforms;
+    messages then contain ``%d`` in place of a value.
     """
     from ctypes import byref
 
@@ -121,8 +121,8 @@ def expand_messages(calls: Any) -> None:
 
 
 def main() -> None:
-    """Obey until the input ends."""
-    # what the unit prints must not get among the answers
+    """Execute tasks until the end of the input."""
+    # a separate copy of stdout for the answers, since the unit may print to stdout
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     worker = Worker()
@@ -131,7 +131,7 @@ def main() -> None:
         answer: dict[str, Any] = {}
         try:
             answer["values"] = getattr(worker, task["do"])(task)
-        except Exception as error:  # whatever the unit or its loader does
+        except Exception as error:  # any error of the unit or its loader
             answer["error"] = str(error).strip() or type(error).__name__
         answer["log"], worker.log = worker.log, []
         answers.write(json.dumps(answer) + "\n")

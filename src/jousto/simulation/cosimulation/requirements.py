@@ -1,4 +1,4 @@
-"""What a run with functional mock-up units needs before any of them is loaded."""
+"""Checks of a run with functional mock-up units before any of them is loaded."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State
 
-REST = 1e-9  # of a step: times that agree up to round-off
+REST = 1e-9  # difference of times over a step, below which they are equal
 
 
 def check_trust(model: Model) -> None:
-    """Refuse to load native code that a model file names and nobody trusts.
+    """Raise an error for FMUs of a model file that the user has not declared as trusted.
 
     Raises
     ------
     InputError
-        With all such units.
+        With all these units.
     """
     problems = Problems()
     for unit in model.fmus:
@@ -33,12 +33,12 @@ def check_trust(model: Model) -> None:
 def check_coupling(
     model: Model, solver: Solver, plan: Schedule, state: State | None, inputs: object
 ) -> None:
-    """Refuse runs that foreign models cannot make.
+    """Raise an error if method, steps, state or inputs of a run do not fit its FMUs.
 
     Raises
     ------
     InputError
-        With all reasons.
+        With all errors.
     """
     problems = Problems()
     steps = {unit.fmu.step for unit in model.fmus}
@@ -68,7 +68,7 @@ def check_coupling(
         elif plan.steps % round(every):
             problems.add(
                 where,
-                f"the run of {plan.steps * plan.step:g} s is no multiple of its step, "
+                f"the run of {plan.steps * plan.step:g} s is not a multiple of its step, "
                 f"{fmu.step:g} s",
             )
         elif fmu.estimate and round(every) % 2:
@@ -80,11 +80,11 @@ def check_coupling(
             )
         if any(other.fmu.estimate for other in model.fmus):
             if len(steps) > 1:
-                problems.add(where, "with estimate=True all units need one step")
+                problems.add(where, "with estimate=True all units need the same step")
             if not fmu.description.states:
-                problems.add(where, "cannot go back to a state, which estimate=True needs")
+                problems.add(where, "cannot restore a state, which estimate=True needs")
         for name in fmu.driven:
             if isinstance(inputs, dict) and name in inputs:
-                problems.add("simulate", f"inputs: {name!r} is set by {where}, leave it out")
+                problems.add("simulate", f"inputs: {name!r} is set by {where}; remove it")
     if problems.found:
         raise InputError(problems.found)

@@ -1,4 +1,4 @@
-"""Datagrams: a live machine beside hardware or another program, frame by frame over UDP."""
+"""Datagrams: link of a live machine to hardware or another program, by frames over UDP."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from jousto.simulation.live.frame import INPUTS, OUTPUTS, Received, mark_of, pac
 from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.results.row_layout import columns
 
-LARGEST = 65536  # bytes of a datagram
-MOST = 64  # datagrams between two steps; more wait
+LARGEST = 65536  # largest size of a datagram, bytes
+MOST = 64  # maximum number of datagrams read between two steps; more are read later
 
 
 def output_names(model: Model) -> list[str]:
-    """Return the names of the components of all sensors, as an exported machine has them."""
+    """Return the names of the components of all sensors, equal to those of an exported machine."""
     return [
         sensor.name if sensor.count == 1 else f"{sensor.name}.{part}"
         for sensor in model.sensors
@@ -30,27 +30,27 @@ def output_names(model: Model) -> list[str]:
 
 
 class Datagrams:
-    """Takes inputs before each step and sends outputs after it; only of this computer by default.
+    """UDP link that receives inputs before each step and sends outputs after it.
 
     Parameters
     ----------
     machine : LiveMachine
-        With a row at every step.
+        Live machine with a row at every step.
     port : int
-        Where it listens; 0 for any free port.
+        Port to listen to; 0 for any free port.
     host : str
-        Address of this computer that others reach it by; "127.0.0.1" for this computer alone.
+        Network address of this computer; "127.0.0.1" accepts datagrams of this computer only.
 
     Attributes
     ----------
     port : int
     received : Received
-        Counts of the frames.
+        Reader of the frames with its statistics.
 
     Raises
     ------
     InputError
-        If the port is taken.
+        If the port cannot be opened.
     """
 
     def __init__(self, machine: LiveMachine, port: int, host: str = "127.0.0.1") -> None:
@@ -74,12 +74,12 @@ class Datagrams:
         self.port = int(self._socket.getsockname()[1])
 
     def before(self, machine: LiveMachine) -> None:
-        """Take what came: the newest inputs count."""
+        """Set the inputs of the machine to the newest received frame."""
         newest: Array | None = None
         for _ in range(MOST):
             try:
                 frame, peer = self._socket.recvfrom(LARGEST)
-            except OSError:  # nothing more
+            except OSError:  # no more datagrams
                 break
             values = self.received.read(frame)
             if values is not None:
@@ -89,14 +89,14 @@ class Datagrams:
                 machine.set(name, value)
 
     def after(self, machine: LiveMachine) -> None:
-        """Send the outputs to whoever sent the last inputs."""
+        """Send the outputs to the sender of the last inputs."""
         peer: Any = self._peer
         if peer is None:
             return
         values = np.asarray(machine.row[self._sensors])
         frame = pack(OUTPUTS, self._mark, self._sequence, machine.time, values)
         self._sequence += 1
-        with contextlib.suppress(OSError):  # the peer went away, or it does not fit
+        with contextlib.suppress(OSError):  # receiver closed, or frame too large
             self._socket.sendto(frame, peer)
 
     def close(self) -> None:

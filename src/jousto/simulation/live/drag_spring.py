@@ -1,9 +1,9 @@
-"""A hand that pulls a point of a body towards a target: a spring and a damper from outside.
+"""Drag spring: a spring and damper that pulls a point of a body towards a target.
 
-``F = k (x - r) - c r'`` acts at the point r, which may lie anywhere on a body; on the modes of a
-flexible one it acts through their shapes there. It is made of three forces of the engine along the
-axes of the world, whose references x are external inputs, so that its work counts in the balance
-of energy. What it grips is an input too: a record of the inputs contains the whole pull.
+``F = k (x - r) - c r'`` acts at the point r, at any place of a body; its modal forces follow from
+the mode shapes at the point. It consists of three forces of the engine along the axes of the world
+frame, whose references x are external inputs, so that the energy balance includes its work. Body
+and point are inputs too, so that a record of the inputs contains the whole drag.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from jousto.model.native.header import packed
 from jousto.model.native.native import Engine
 from jousto.simulation.state import State, put
 
-TARGET = ("hand x", "hand y", "hand z")  # m, world
-BODY = "hand body"  # place of the body, -1 for none
+TARGET = ("hand x", "hand y", "hand z")  # m, world frame
+BODY = "hand body"  # index of the body, -1 for none
 POINT = ("hand point x", "hand point y", "hand point z")  # m, body frame, undeformed
 LAW = ("hand stiffness", "hand damping")  # N/m, N s/m
 NAMES = (*TARGET, BODY, *POINT, *LAW)
@@ -38,23 +38,22 @@ IN_FRAMES = (
     *("position", "velocity", "acceleration", "acceleration parts"),
     *("orientation", "angular velocity", "angular acceleration"),
 )
-"""Sensors whose objects and observers are frames."""
-
-FREQUENCY = 1.5  # Hz of the watch, of a pulled mass that nothing else holds
-DAMPING = 0.7
-REACH = 0.2  # of omega times step at most: the methods take the pull as slow
+"""Kinds of sensors whose objects and observers are indices of frames."""
+FREQUENCY = 1.5  # natural frequency of a free mass on the drag spring, Hz of real time
+DAMPING = 0.7  # damping ratio of this mass
+REACH = 0.2  # largest omega times step, so that the methods integrate the drag spring accurately
 
 
 @dataclass(frozen=True)
 class Grip:
-    """What a hand has gripped, and how it pulls.
+    """Point of a body to which the drag spring is attached, with stiffness and damping.
 
     Attributes
     ----------
     body : int
-        Place of the body in the model.
+        Index of the body in the model.
     point : tuple of 3 floats
-        Undeformed position in the frame of the body, m.
+        Undeformed position in the body frame, m.
     stiffness, damping : float
         k in N/m and c in N s/m.
     """
@@ -66,13 +65,13 @@ class Grip:
 
     @property
     def inputs(self) -> dict[str, float]:
-        """It as values of inputs."""
+        """Values of the inputs that describe this grip, by name."""
         values = (float(self.body), *self.point, self.stiffness, self.damping)
         return dict(zip((BODY, *POINT, *LAW), values, strict=True))
 
     @staticmethod
     def of(inputs: Mapping[str, float]) -> Grip | None:
-        """Return what inputs say, None for an empty hand."""
+        """Return the grip described by inputs; None if the drag spring is detached."""
         if inputs[BODY] < 0:
             return None
         x, y, z = (inputs[name] for name in POINT)
@@ -80,7 +79,7 @@ class Grip:
 
 
 def with_hand(model: Model) -> Model:
-    """Return the model with an empty hand: two frames, three forces and the inputs `NAMES`.
+    """Return the model with a detached drag spring: two frames, three forces, inputs `NAMES`.
 
     Raises
     ------
@@ -89,7 +88,7 @@ def with_hand(model: Model) -> Model:
     """
     problems = Problems()
     for name in sorted(set(NAMES) & set(model.inputs)):
-        problems.add(f"input {name!r}", "is a name of the hand that pulls; give it another one")
+        problems.add(f"input {name!r}", "is reserved for the drag spring; choose another name")
     problems.raise_if_any()
     first, here = len(model.signals), model.active
     ground = MarkerModel(-1, True, np.zeros(3), np.eye(3), None, None)
@@ -101,7 +100,7 @@ def with_hand(model: Model) -> Model:
     along = len(model.coordinates)
     made = replace(
         model,
-        # frames of sensors come last
+        # the frames of sensors are the last ones
         markers=(
             *model.markers[:here],
             ground,
@@ -140,7 +139,7 @@ def _law(stiffness: float, damping: float) -> Array:
 
 
 def _moved(sensor: SensorModel, first: int) -> SensorModel:
-    """Return a sensor whose frames lie two places further on."""
+    """Return a sensor with its frame indices from `first` on increased by two."""
 
     def place(frame: int) -> int:
         return frame + 2 if frame >= first else frame
@@ -150,8 +149,8 @@ def _moved(sensor: SensorModel, first: int) -> SensorModel:
     return replace(sensor, frame=place(sensor.frame))
 
 
-def gripped(model: Model, grip: Grip | None) -> Model:
-    """Return a model `with_hand` whose hand has gripped a point, or lets go of it."""
+def with_grip(model: Model, grip: Grip | None) -> Model:
+    """Return a model `with_hand` with the drag spring attached to a grip, or detached for None."""
     here = model.active - 1
     if grip is None:
         marker = MarkerModel(-1, False, np.zeros(3), np.eye(3), None, None)
@@ -168,9 +167,9 @@ def gripped(model: Model, grip: Grip | None) -> Model:
 
 
 def shapes_at(shape: Shape, point: Array) -> Array:
-    """Return the shapes Phi (3, n) of the modes at a point: those of the place next to it.
+    """Return the mode shapes Phi (3, n) at the point of the body nearest to a point.
 
-    On lines and triangles they are linear between the nodes.
+    On lines and triangles the shapes are interpolated linearly between the nodes.
     """
     if not shape.modes.shape[2]:
         return np.zeros((3, 0))
@@ -188,7 +187,7 @@ def shapes_at(shape: Shape, point: Array) -> Array:
 
 
 def _shares(corners: Array, point: Array) -> Array:
-    """Return the shares of the corners of a line or triangle in its place next to a point."""
+    """Return barycentric weights of the point of a line or triangle nearest to a point."""
     edges = corners[1:] - corners[0]
     inside, *_ = np.linalg.lstsq(edges.T, point - corners[0], rcond=None)
     shares = np.array([1.0 - inside.sum(), *inside])
@@ -198,7 +197,7 @@ def _shares(corners: Array, point: Array) -> Array:
         ends: Array = np.clip(shares, 0.0, 1.0)
         return ends
     best, found = np.inf, shares
-    for k in range(3):  # the nearest place lies on an edge
+    for k in range(3):  # the nearest point is on an edge
         two = [i for i in range(3) if i != k]
         on = np.zeros(3)
         on[two] = _shares(corners[two], point)
@@ -208,22 +207,23 @@ def _shares(corners: Array, point: Array) -> Array:
     return found
 
 
-def placed(model: Model, q: Array, body: int, point: Array) -> Array:
-    """Return where a point of a body is, ``R + A (u0 + Phi p)``, m in the world."""
+def point_position(model: Model, q: Array, body: int, point: Array) -> Array:
+    """Return the position of a point of a body, ``R + A (u0 + Phi p)``, m, world frame."""
     b = model.bodies[body]
     u = point + shapes_at(model.shapes[body], point) @ q[b.iq + 7 : b.iq + 7 + b.n]
     return np.asarray(q[b.iq : b.iq + 3] + rotation_matrix(q[b.iq + 3 : b.iq + 7]) @ u)
 
 
 def mobility(model: Model, state: State, body: int, point: Array) -> Array:
-    """Return W (3, 3), 1/kg: how a force at a point accelerates it, ``W = J M^-1 J^T``.
+    """Return the inverse effective mass W (3, 3) of a point, ``W = J M^-1 J^T``, 1/kg.
 
-    With all joints and modes of the machine in its present state; world axes.
+    A force F at the point changes its acceleration by W F, in the world frame, with all joints and
+    modes of the machine in its current state.
     """
     grip = Grip(body, (float(point[0]), float(point[1]), float(point[2])), 1.0, 0.0)
-    engine = Engine(gripped(model, grip))
+    engine = Engine(with_grip(model, grip))
     put(engine, state, "hand")
-    b, r = model.bodies[body], placed(model, state.q, body, point)
+    b, r = model.bodies[body], point_position(model, state.q, body, point)
     A = rotation_matrix(state.q[b.iq + 3 : b.iq + 7])
     Phi, u = shapes_at(model.shapes[body], point), A.T @ (r - state.q[b.iq : b.iq + 3])
     places = [model.inputs.index(name) for name in TARGET]
@@ -239,25 +239,25 @@ def mobility(model: Model, state: State, body: int, point: Array) -> Array:
 def grip_at(
     model: Model, state: State, body: int, point: Array, *, step: float, speed: float = 1.0
 ) -> Grip:
-    """Return a grip whose spring fits the mass that it moves, so that it is stable at the step.
+    """Return a grip whose stiffness and damping fit the effective mass of the point.
 
-    ``k = m omega^2``, ``c = 1.4 m omega`` with the least effective mass m of the point in any
-    direction and an omega of 1.5 Hz of the watch.
+    ``k = m omega^2``, ``c = 1.4 m omega`` with the smallest effective mass m of the point over all
+    directions and omega of 1.5 Hz of real time, which is stable at the step of the method.
 
     Parameters
     ----------
     model : Model
         From `with_hand`.
     state : State
-        Where the machine stands.
+        Current state of the machine.
     body : int
-        Place of the body.
+        Index of the body.
     point : (3,) array
-        Undeformed position in its frame, m.
+        Undeformed position in the body frame, m.
     step : float
         Step of the method, s.
     speed : float
-        Simulated seconds in a second of the watch; 0 counts as 1.
+        Simulated seconds per second of real time; 0 is treated as 1.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def grip_at(
     W = mobility(model, state, body, point)
     most = float(np.linalg.eigvalsh(0.5 * (W + W.T))[-1])
     mass = sum(float(b.mass[0]) for b in model.bodies)
-    mass = mass if most * mass <= 1.0 else 1.0 / most  # what is held does not move
+    mass = mass if most * mass <= 1.0 else 1.0 / most  # lower bound on W of a fixed point
     omega = min(2.0 * np.pi * FREQUENCY / (speed or 1.0), REACH / step)
     x, y, z = map(float, point)
     return Grip(body, (x, y, z), mass * omega**2, 2.0 * DAMPING * mass * omega)

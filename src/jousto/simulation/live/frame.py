@@ -1,4 +1,4 @@
-"""Frames: inputs and outputs of a machine as bytes, the same as engine/export/frame.h writes."""
+"""Frames: inputs and outputs of a machine as bytes, in the format of engine/export/frame.h."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ HEAD = struct.Struct("<4sHHIIQd")
 """Mark "JOFR", version, kind, checksum of the names, count, sequence number, time stamp."""
 VERSION = 1
 NUMBERS = 1 << 64
-"""Sequence numbers; they go on from the last one to 0."""
+"""Number of sequence numbers; 0 follows the last one."""
 LEAP, LATE = 3000, 100
-"""Numbers ahead and behind from which a frame is taken only if the next one goes on from it."""
+"""Distances of a sequence number ahead of and behind the last one, above which a frame is accepted
+only if the next frame confirms it."""
 INPUTS, OUTPUTS = 0, 1
 """Kinds of frames: to a machine, and from it."""
 
 
 def mark_of(inputs: Sequence[str], outputs: Sequence[str]) -> int:
-    """Return the checksum by which both sides know that they mean the same machine.
+    """Return the checksum of the names of inputs and outputs, which both sides compare.
 
     Examples
     --------
@@ -43,7 +44,7 @@ def pack(kind: int, mark: int, sequence: int, time: float, values: ArrayLike) ->
 
 @dataclass
 class Received:
-    """Reads the frames of one sender and counts those that are not taken.
+    """Reader of the frames of one sender, with counts of accepted and rejected frames.
 
     Parameters
     ----------
@@ -52,20 +53,21 @@ class Received:
     mark : int
         From `mark_of`.
     count : int
-        Numbers in a frame.
+        Number of values in a frame.
 
     Attributes
     ----------
     taken, wrong, old, lost : int
-        Frames: taken; of another size, version or machine, or not finite; with a sequence number
-        that is not above the last, or far from it and not confirmed by the next one (RFC 3550,
-        appendix A.1: one forged frame does not end a link); missing between two numbers.
+        Numbers of frames. taken: accepted. wrong: of another size, version or machine, or not
+        finite. old: with a sequence number not above the last one, or far from it and not
+        confirmed by the next frame (RFC 3550, appendix A.1: one forged frame must not end a link).
+        lost: missing between two accepted frames.
     last : int
-        Sequence number of the last one that was taken.
+        Sequence number of the last accepted frame.
     awaited : int
-        After a leap the number that would confirm it; else -1.
+        Sequence number that would confirm a distant one; -1 if there is none.
     time : float
-        Its time stamp, s.
+        Time stamp of the last accepted frame, s.
 
     Examples
     --------
@@ -91,7 +93,7 @@ class Received:
     awaited: int = -1
 
     def read(self, frame: bytes) -> Array | None:
-        """Return the numbers of a frame (count,), None if it is not taken."""
+        """Return the values (count,) of a frame; None if the frame is rejected."""
         values = self._fitting(frame)
         if values is None:
             self.wrong += 1
@@ -105,7 +107,7 @@ class Received:
         return values
 
     def _follows(self, sequence: int) -> bool:
-        """Return whether a sequence number follows the last one."""
+        """Return whether a frame with this sequence number is accepted after the last one."""
         ahead, behind = ((sequence - self.last) % NUMBERS, (self.last - sequence) % NUMBERS)
         if not sequence or not self.taken or sequence == self.awaited:
             return True

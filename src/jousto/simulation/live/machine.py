@@ -1,7 +1,7 @@
-"""LiveMachine: a model that is stepped while its inputs change, the same way every time.
+"""LiveMachine: a model whose inputs change while it is stepped, reproducibly.
 
-Inputs take effect at the instants of the rows alone. So the rows contain all that came from
-outside, and the same inputs give the same rows again, to the last bit.
+Inputs change only at the instants of the rows. So the rows contain all inputs, and the same inputs
+give the same rows to the last bit.
 """
 
 from __future__ import annotations
@@ -26,53 +26,53 @@ from jousto.simulation.live.drag_spring import (
     TARGET,
     Grip,
     grip_at,
-    gripped,
-    placed,
+    point_position,
+    with_grip,
     with_hand,
 )
 from jousto.simulation.live.real_time_clock import Pace
 from jousto.simulation.results.events import Chronicle
-from jousto.simulation.running.simulate import cause
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.simulate import failure_ending
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State, put, take
 
-INTERVAL = 0.01  # s between rows
+INTERVAL = 0.01  # default time between rows, s
 
 
 @explained
 @described
 class LiveMachine:
-    """A model that runs while somebody changes its inputs and pulls its bodies.
+    """Model that is stepped while a user changes its inputs and drags its bodies.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     solver : Solver, optional
-        Method of a fixed step; None chooses as `simulate` does.
+        Method with a fixed step; None chooses as `simulate` does.
     step : float, optional
-        Its step, s; None is that of the solver.
+        Step of the method, s; None is that of the solver.
     interval : float, optional
-        Time between rows, s, a multiple of the step: inputs change there; None is about 10 ms.
+        Time between rows, at which inputs change, s; a multiple of the step. None is about 10 ms.
     state : State, optional
-        Where it starts, and where `reset` goes back to.
+        Initial state, also of `reset`; None is that of the model.
 
     Attributes
     ----------
     model : Model
-        The model with its hand.
+        The model with the drag spring.
     every : int
-        Steps between rows.
+        Number of steps between rows.
     stopped : str
-        Name of the event at which the last steps ended, else empty.
+        Name of the event at which the last steps ended; empty if there was none.
 
     Raises
     ------
     InputError
-        If a method chooses its steps itself, or the model has units of other programs.
+        If the method has an adaptive step, or the model has FMUs.
     """
 
     def __init__(
@@ -96,10 +96,10 @@ class LiveMachine:
         self.every = max(1, round((interval or INTERVAL) / self.step_size))
         self.model = with_hand(model)
         self.stopped = ""
-        self._start = beginning(model, state)
+        self._start = initial_state(model, state)
         self.reset()
 
-    # -- where it stands -----------------------------------------------------------------------
+    # -- state ---------------------------------------------------------------------------------
 
     @property
     def time(self) -> float:
@@ -108,7 +108,7 @@ class LiveMachine:
 
     @property
     def between(self) -> bool:
-        """Whether it stands between two rows."""
+        """Whether the current instant is between two rows."""
         return self.engine.steps_done % self.every != 0
 
     @property
@@ -118,14 +118,14 @@ class LiveMachine:
 
     @property
     def inputs(self) -> dict[str, float]:
-        """Values of the inputs, as they will be from the next row on."""
+        """Values of the inputs from the next row on, by name."""
         return dict(self._wanted)
 
     def state(self) -> State:
-        """Return where it stands."""
+        """Return the current state."""
         return take(self.engine)
 
-    # -- what comes from outside ---------------------------------------------------------------
+    # -- inputs --------------------------------------------------------------------------------
 
     def set(self, name: str, value: float) -> None:
         """Set an input from the next row on.
@@ -133,7 +133,7 @@ class LiveMachine:
         Raises
         ------
         InputError
-            If there is no such input, or the value is not finite.
+            If there is no input of this name, or the value is not finite.
         """
         if name not in self._wanted:
             known = [known for known in self._wanted if known not in NAMES]
@@ -146,55 +146,60 @@ class LiveMachine:
     def pull(
         self, body: int, point: Array, target: ArrayLike | None = None, *, speed: float = 1.0
     ) -> Grip:
-        """Grip a point (undeformed, body frame, m) and pull it towards a target in the world, m.
+        """Attach the drag spring to a point of a body, from the next row on; return the grip.
 
-        Without a target it is held where it is.
+        The point is undeformed in the body frame, m; the target is in the world frame, m, by
+        default the current position of the point.
         """
         state = self.state()
         grip = grip_at(self.model, state, body, np.asarray(point), step=self.step_size, speed=speed)
         self._wanted.update(grip.inputs)
-        self.aim(placed(self.model, state.q, body, np.asarray(point)) if target is None else target)
+        self.aim(
+            point_position(self.model, state.q, body, np.asarray(point))
+            if target is None
+            else target
+        )
         return grip
 
     def aim(self, target: ArrayLike) -> None:
-        """Move the target of the hand, m in the world."""
+        """Move the target of the drag spring, m, world frame."""
         for name, value in zip(TARGET, np.asarray(target).tolist(), strict=True):
             self.set(name, value)
 
     def release(self) -> None:
-        """Let go from the next row on."""
+        """Detach the drag spring from the next row on."""
         self._wanted[BODY] = -1.0
 
     # -- running -------------------------------------------------------------------------------
 
     def reset(self) -> None:
-        """Go back to the start; the inputs keep their values, the hand lets go."""
+        """Reset to the initial state; inputs keep their values, the drag spring is detached."""
         kept = getattr(self, "_wanted", {})
         self._begin(self._start, {**kept, BODY: -1.0})
 
     def restart(self) -> None:
-        """Begin anew from here, as a run that starts from this state does: for a record."""
+        """Restart the integration at the current state, so that a record can be repeated."""
         self._begin(self.state(), self._wanted)
 
     def carry(self, state: State, inputs: Mapping[str, float]) -> None:
-        """Go on from a state of another machine of the same kind; gaps at joints are closed.
+        """Continue from a state of a similar machine; gaps at joints are closed.
 
         Raises
         ------
         InputError
-            If it does not fit.
+            If the state does not fit the model.
         """
         self._begin(replace(state, inputs=None), inputs, close=True)
 
     def step(self, count: int = 1, pace: Pace | None = None) -> Array:
-        """Advance by some steps, or to an event that stops; return the rows on the way.
+        """Advance by `count` steps, or to an event that stops; return the rows (k, row_size).
 
-        With a pace each step waits for its time in the engine, and other threads run meanwhile.
+        With a pace the engine waits for the due time of each step, while other threads run.
 
         Raises
         ------
         SimulationError
-            If the motion diverges or the engine cannot go on; `reset` helps.
+            If the motion diverges or the engine cannot continue; `reset` is possible.
         """
         engine, rows = self.engine, []
         self.stopped = ""
@@ -220,7 +225,7 @@ class LiveMachine:
                 break
             if status != "ok":
                 plan = Schedule(self.step_size, 1, self.every)
-                ending = cause(self.model, self.solver, plan, engine, status)
+                ending = failure_ending(self.model, self.solver, plan, engine, status)
                 raise SimulationError(
                     f"the machine stopped at {self.time:.6g} s: {ending.sentence}",
                     time=self.time,
@@ -229,7 +234,7 @@ class LiveMachine:
         return np.array(rows).reshape(len(rows), engine.row_size)
 
     def events(self) -> Array:
-        """Return time, source, change and count (k, 4) of what happened since the last call."""
+        """Return time, source, change and count (k, 4) of the events since the last call."""
         found = np.vstack([np.zeros((0, 4)), *self.happened])
         self.happened.clear()
         return found
@@ -240,9 +245,9 @@ class LiveMachine:
     def _begin(
         self, state: State | None, inputs: Mapping[str, float], *, close: bool = False
     ) -> None:
-        """Stand at a state with nothing behind, as `simulate` begins."""
+        """Set a new engine to a state with given inputs, as `simulate` starts a run."""
         grip = Grip.of(inputs) if BODY in inputs else None
-        engine = Engine(gripped(self.model, grip))
+        engine = Engine(with_grip(self.model, grip))
         if state is not None:
             put(engine, state, "live")
             engine.steps_done = self._before(state.time)
@@ -268,10 +273,10 @@ class LiveMachine:
         self._chronicle.follow(engine)
 
     def _take_over(self) -> None:
-        """Give the engine the inputs that are wanted; another grip is another model."""
+        """Set the requested inputs in the engine; a new grip needs a new model and engine."""
         if Grip.of(self._wanted) != Grip.of(self._held):
             old = self.engine
-            engine = Engine(gripped(self.model, Grip.of(self._wanted)))
+            engine = Engine(with_grip(self.model, Grip.of(self._wanted)))
             put(engine, take(old), "live")
             engine.steps_done = old.steps_done
             engine.counts[0] = old.counts[0]

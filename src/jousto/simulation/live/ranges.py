@@ -1,4 +1,4 @@
-"""Units and ranges of the external inputs of a model, from what they act on."""
+"""Units and slider ranges of the external inputs of a model, from their use in it."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from jousto.model.force_numbers import law_in
 from jousto.model.model import CoordinateModel, Model
 from jousto.model.native.header import named
 
-WEIGHTS = 2.0  # force that an input may have, by the weight of the machine
-EARTH = 9.81  # m/s2, where there is no gravity
+WEIGHTS = 2.0  # largest force of an input over the weight of the machine
+EARTH = 9.81  # gravity for this weight in a model without gravity, m/s2
 
 
 @dataclass(frozen=True)
 class InputRange:
-    """An external input as something to be moved by hand.
+    """Unit, range and value of an external input, for a slider.
 
     Attributes
     ----------
     name, unit : str
-        Its name, and the unit of what it acts on in SI; "1" for factors.
+        Name, and SI unit of the quantity that the input sets; "1" for factors.
     low, high, value : float
-        A range for a slider, and the value at the start.
+        Limits of the slider, and initial value.
     """
 
     name: str
@@ -39,18 +39,18 @@ class InputRange:
 def input_ranges(
     model: Model, given: Mapping[str, tuple[float, float]] | None = None
 ) -> tuple[InputRange, ...]:
-    """Return the external inputs of a model.
+    """Return the unit, range and value of each external input of a model.
 
-    Angles go a quarter turn to both sides of the value at the start, lengths a tenth of the size
-    of the machine, forces to twice its weight, torques to that times its size, factors of forces
-    to twice their value or 1.
+    The range of an angle is the initial value plus and minus 90 degrees, of a length plus and minus
+    a tenth of the size of the machine; forces go up to twice its weight, torques up to twice weight
+    times size, factors of forces up to twice their value or 1.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     given : dict of str to (float, float), optional
-        Ranges that are known better.
+        Ranges by name that replace the computed ones.
 
     Raises
     ------
@@ -62,7 +62,9 @@ def input_ranges(
         if name not in model.inputs:
             problems.add("live", f"no input {name!r}{suggest(name, model.inputs)}")
         elif not (np.isfinite([low, high]).all() and low < high):
-            problems.add(f"input {name!r}", f"goes from {low:g} to {high:g}, must go upwards")
+            problems.add(
+                f"input {name!r}", f"has the range {low:g} to {high:g}, must have low < high"
+            )
     problems.raise_if_any()
     units = _units(model)
     found = []
@@ -82,7 +84,7 @@ def parse_ranges(texts: list[str]) -> dict[str, tuple[float, float]]:
     Raises
     ------
     InputError
-        If one is none.
+        If a text is not of this form.
 
     Examples
     --------
@@ -114,7 +116,7 @@ def _reach(model: Model, unit: str, value: float) -> float:
 
 
 def _units(model: Model) -> dict[int, str]:
-    """Return the units of signals by what uses them."""
+    """Return the unit of each signal from its use, by the index of the signal."""
     found: dict[int, str] = {}
 
     def note(signal: int, unit: str) -> None:

@@ -1,4 +1,4 @@
-"""Pace: steps at their time by the watch, and how late they were."""
+"""Pace: real-time scheduling of steps, with statistics of their lateness."""
 
 from __future__ import annotations
 
@@ -12,64 +12,62 @@ import numpy as np
 from jousto.base.errors import InputError, Problem
 
 EDGES = (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2)
-"""Upper ends of the classes of lateness, s; the last class has none."""
-
-SLOWEST, FASTEST = 1e-6, 1e6  # simulated seconds in a second of the watch
-
-FARTHEST = 0.25  # s behind; what is further behind is given up
-WINDOW = 1.0  # s of the watch over which the real-time factor is taken
+"""Upper limits of the classes of lateness, s; the last class has none."""
+SLOWEST, FASTEST = 1e-6, 1e6  # limits of the speed, simulated seconds per second of real time
+FARTHEST = 0.25  # largest delay that is made up for, s; a larger one is skipped
+WINDOW = 1.0  # real time over which the real-time factor is averaged, s
 
 
 def checked_speed(factor: float) -> float:
-    """Return the simulated seconds in a second of the watch, 0 or within the bounds.
+    """Return the speed unchanged if it is 0 or within the limits, simulated s per s.
 
     Raises
     ------
     InputError
-        If it is anything else.
+        If it is another value.
     """
     value = float(factor)
     if value != 0.0 and not SLOWEST <= value <= FASTEST:
         raise InputError(
             Problem(
                 "live",
-                f"speed is {factor!r}, must be from {SLOWEST:g} to {FASTEST:g} simulated seconds a "
-                "second, or 0 for as fast as it can",
+                f"speed is {factor!r}, must be from {SLOWEST:g} to {FASTEST:g} simulated seconds "
+                "per second, or 0 for the highest possible speed",
             )
         )
     return value
 
 
 class Pace:
-    """Waits for the time of each step and keeps count of how late it began.
+    """Real-time schedule of steps, which waits for each step and counts late ones.
 
-    Step k is due at ``start + k step / speed`` of a clock that never jumps. A step that is late
-    does not move the next ones: they follow at once until the machine has caught up. If it is
-    more than a quarter of a second behind, what is missing is given up and the plan starts anew.
+    Step k is due at ``start + k step / speed`` of a monotonic clock. A late step does not delay
+    the due times of the next steps, which follow without waiting until the delay is made up for. A
+    delay above a quarter of a second is skipped: the schedule starts again at the current time.
 
     Parameters
     ----------
     step : float
-        Step, s simulated.
+        Simulated time of a step, s.
     speed : float
-        Simulated seconds in a second of the watch, 1e-6 to 1e6; 0 is as fast as it can.
+        Simulated seconds per second of real time, 1e-6 to 1e6; 0 is the highest possible speed.
     clock, sleep : callable
-        Monotonic time in s, and a function that waits that long.
+        Function that returns a monotonic time, s, and function that waits for a time, s.
 
     Attributes
     ----------
     native : bool
-        Whether the engine may wait itself (see `given`): not with another clock.
+        Whether the engine may wait for due times itself (see `given`); only with the default clock.
     latest, worst : float
-        Largest lateness, and longest time that a step took, s.
+        Largest lateness of a step, and longest time of a step, s.
     missed : int
-        Steps that ended after the next one was due.
+        Number of steps that ended after the next one was due.
     given_up : int
-        How often the plan started anew.
+        Number of times that a delay was skipped.
 
     Examples
     --------
-    A clock that is moved by hand; the third step takes too long:
+    With a simulated clock; the third step takes too long:
 
     >>> now = [0.0]
     >>> pace = Pace(1e-3, clock=lambda: now[0], sleep=lambda s: now.__setitem__(0, now[0] + s))
@@ -96,14 +94,14 @@ class Pace:
         self.forget()
 
     def forget(self) -> None:
-        """Count anew."""
+        """Reset the statistics."""
         self._late[:] = 0
         self.latest = self.worst = 0.0
         self.missed = self.given_up = 0
         self.start()
 
     def start(self, speed: float | None = None) -> None:
-        """Plan anew from now: after a pause, or at another speed."""
+        """Start the schedule at the current time, after a pause or at another speed."""
         self.speed = self.speed if speed is None else speed
         self._due: float | None = None
         self._began = 0.0
@@ -112,7 +110,7 @@ class Pace:
 
     @property
     def left(self) -> float:
-        """Time of the clock until the next step is due, s; 0 if it is."""
+        """Time until the next step is due, s; 0 if it is due."""
         return 0.0 if self._due is None or not self.speed else max(0.0, self._due - self._clock())
 
     def wait(self) -> None:
@@ -130,7 +128,7 @@ class Pace:
         self._began = now
 
     def done(self, steps: int = 1) -> None:
-        """Note that the step, or several, ended."""
+        """Count the end of one or several steps."""
         now = self._clock()
         self.worst = max(self.worst, (now - self._began) / steps)
         assert self._due is not None
@@ -141,7 +139,7 @@ class Pace:
         self._count(now, steps)
 
     def given(self) -> dict[str, Any]:
-        """Return what `Engine.paced` needs, which waits instead of `wait` and `done`."""
+        """Return the arguments of `Engine.paced`, which replaces calls of `wait` and `done`."""
         now = self._clock()
         if self._due is None:
             self._due = now
@@ -157,7 +155,7 @@ class Pace:
         }
 
     def took(self, found: Mapping[str, float]) -> None:
-        """Note what `Engine.paced` returned."""
+        """Update the statistics with the results of `Engine.paced`."""
         now = self._clock()
         self._due = now + found["ahead"]
         self.latest, self.worst = found["latest"], found["worst"]
@@ -166,7 +164,7 @@ class Pace:
         self._count(now, int(found["done"]))
 
     def _plan(self, now: float) -> None:
-        """Give up what is too far behind."""
+        """Start the schedule again at the current time if the delay is too long."""
         if self._due is not None and now - self._due > FARTHEST:
             self._due = now
             self.given_up += 1
@@ -180,12 +178,12 @@ class Pace:
 
     @property
     def late(self) -> list[int]:
-        """Steps by lateness, in the classes of `EDGES`."""
+        """Number of steps in each class of lateness, see `EDGES`."""
         return list(map(int, self._late))
 
     @property
     def factor(self) -> float:
-        """Simulated seconds in a second of the watch, over the last second."""
+        """Real-time factor over the last second: simulated time over real time."""
         if len(self._seen) < 2:
             return 0.0
         (before, first), (now, last) = self._seen[0], self._seen[-1]

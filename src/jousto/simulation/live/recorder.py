@@ -1,4 +1,4 @@
-"""What a live machine does, kept in a results file, and run again from it."""
+"""Recorder: results file of a live machine; repeat: a run with the recorded inputs."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
 from jousto.simulation.solvers.explicit import Solver
 
-LONGEST = 4 * 3600.0  # s in one file
-SHARE = 0.5  # of the free disk at most
+LONGEST = 4 * 3600.0  # longest simulated time in a file, s
+SHARE = 0.5  # largest size of a file over the free disk space
 
 
 class Recorder:
-    """Writes the rows of a live machine into a results file, in a thread of its own.
+    """Writer of the rows of a live machine into a results file, in its own thread.
 
-    Every row is in the file as soon as it is made, so that a killed program loses nothing; the
+    Each row is written as soon as it is computed, so that a killed program loses no rows; the
     machine does not wait for the disk.
 
     Parameters
     ----------
     path : path
-        The file; overwritten.
+        Results file, overwritten.
     machine : LiveMachine
-        What runs; it begins anew from where it stands.
+        Machine to record; its integration restarts at its current state.
     text : str
         Text of the model file.
 
@@ -45,7 +45,7 @@ class Recorder:
     path : Path
         The file.
     failed : str
-        What kept it from writing, else empty.
+        Error of writing; empty if there was none.
 
     Raises
     ------
@@ -65,7 +65,7 @@ class Recorder:
         self._begin, self._started = machine.time, time.perf_counter()
         self._time, self._given = machine.time, 1
         try:
-            self._keeper.append(machine.row[None])  # at once, so that the file is there
+            self._keeper.append(machine.row[None])  # the first row creates the file
         except OSError as error:
             self._keeper.discard()
             raise unwritable(path, error) from error
@@ -75,11 +75,11 @@ class Recorder:
 
     @property
     def full(self) -> bool:
-        """Whether no row has room any more."""
+        """Whether the file has no room for another row."""
         return self._given >= self._room
 
     def add(self, rows: Array, happened: Array) -> None:
-        """Keep rows (k, row_size) and events (k, 4)."""
+        """Add rows (k, row_size) and events (k, 4)."""
         rows = rows[: self._room - self._given]
         self._given += len(rows)
         if len(rows):
@@ -88,7 +88,7 @@ class Recorder:
             self._queue.put((rows, happened))
 
     def close(self, ended: str = "completed", complete: bool = True) -> Solution:
-        """Return the results; `ended` says why nothing follows, `complete` if they are whole."""
+        """Close the file and return its results, with attributes `ended` and `complete`."""
         self._queue.put(None)
         self._thread.join()
         wall = time.perf_counter() - self._started
@@ -108,7 +108,7 @@ class Recorder:
 
 
 def _about(machine: LiveMachine, t_end: float) -> dict[str, Any]:
-    """Return what is known before a run."""
+    """Return the attributes of the results that are known before the run."""
     return {
         "solver": repr(machine.solver),
         "chosen": "",
@@ -129,18 +129,18 @@ def repeat(
     path: str | Path | None = None,
     watch: Callable[[LiveMachine], Any] | None = None,
 ) -> Solution:
-    """Run a model again with the inputs that a live run recorded, pulls included.
+    """Return the results of a run with the inputs of a recorded live run, drags included.
 
-    On the same machine the results are those of the record to the last bit.
+    On the same computer the results equal those of the record to the last bit.
 
     Parameters
     ----------
     recorded : Solution
-        Results of a live run.
+        Results of the live run.
     model : Model
-        The machine, from `compile`.
+        Model of the live run, from `compile`.
     solver : Solver
-        The method of that run.
+        Method of the live run.
     path : path, optional
         Results file; None keeps the results in memory.
     watch : function, optional
@@ -154,7 +154,7 @@ def repeat(
     Raises
     ------
     InputError
-        If these are not the results of a live run of this model.
+        If `recorded` is not the results of a live run of this model.
     """
     about = recorded.attributes
     wanted, inputs = (*model.inputs, *NAMES), recorded.inputs

@@ -1,4 +1,4 @@
-"""Runner: a live machine in a thread of its own, at the pace of the watch."""
+"""Runner: a live machine in its own thread, in real time."""
 
 from __future__ import annotations
 
@@ -22,39 +22,39 @@ from jousto.simulation.live.thread_priority import hurry
 
 log = logging.getLogger(__name__)
 
-PICTURES = 60.0  # a second
-SWITCH = 2e-4  # s that another thread of Python may keep a step waiting
-IDLE = 0.5  # s between looks at nothing
-ALONE = 0.02  # s of the watch that the engine keeps time alone; orders wait that long at most
-CALL = 0.005  # s of the watch in one call of the engine, as fast as it can
+PICTURES = 60.0  # glances per second of real time
+SWITCH = 2e-4  # switch interval of Python's threads, s: longest delay of a step by another thread
+IDLE = 0.5  # longest wait for an order, s
+ALONE = 0.02  # longest real time in one call of the engine, s, which delays orders
+CALL = 0.005  # real time in one call of the engine at the highest possible speed, s
 
 
 @dataclass(frozen=True, eq=False)
 class Glance:
-    """A live machine at an instant.
+    """Snapshot of a live machine.
 
     Attributes
     ----------
     time : float
         Simulated time, s.
     q : (nq,) array
-        Positions now.
+        Current positions.
     row : (row_size,) array
         The last row of the engine.
     playing : bool
-        Whether it runs.
+        Whether the machine runs.
     factor, worst, latest : float
         Real-time factor; longest step and largest lateness, s.
     late : tuple of int
-        Steps by lateness, in the classes of `pace.EDGES`.
+        Number of steps in each class of lateness, see `real_time_clock.EDGES`.
     missed, given_up : int
-        Steps that ended after the next one was due; how often what was missing was given up.
+        Number of steps that ended after the next one was due; number of skipped delays.
     recording : str
-        File that is written, else empty.
+        Path of the file being written; empty if there is none.
     message : str
-        What happened last: an event, what failed; else empty.
+        Last message: an event or a failure; empty if there is none.
     inputs : dict
-        Values of the inputs.
+        Values of the inputs by name.
     """
 
     time: float
@@ -73,27 +73,26 @@ class Glance:
 
 
 class Runner:
-    """Steps a live machine in its own thread until it is closed.
+    """Thread that steps a live machine until it is closed.
 
-    What is asked of it (`do`) happens between two steps, in the order in which it was asked.
+    Orders (`do`) are executed between two steps, first come first served.
 
     Parameters
     ----------
     machine : LiveMachine
-        The machine; nobody else may touch it while it runs.
+        The machine; other threads may use it only through `do`.
     speed : float
-        Simulated seconds in a second of the watch; 0 is as fast as it can.
+        Simulated seconds per second of real time; 0 is the highest possible speed.
     playing : bool
-        Whether it runs at once.
+        Whether the machine starts to run at once.
     text : str
         Text of the model file, for records.
     pace : Pace, optional
-        Another clock, for tests.
+        Schedule with another clock, for tests.
     link : Datagrams, optional
-        Takes inputs before each step and sends outputs after it.
+        UDP link that receives inputs before each step and sends outputs after it.
     urgent : bool
-        Ask the operating system that its thread goes before others; `refused` is what it did not
-        grant.
+        Whether to request real-time priority for the thread; `refused` lists refused requests.
 
     Examples
     --------
@@ -148,20 +147,20 @@ class Runner:
         Raises
         ------
         InputError
-            If the runner was closed.
+            If the runner is closed.
         """
         return self._ask(lambda: order(self.machine))
 
     def play(self) -> None:
-        """Run."""
+        """Let the machine run."""
         self._ask(lambda: self._play(True))
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause the machine."""
         self._ask(lambda: self._play(False))
 
     def step(self) -> None:
-        """Advance to the next row, and stand still."""
+        """Advance to the next row, then pause."""
 
         def one() -> None:
             self._play(False)
@@ -171,22 +170,22 @@ class Runner:
         self._ask(one)
 
     def reset(self) -> None:
-        """Go back to the start; a record goes on in another file."""
+        """Reset the machine to its initial state; a record continues in another file."""
         self._ask(self._reset)
 
     def speed(self, factor: float) -> None:
-        """Set the simulated seconds in a second of the watch; 0 is as fast as it can.
+        """Set the simulated seconds per second of real time; 0 is the highest possible speed.
 
         Raises
         ------
         InputError
-            If it is neither 0 nor from 1e-6 to 1e6.
+            If the value is neither 0 nor from 1e-6 to 1e6.
         """
         value = checked_speed(factor)
         self._ask(lambda: self.pace.start(value))
 
     def record(self, path: str | Path | None) -> None:
-        """Record to a file from now on, or end it with None.
+        """Record to a file from now on; None ends the record.
 
         Raises
         ------
@@ -196,7 +195,7 @@ class Runner:
         self._ask(lambda: self._record(path))
 
     def replace(self, make: Callable[[LiveMachine], LiveMachine], text: str) -> None:
-        """Put another machine in place of this one; a record goes on in another file."""
+        """Replace the machine by another one; a record continues in another file."""
 
         def change() -> None:
             made = make(self.machine)
@@ -205,7 +204,7 @@ class Runner:
         self._ask(change)
 
     def say(self, message: str) -> None:
-        """Show a message; an empty one takes the last away."""
+        """Show a message in the glances; an empty text removes it."""
 
         def said() -> None:
             self._message = message
@@ -213,7 +212,7 @@ class Runner:
         self._ask(said)
 
     def close(self) -> None:
-        """End it; a record is closed. May be called more than once."""
+        """End the thread and close a record; further calls do nothing."""
         if not self._ended:
             self._ended = True
             self._woken.set()
@@ -226,7 +225,7 @@ class Runner:
         self._woken.set()
         while not answer.there.wait(IDLE):
             if not self._thread.is_alive():
-                raise InputError(Problem("live", "the machine was closed"))
+                raise InputError(Problem("live", "the machine was closed; make a new Runner"))
         if answer.error is not None:
             raise answer.error
         return answer.value
@@ -242,7 +241,7 @@ class Runner:
                 order, answer = self._orders.get()
                 try:
                     answer.value = order()
-                except Exception as error:  # belongs to whoever asked
+                except Exception as error:  # raised again in the thread of the order
                     answer.error = error
                 self._show()
                 answer.there.set()
@@ -251,7 +250,7 @@ class Runner:
                 self._woken.clear()
                 continue
             left = self.pace.left if self.pace.native else 0.0
-            if left > ALONE:  # orders do not wait for a step that is due much later
+            if left > ALONE:  # wait for orders until shortly before the step is due
                 self._woken.wait(min(left - ALONE, IDLE))
                 self._woken.clear()
             elif self.pace.native and self.pace.speed and self.link is None:
@@ -265,7 +264,7 @@ class Runner:
             self.link.close()
 
     def _waited(self) -> None:
-        """Step when it is time by a clock of Python, or at once, with a frame of the link each."""
+        """Make the due steps one by one, with a frame of the link each, by the clock of Python."""
         self.pace.wait()
         count = self._count()
         if self.link is not None:
@@ -276,13 +275,13 @@ class Runner:
                 self.link.after(self.machine)
 
     def _together(self) -> int:
-        """Return the steps that the engine keeps time with alone: to the next row at most."""
+        """Return the number of steps for one timed call of the engine, up to the next row."""
         machine, pace = self.machine, self.pace
         left = machine.every - machine.engine.steps_done % machine.every
         return max(1, min(left, int(ALONE * pace.speed / pace.step)))
 
     def _count(self) -> int:
-        """Return the steps of the next call: one, or as fast as it can several."""
+        """Return the number of steps of the next call: 1, or more at the highest speed."""
         if self.pace.speed or self.link is not None:
             return 1
         fit = int(CALL / max(self.pace.worst, 1e-7))
@@ -295,14 +294,16 @@ class Runner:
         self._playing = playing
 
     def _advance(self, count: int, pace: Pace | None = None) -> bool:
-        """Step; on an event or a failure stand still and say so."""
+        """Make steps; pause with a message on an event or a failure."""
         machine = self.machine
         try:
             rows = machine.step(count, pace)
-        except Exception as error:  # whatever it is, the thread goes on and can be asked to reset
+        except Exception as error:  # after any error the thread continues, for `reset`
             if not isinstance(error, JoustoError):
                 log.exception("a live machine failed")
-            self._stop(f"{error}; reset goes back to the start", f"failed: {error}", complete=False)
+            self._stop(
+                f"{error}; reset returns to the initial state", f"failed: {error}", complete=False
+            )
             return False
         if self._recorder is not None:
             self._recorder.add(rows, machine.events())
@@ -314,7 +315,7 @@ class Runner:
             machine.happened.clear()
         if machine.stopped:
             said = f"stopped by event '{machine.stopped}' at {machine.time:.9g} s"
-            self._stop(f"{said}; it runs on if asked to", said)
+            self._stop(f"{said}; play continues from here", said)
             return False
         return True
 
@@ -334,7 +335,7 @@ class Runner:
         self.pace.start()
 
     def _renewed(self, ended: str, change: Callable[[], Any]) -> None:
-        """Close the record, change something, and go on with a record in another file."""
+        """Close the record, make a change, and continue the record in another file."""
         path = self._recorder.path if self._recorder is not None else None
         self._end_record(ended)
         change()
@@ -343,7 +344,7 @@ class Runner:
         self.pace.start()
 
     def _next(self) -> Path:
-        """Return the name of the file after one: crane.h5, crane-2.h5 ..."""
+        """Return the path of the next record: crane.h5, crane-2.h5 ..."""
         first = self._records[0]
         number = len(self._records) + 1
         return first.with_name(f"{first.stem}-{number}{first.suffix}")
@@ -384,7 +385,7 @@ class Runner:
 
 
 class _Answer:
-    """What an order came to."""
+    """Result or error of an order."""
 
     def __init__(self) -> None:
         self.there = threading.Event()

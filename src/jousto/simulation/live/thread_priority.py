@@ -1,32 +1,32 @@
-"""What the operating system grants to a thread that has to be on time."""
+"""Real-time priority and locked memory of a thread."""
 
 from __future__ import annotations
 
 import ctypes
 import os
 
-PRIORITY = 10  # of 1 .. 99, below what drives devices
+PRIORITY = 10  # real-time priority of 1 .. 99, below that of device drivers
 ALL = 3  # MCL_CURRENT | MCL_FUTURE
 
 
 def hurry() -> str:
-    """Ask that this thread goes before others and that its memory stays in place.
+    """Request real-time priority and locked memory for this thread; return what was refused.
 
     Returns
     -------
     str
-        What was not granted; empty if everything was.
+        The refused requests as a text; empty if both were granted.
     """
     refused = []
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
     except (AttributeError, OSError) as error:
-        refused.append(f"it may not go before other programs ({_reason(error)})")
+        refused.append(f"real-time priority was refused ({_reason(error)})")
     try:
         if ctypes.CDLL(None, use_errno=True).mlockall(ALL):
             raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
     except (AttributeError, OSError, TypeError) as error:
-        refused.append(f"its memory may be moved to disk ({_reason(error)})")
+        refused.append(f"locked memory was refused ({_reason(error)})")
     return "; ".join(refused)
 
 

@@ -1,4 +1,4 @@
-"""campbell: frequencies and eigenvalues of a mechanism over a parameter, mode by mode."""
+"""campbell: frequencies and eigenvalues of the modes of a mechanism over a parameter."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from jousto.simulation.state import State
 @described
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Eigenvalues over a parameter; also the data of a root locus.
+    """Eigenvalues of modes over a parameter, for Campbell diagrams and root loci.
 
     Attributes
     ----------
     values : (nv,) array
         Values of the parameter.
     eigenvalues : (nv, k) array
-        1/s, a column for each mode followed from the first value on; NaN where it is gone.
+        Eigenvalues, 1/s, one column per mode, tracked from the first value on; NaN where the mode
+        does not exist.
     parameter : str
-        What the values are, with the unit.
+        Name and unit of the parameter.
     """
 
     values: Array
@@ -62,23 +63,23 @@ def campbell(
     above: float = 1e-3,
     parameter: str = "parameter",
 ) -> Campbell:
-    """Follow the damped modes of a mechanism over a parameter.
+    """Return the eigenvalues of the damped modes of a mechanism over a parameter.
 
-    Modes of neighbouring values are paired so that the sum of their modal assurance criteria
-    ``|x^H y|^2 / (x^H x  y^H y)`` is largest (Allemang and Brown 1982), so that lines may cross.
+    Modes of neighbouring values are paired by the largest sum of the modal assurance criteria
+    ``|x^H y|^2 / (x^H x  y^H y)`` (Allemang and Brown 1982), so that lines may cross.
 
     Parameters
     ----------
     build : function
-        Value to a model, or to a model and the state to linearise about.
+        Function of the value that returns a model, or a model and the state of linearisation.
     values : sequence of float
-        Values of the parameter, close enough for shapes to be recognised.
+        Values of the parameter, close enough that shapes of neighbouring values resemble.
     count : int
-        Most modes to follow, the lowest ones at the first value.
+        Maximum number of modes, the lowest at the first value.
     above : float
-        Motions with fewer Hz do not count as oscillations.
+        Lowest frequency of an oscillation, Hz.
     parameter : str
-        What the values are, for the plot.
+        Name and unit of the parameter, for the plot.
 
     Raises
     ------

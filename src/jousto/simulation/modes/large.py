@@ -13,12 +13,12 @@ from jousto.base.arrays import Array, skew
 from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
-from jousto.simulation.modes.spectrum import nearest, newton_sparse, saddle
+from jousto.simulation.modes.spectrum import lowest_modes, newton_sparse, saddle
 from jousto.simulation.state import State, put
 
-MANY = 600  # velocities and rows above which matrices are sparse
-USUAL = 20  # modes of large mechanisms
-NOISE = 1e-13  # of the largest stiffness over mass: omega^2 that is round-off
+MANY = 600  # number of velocities and rows above which matrices are sparse
+USUAL = 20  # default number of modes of large mechanisms
+NOISE = 1e-13  # omega^2 over the largest stiffness over mass, below which it is round-off
 
 
 def large_modes(
@@ -26,13 +26,13 @@ def large_modes(
 ) -> tuple[NDArray[np.complex128], NDArray[Any]]:
     """Return eigenvalues (k,) in 1/s and increments (nv, k) in body frames, lowest first.
 
-    With the increments x of the body frames, ``dq = T x``, ``dv = T (x' + W x)`` and
-    ``da = T (x'' + 2 W x' + (W' + W W) x)`` of translations, ``T (x'' + W x' + W' x)`` of
-    rotations, W the spin of the body, so that the matrices of
+    With increments x in body frames: ``dq = T x``, ``dv = T (x' + W x)``; ``da`` of translations
+    is ``T (x'' + 2 W x' + (W' + W W) x)``, of rotations ``T (x'' + W x' + W' x)``, with the spin W
+    of the body. The matrices of
 
         ``M x'' + G x' + K x + C^T y = 0,  C x = 0``
 
-    are those of the engine's formulas, and constant in steady rotation.
+    then follow from derivatives of the engine's residual and are constant in steady rotation.
     """
     engine = Engine(model)
     put(engine, state, "modes")
@@ -53,14 +53,14 @@ def large_modes(
     M = T.T @ M @ T
     C = A[:nv, nv:].T @ T
     if not damped:
-        found = nearest(K.tocsc(), M.tocsc(), C.tocsc(), count)
+        found = lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), count)
         roots = np.sqrt(-found.squares.astype(np.complex128))
         return np.where(roots.imag < 0.0, -roots, roots), found.shapes
     return _quadratic(K, G, M, C, count)
 
 
 def _spins(model: Model, engine: Engine) -> tuple[Any, Any, Any]:
-    """Return the block matrices of dv by x, of da by x' and of da by x, in body frames."""
+    """Return the sparse matrices d(dv)/dx, d(da)/dx' and d(da)/dx (nv, nv), in body frames."""
     rates: list[Any] = []
     twice: list[Any] = []
     pulls: list[Any] = []
@@ -77,12 +77,15 @@ def _spins(model: Model, engine: Engine) -> tuple[Any, Any, Any]:
 def _quadratic(
     K: Any, G: Any, M: Any, C: Any, count: int
 ) -> tuple[NDArray[np.complex128], NDArray[Any]]:
-    """``(l^2 M + l G + K) x = 0`` under ``C x = 0`` next to 0, by shift-invert Arnoldi."""
+    """Return the eigenvalues l nearest to 0 and x of ``(l^2 M + l G + K) x = 0``, ``C x = 0``.
+
+    The method is shift-invert Arnoldi.
+    """
     n = K.shape[0]
     ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
-    still = np.sort(np.abs(nearest(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
+    still = np.sort(np.abs(lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
     firm = still[still > NOISE * ratio]
-    # a free motion, such as the turn of everything, is at 0: stay away from it
+    # a free rigid motion has the eigenvalue 0: shift away from it
     free_one = len(firm) < len(still)
     shift = 0.3 * float(np.sqrt(firm[0] if len(firm) else 1e3 * NOISE * ratio)) * free_one
     solve = saddle(K + shift * G + shift**2 * M, C)

@@ -1,4 +1,4 @@
-"""linearise and modes: small motions of a mechanism about a state, in minimal coordinates."""
+"""linearise, modes: linear motion of a mechanism about a state, in minimal coordinates."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
 
 Eigenvalues = NDArray[np.complex128]
-NOTICED = 1e-3  # of the lowest frequency, rad/s: spin that changes a mode by as much
-NOISE = 1e-6  # of the highest frequency: no oscillation
-RANK = 1e-10  # of the largest singular value of the scaled constraint matrix
+NOTICED = 1e-3  # spin over the lowest frequency, above which modes at rest warn of it
+NOISE = 1e-6  # frequency over the highest one, below which a motion does not oscillate
+RANK = 1e-10  # singular value of the scaled constraint matrix over the largest, below it a null
 
 
 @dataclass(frozen=True, eq=False)
 class LinearModel:
-    """``x' = A x + B u``, ``y = C x + D u`` about a state.
+    """Linear state-space model about a state, ``x' = A x + B u``, ``y = C x + D u``.
 
     Attributes
     ----------
     A, B, C, D : arrays (n, n), (n, nu), (ny, n), (ny, nu)
-        n = 2f + ns; f = mobility; x = [free positions, free velocities, ns states of forces such as
-        `PID`], deviations from the state.
+        n = 2f + ns with the mobility f; x = [free positions, free velocities, ns states of forces
+        such as `PID`], as deviations from the state.
     input_names, output_names, state_names : tuples of str
         Inputs by name; sensor components ``sensor.component``; ``y0..``, ``u0..`` and
         ``pid.integral``, ``pid.filtered``.
@@ -66,7 +66,7 @@ class LinearModel:
 
 @dataclass(frozen=True, eq=False)
 class MechanismModes:
-    """Natural modes of a mechanism about a state, the slowest first.
+    """Natural modes of a mechanism about a state, in ascending order of ``|eigenvalue|``.
 
     Attributes
     ----------
@@ -77,13 +77,14 @@ class MechanismModes:
     eigenvalues : (k,) array
         1/s, of each conjugate pair the one with positive imaginary part.
     increments : (nv, k) array
-        Shapes as increments of R (body frame), rotation (body frame) and p of every body.
+        Mode shapes as increments of R (body frame), rotation (body frame) and p of every body.
     shapes : dict
-        Body name to nodal displacements (k, nodes, 3), world frame; largest of a mode is 1.
+        Nodal displacements (k, nodes, 3) of each body in the world frame, by its name; maximum of
+        a mode 1.
     model : Model
         The mechanism.
     state : State
-        About which it moves.
+        State of the linearisation.
     """
 
     frequencies: Array
@@ -101,11 +102,11 @@ class MechanismModes:
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """First derivatives of the motion at a state, translations resolved in body frames.
+    """First derivatives of the equations of motion at a state, translations in body frames.
 
     With the free positions y and velocities u: ``dq = N y``, ``dv = P y + N u``,
     ``y' = drift y + u``, ``u' = Ay y + Au u + Ax x + Bu input`` and ``x' = Xy y + Xu u + Xx x +
-    Xb input`` of the states x of forces; P keeps the velocities consistent.
+    Xb input`` of the states x of forces. P adds the velocities that keep ``Cq v = 0``.
     """
 
     N: Array
@@ -129,13 +130,13 @@ class Tangent:
 
 
 def rotations(model: Model, q: Array) -> Array:
-    """Return the orientation matrices (nbody, 3, 3) of the body frames from Euler parameters."""
+    """Return the rotation matrices (nbody, 3, 3) of the body frames from Euler parameters."""
     e = [q[body.iq + 3 : body.iq + 7] for body in model.bodies]
     return np.array([rotation_matrix(x / np.linalg.norm(x)) for x in e]).reshape(-1, 3, 3)
 
 
-def turning(model: Model, q: Array) -> Array:
-    """Return T (nv, nv): increments with body-frame translations to those of the engine."""
+def body_frame_increments(model: Model, q: Array) -> Array:
+    """Return T (nv, nv) from increments with body-frame translations to those of the engine."""
     T = np.eye(model.nv)
     for body, A in zip(model.bodies, rotations(model, q), strict=True):
         T[body.iv : body.iv + 3, body.iv : body.iv + 3] = A
@@ -143,11 +144,11 @@ def turning(model: Model, q: Array) -> Array:
 
 
 def tangent(model: Model, state: State | None = None) -> Tangent:
-    """Return the exact tangent of the motion at a state, by complex steps of the engine.
+    """Return the exact derivatives of the equations of motion at a state, by complex steps.
 
     Translations are resolved in the frame of their body, so that the matrices of a steadily
-    turning mechanism are constant. The null space of the constraint matrix gives the free
-    coordinates; repeated rows do no harm.
+    turning mechanism are constant. The free coordinates are those of the null space of the
+    constraint matrix, which redundant rows do not change.
 
     Raises
     ------
@@ -156,15 +157,17 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     """
     without_fmus(model, "linearise", "has no derivatives here")
     q, v, time = (model.q0, model.v0, 0.0) if state is None else (state.q, state.v, state.time)
-    nv, T = model.nv, turning(model, q)
+    nv, T = model.nv, body_frame_increments(model, q)
     engine, steps = Engine(model), Engine(model, complex_scalars=True)
     for twin in (engine, steps):
         put(twin, State(q, v, np.zeros(model.nrow), time) if state is None else state, "linearise")
     a, lam = (np.array(x) for x in engine.accelerations())
-    M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T  # of beams between the bodies too
+    M = (
+        T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T
+    )  # mass matrix, masses of beams included
 
     def slopes(*along: Array) -> tuple[Array, ...]:
-        """Directional derivatives of C, C', a (body frames), sensors and rates of states."""
+        """Return directional derivatives of C, C', a (body frames), sensors and state rates."""
         dq, dv, dx, du = along
         steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
         steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
@@ -181,7 +184,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     lengths = (model.nrow, model.nrow, nv, model.nout, model.nstate)
 
     def columns(which: int) -> list[Array]:
-        """Derivatives with respect to q, v, states or inputs, (rows, columns) each."""
+        """Return derivatives by q, v, states or inputs (which = 0 .. 3), (rows, columns) each."""
         out = [np.zeros((length, sizes[which])) for length in lengths]
         for k in range(sizes[which]):
             along = [np.zeros(size) for size in sizes]
@@ -194,7 +197,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     Cq, Cdot = by_q[0], by_q[1]
     N, pseudo = free_motions(Cq)
     P = -pseudo @ (Cdot @ N)
-    # rates seen from the turning body frames
+    # terms of the turning body frames in velocities and accelerations
     frames, spins = np.zeros((nv, nv)), np.zeros((nv, nv))
     for body in model.bodies:
         W = skew(v[body.iv + 3 : body.iv + 6])
@@ -225,7 +228,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
 
 
 def system_matrix(t: Tangent) -> Array:
-    """Return the matrix of the free positions, the free velocities and the states of forces."""
+    """Return the system matrix A of [free positions, free velocities, states of forces]."""
     f, ns = t.N.shape[1], len(t.Xx)
     return np.block(
         [
@@ -241,8 +244,8 @@ class Rest:
     """Stiffness and mass about a state without velocities, translations in body frames.
 
     The free motions ``dq = N y`` are orthonormal with respect to the mass, ``N^T M N = E``, and
-    ``y'' = -K y`` next to the state: neither holds a quotient by an inertia, so that their digits
-    do not suffer where one is tiny, as the spin of a slender body.
+    ``y'' = -K y`` about the state. Neither N nor K contains a division by an inertia, which would
+    lose digits where it is tiny, as about the axis of a slender body.
     """
 
     N: Array
@@ -253,11 +256,11 @@ class Rest:
 
 
 def at_rest(model: Model, state: State) -> Rest:
-    """Return stiffness and mass about a state, its velocities set to zero, by complex steps.
+    """Return stiffness and mass about a state with zero velocities, by complex steps.
 
     ``K = N^T (dr/dq N + M E)`` with the residual r of the equations of motion at fixed
-    accelerations and multipliers, and ``E = -Cq^+ d(Cq a)/dq N``, what the joints add to the
-    accelerations as they turn.
+    accelerations and multipliers; ``E = -Cq^+ d(Cq a)/dq N`` is the change of the constrained
+    accelerations with the position.
 
     Raises
     ------
@@ -265,17 +268,17 @@ def at_rest(model: Model, state: State) -> Rest:
         If a body or joint is singular at the state.
     """
     without_fmus(model, "modes", "has no derivatives here")
-    still, T = replace(state, v=np.zeros(model.nv)), turning(model, state.q)
+    still, T = replace(state, v=np.zeros(model.nv)), body_frame_increments(model, state.q)
     engine, twin = Engine(model), Engine(model, complex_scalars=True)
     for one in (engine, twin):
         put(one, still, "modes")
     a, lam = (np.array(x) for x in engine.accelerations())
-    twin.accelerations()  # what depends on the state alone
+    twin.accelerations()  # evaluates the quantities that depend on the state alone
     twin.a[:], twin.lam[:] = a, lam
     M = T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[: model.nv, : model.nv] @ T
 
     def slopes(move: Array) -> tuple[Array, Array, Array]:
-        """Derivatives of C, r and Cq a along a motion."""
+        """Return directional derivatives of C, r and Cq a along a motion."""
         twin.q[:] = displaced(model, state.q, 1j * IMAGINARY * (T @ move))
         twin.v[:] = 0.0
         c, r = twin.constraints()[0], twin.residual()
@@ -284,7 +287,7 @@ def at_rest(model: Model, state: State) -> Rest:
         return tuple(np.array(x.imag) / IMAGINARY for x in (c, T.T @ r, turned))  # type: ignore[return-value]
 
     by_q = [_columns(rows) for rows in zip(*(slopes(e) for e in np.eye(model.nv)), strict=True)]
-    # unknowns of unit mass
+    # scaling of the unknowns to unit mass
     scale = 1.0 / np.sqrt(np.diag(M))
     root = np.linalg.cholesky(scale[:, None] * M * scale)
     lift = scale[:, None] * np.linalg.inv(root).T
@@ -297,7 +300,7 @@ def _columns(rows: Sequence[Array]) -> Array:
 
 
 def free_motions(Cq: Array) -> tuple[Array, Array]:
-    """Return the null space N (nv, f), orthonormal, and the pseudoinverse of Cq."""
+    """Return the orthonormal null space N (nv, f) and the pseudoinverse (nv, nrow) of Cq."""
     if not Cq.size:
         return np.eye(Cq.shape[1]), np.zeros(Cq.shape[::-1])
     U, s, Vt = np.linalg.svd(Cq)
@@ -312,14 +315,14 @@ def linearise(
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] | None = None,
 ) -> LinearModel:
-    """Linearise a mechanism about a state, exactly, in minimal coordinates.
+    """Return the exact linear model of a mechanism about a state, in minimal coordinates.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     state : State, optional
-        Where; None is the initial state.
+        State of the linearisation; None is the initial state.
     inputs : names, optional
         External inputs to keep; None keeps all.
     outputs : names, optional
@@ -328,7 +331,7 @@ def linearise(
     Raises
     ------
     InputError
-        If a name is not known, or a body or joint is singular at the state.
+        If a name does not exist, or a body or joint is singular at the state.
     """
     sensors = [sensor.name for sensor in model.sensors]
     chosen = _known("input", model.inputs, inputs)
@@ -359,7 +362,7 @@ def linearise(
 
 
 def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> list[str]:
-    """Return the wanted names, all if None; refuse those that do not exist."""
+    """Return the wanted names, all names if None; raise an error for a name that does not exist."""
     if wanted is None:
         return list(names)
     unknown = [name for name in wanted if name not in names]
@@ -373,30 +376,30 @@ def _known(kind: str, names: Sequence[str], wanted: Sequence[str] | None) -> lis
 def modes(
     model: Model, state: State | None = None, *, damped: bool = False, count: int | None = None
 ) -> MechanismModes:
-    """Compute the natural modes of a mechanism about a state.
+    """Return the natural modes of a mechanism about a state.
 
-    Undamped: ``K x = omega^2 M x`` in the free coordinates with all velocities zero, where K is
-    the exact derivative of the static forces (gravity, loads and prestress included); where loads
-    follow the bodies K is not symmetric and modes may come as pairs that flutter: one decays, the
-    other grows (damping below 0). Damped:
-    eigenvalues of the linearised motion at the velocities of the state, gyroscopic terms included.
-    What loads along a modal body and its spin add to its stiffness or take from it counts, whether
-    its part was reduced with ``stiffening=True`` or not.
+    Undamped modes solve ``K x = omega^2 M x`` in the free coordinates with zero velocities; K is
+    the exact derivative of the static forces, gravity, loads and prestress included. Under follower
+    loads K is not symmetric, and two modes may form a flutter pair: one decays, the other grows
+    (damping below 0). Damped modes are those of the linearised motion at the velocities of the
+    state, gyroscopic terms included. Modal bodies have geometric stiffness of loads and spin, also
+    if their parts were reduced without ``stiffening=True``.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     state : State, optional
-        Where, usually from `equilibrium`; None is the initial state. Where forces are not balanced
-        the mechanism accelerates, and how its inertia changes with the position counts in K too:
-        nodes of beams whose mass is off the axis then miss by many per cent.
+        State of the linearisation, usually from `equilibrium`; None is the initial state. If it is
+        not in equilibrium, the mechanism accelerates and K contains the change of the inertia
+        forces with the position; frequencies of beams with an eccentric mass then have errors of
+        many per cent.
     damped : bool
-        Whether damping and velocities count. Without it a state that turns is taken as at rest,
-        and a warning says so.
+        Whether damping and velocities are included. False treats a turning state as at rest, with
+        a warning.
     count : int, optional
-        Most modes, the slowest first; None is all, 20 of mechanisms with more than 600 velocities
-        and rows of constraints, which are found by sparse matrices.
+        Maximum number of modes, the lowest first. None computes all, or 20 of mechanisms with more
+        than 600 velocities and constraint rows, by sparse matrices.
 
     Raises
     ------
@@ -406,7 +409,7 @@ def modes(
     Warns
     -----
     JoustoWarning
-        The state turns and `damped` is False, or loads change the stiffness of a body whose part
+        If the state turns and `damped` is False, or loads change the stiffness of a body whose part
         comes from matrices or from a file without stiffening.
     """
     from jousto.simulation.modes.large import MANY, USUAL, large_modes
@@ -442,17 +445,17 @@ def modes(
 
 
 def _warn_held(model: Model) -> None:
-    """Warn of controllers whose states damped modes by sparse matrices leave out."""
+    """Warn of controllers whose states are omitted in damped modes by sparse matrices."""
     if held := controllers(model):
         warn(
             f"modes of {model.name!r}",
-            f"PID '{held[0].name}' counts with its proportional part alone: modes of mechanisms as "
-            "large as this one leave the states of forces out",
+            f"PID '{held[0].name}' is included with its proportional part alone: modes of "
+            "mechanisms as large as this one omit the states of forces",
         )
 
 
 def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
-    """Warn of turning bodies whose gyroscopic and centrifugal terms modes at rest leave out."""
+    """Warn of turning bodies, whose gyroscopic and centrifugal terms modes at rest omit."""
     spins = [np.linalg.norm(state.v[b.iv + 3 : b.iv + 6]) for b in model.bodies]
     fastest = int(np.argmax(spins)) if spins else 0
     rates = np.abs(eigenvalues.imag)
@@ -461,9 +464,9 @@ def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
         warn(
             f"modes of {model.name!r}",
             f"body '{model.bodies[fastest].name}' turns with {spins[fastest]:.3g} rad/s, but these "
-            "are the modes at rest in this position: gyroscopic and centrifugal terms are left "
-            "out; damped=True counts them, and damping; set the velocities of the state to zero if "
-            "rest is what you mean",
+            "are the modes at rest in this position: gyroscopic and centrifugal terms are omitted; "
+            "damped=True includes them and damping; for modes at rest set the velocities of the "
+            "state to zero",
         )
 
 
@@ -477,7 +480,7 @@ def _modes(
         damping,
         eigenvalues,
         increments,
-        pictures(model, state.q, increments),
+        normalised_shapes(model, state.q, increments),
         model,
         state,
     )
@@ -492,7 +495,7 @@ def local(model: Model, q: Array, increments: NDArray[Any]) -> NDArray[Any]:
 
 
 def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 x``."""
+    """Return omega^2 (f,) and mode shapes (f, f) of ``K x = omega^2 x``."""
     from jousto.simulation.modes.spectrum import small_modes
 
     if not rest.K.size:
@@ -500,9 +503,9 @@ def stiffness_modes(rest: Rest) -> tuple[NDArray[Any], NDArray[Any]]:
     return small_modes(rest.K, np.eye(len(rest.K)))
 
 
-def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Return nodal displacements (k, nodes, 3) of every body, world, scaled to 1 by mode."""
-    out = nodal(model, q, increments)
+def normalised_shapes(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Return nodal displacements (k, nodes, 3) of each body, world frame, maximum of a mode 1."""
+    out = nodal_displacements(model, q, increments)
     largest = np.zeros(increments.shape[1])
     for moved in out.values():
         if moved.size:
@@ -511,8 +514,10 @@ def pictures(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDAr
     return {name: moved / scale[:, None, None] for name, moved in out.items()}
 
 
-def nodal(model: Model, q: Array, increments: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Return what increments (nv, k) move the nodes by, (k, nodes, 3) of every body, world."""
+def nodal_displacements(
+    model: Model, q: Array, increments: NDArray[Any]
+) -> dict[str, NDArray[Any]]:
+    """Return nodal displacements (k, nodes, 3) of each body, world frame, of increments (nv, k)."""
     out: dict[str, NDArray[Any]] = {}
     for body, shape, A in zip(model.bodies, model.shapes, rotations(model, q), strict=True):
         dx = increments[body.iv : body.iv + 6 + body.n].T

@@ -1,4 +1,4 @@
-"""spectrum: the modes next to a frequency, of small and of large constrained systems."""
+"""spectrum: the lowest modes of small and of large constrained systems."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 from jousto.base.arrays import Array
 from jousto.model.native.native import Engine
 
-blocks: Any = sp.bmat  # of which the type information knows too little
-DENSE = 360  # unknowns up to which all modes are computed
-SYMMETRIC = 1e-6  # of sqrt(wi^2 wj^2): coupling of two modes by the skew part, taken as none
-FLOOR = 1e-14  # the same, of the largest omega^2
-ROUND_OFF = 1e-13  # relative asymmetry of sparse ones, where solving without symmetry costs little
-RANK = 1e-10  # of the largest pivot of the scaled constraint matrix
-SHIFT = 1e-14  # of the largest stiffness over mass
+blocks: Any = sp.bmat  # Any, since its type information is incomplete
+DENSE = 360  # number of unknowns up to which all modes are computed by dense matrices
+SYMMETRIC = 1e-6  # skew coupling of modes i, j over sqrt(wi^2 wj^2), below which it is ignored
+FLOOR = 1e-14  # skew coupling over the largest omega^2, below which it is ignored
+ROUND_OFF = 1e-13  # relative asymmetry of sparse matrices, below which they count as symmetric
+RANK = (
+    1e-10  # pivot of the scaled constraint matrix over the largest, below which a row is redundant
+)
+SHIFT = 1e-14  # shift of the eigensolver over the largest stiffness over mass
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +32,9 @@ class Spectrum:
     Attributes
     ----------
     squares : (k,) array
-        Real part of omega^2, rad2/s2; below 0: falls away.
+        Real part of omega^2, rad2/s2; a mode below 0 is unstable.
     shapes : (n, k) array
-        Increments, of unit modal mass.
+        Mode shapes as increments, of unit modal mass.
     """
 
     squares: NDArray[Any]
@@ -40,12 +42,12 @@ class Spectrum:
 
     @property
     def unstable(self) -> int:
-        """How many fall away."""
+        """Number of unstable modes, omega^2 < 0."""
         return int((np.real(self.squares) < 0.0).sum())
 
 
 def null_basis(C: Any, n: int) -> Array:
-    """Return an orthonormal basis (n, f) of the motions that the rows C (m, n) allow."""
+    """Return an orthonormal basis (n, f) of the null space of the constraint rows C (m, n)."""
     rows: Any = C.toarray() if hasattr(C, "toarray") else np.asarray(C)
     size = np.linalg.norm(rows, axis=1) if rows.size else np.zeros(0)
     rows = rows[size > 0.0] / size[size > 0.0, None]
@@ -58,11 +60,11 @@ def null_basis(C: Any, n: int) -> Array:
 
 
 def small_modes(K: Array, M: Array) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, complex if they must be.
+    """Return omega^2 (f,) and shapes (f, f) of ``K x = omega^2 M x``, complex for flutter pairs.
 
-    Follower loads make K unsymmetric by parts that are tiny beside the axial stiffness of beams
-    but not beside the lowest modes. So the skew part is looked at in the modes of the symmetric
-    part: where it couples two of them, the unsymmetric problem is solved, in these modes.
+    The skew part of K from follower loads is tiny beside the axial stiffness of beams but not
+    beside the lowest modes. Therefore the skew part is transformed to the modes of the symmetric
+    part; if it couples two of them, the unsymmetric problem is solved in these modes.
     """
     squares, X = sl.eigh(0.5 * (K + K.T), 0.5 * (M + M.T))
     skew = X.T @ (0.5 * (K - K.T)) @ X
@@ -76,11 +78,11 @@ def small_modes(K: Array, M: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     return values, X @ vectors
 
 
-def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
-    """Return the `count` modes of smallest ``|omega^2|``.
+def lowest_modes(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) -> Spectrum:
+    """Return the `count` modes of smallest ``|omega^2|`` of ``K x = omega^2 M x``, ``C x = 0``.
 
-    Small systems by dense matrices in the free motions; large ones by shift-invert Lanczos or
-    Arnoldi on the saddle-point matrix ``[K - s M, C^T; C, 0]``.
+    Small systems are solved by dense matrices in the free motions, large ones by shift-invert
+    Lanczos or Arnoldi on the saddle-point matrix ``[K - s M, C^T; C, 0]``.
 
     Parameters
     ----------
@@ -90,11 +92,11 @@ def nearest(K: Any, M: Any, C: Any, count: int, *, dense: bool | None = None) ->
         Constraints.
     count : int
     dense : bool, optional
-        Which way; None decides by the size.
+        Whether to use dense matrices; None decides by the size.
     """
     n, m = K.shape[0], C.shape[0]
     if dense if dense is not None else n + m <= DENSE:
-        # unknowns of unit mass: m, rad and modal coordinates are of no common size
+        # scaling to unit mass, since m, rad and modal coordinates differ in size
         unit = 1.0 / np.sqrt(M.diagonal())
         N = unit[:, None] * null_basis(C @ sp.diags(unit), n)
         if not N.shape[1]:
@@ -134,7 +136,7 @@ def _sparse(K: Any, M: Any, C: Any, count: int) -> Spectrum:
 
 
 def newton_sparse(engine: Engine, ca: float, cv: float, cq: float) -> Any:
-    """Return Newton's matrix of the engine as a sparse one."""
+    """Return Newton's matrix ``ca M + cv dr/dv + cq dr/dq``, bordered by Cq, as a sparse matrix."""
     made = getattr(engine, "newton_sparse", None)
     if made is not None:
         return made(ca, cv, cq)
@@ -156,14 +158,14 @@ def saddle(A: Any, C: Any) -> Any:
     def solve(b: Any) -> Any:
         b = np.concatenate([b, np.zeros(m)])
         x = lu.solve(b)
-        # stretch is 1e10 times as stiff as the lowest modes, which lose so many digits of one solve
+        # iterative refinement: axial stiffness 1e10 times that of the lowest modes costs 10 digits
         return (x + lu.solve(b - whole @ x))[:n]
 
     return solve
 
 
 def _soft(A: Any, C: Any) -> Any:
-    """A compliance of the rows at the round-off, so that repeated rows do no harm."""
+    """Return the compliance (m, m) of the rows, at round-off, which regularises redundant rows."""
     square = float((C.multiply(C)).sum(axis=1).max()) if C.nnz else 1.0
     stiff = float(abs(A).max())
     return -1e-13 * square / max(stiff, 1e-300) * sp.eye(C.shape[0])

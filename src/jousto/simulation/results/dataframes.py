@@ -1,4 +1,4 @@
-"""Results as tables for text, pandas and xarray: names, components and units of the columns."""
+"""Tables of results as text, pandas and xarray: names, components and units of the columns."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Names = str | Sequence[str]
 def component_units(about: dict[str, Any]) -> tuple[str, ...]:
     """Return the unit of each component of a sensor.
 
-    Components of several units come in equal shares, in the order of the units.
+    If a sensor has several units, each applies to an equal share of the components, in order.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def component_units(about: dict[str, Any]) -> tuple[str, ...]:
 
 
 def table(time: Array, columns: Sequence[Column]) -> tuple[list[str], list[str], Array]:
-    """Return names, units and numbers (nt, k) of the columns, without time."""
+    """Return names, units and values (nt, k) of the columns, without time."""
     heads: list[str] = []
     units: list[str] = []
     blocks = [np.zeros((len(time), 0))]
@@ -104,18 +104,18 @@ def _missing(function: str, package: str) -> InputError:
     return InputError(
         Problem(
             function,
-            f"needs the package {package}, which is not installed: pip install {package} "
+            f"needs the package {package}, which is not installed; pip install {package} "
             "(it is part of the extra frames)",
         )
     )
 
 
 class Sensed(Protocol):
-    """What has sensors: a run."""
+    """Interface of results with sensors."""
 
     @property
     def where(self) -> str:
-        """Name for messages."""
+        """Name of the results in messages."""
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -126,28 +126,29 @@ class Sensed(Protocol):
 
 
 def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[int]]:
-    """Return the sensor and the numbers of its components that a name means.
+    """Return the sensor of a name and the indices of the components that the name selects.
 
-    ``middle`` is all of a sensor, ``middle.y`` and ``middle:y`` are one component of it,
-    ``root:e1.a.top`` all components that begin like this, ``root.s11`` that of every site.
+    ``middle`` selects all components of the sensor, ``middle.y`` and ``middle:y`` one component,
+    ``root:e1.a.top`` all components that begin with ``e1.a.top``, ``root.s11`` the component s11
+    of every point.
 
     Parameters
     ----------
     run : Solution
     name : str
     more : names
-        To suggest besides the sensors.
+        Further names for the suggestion in the message.
 
     Raises
     ------
     UnknownNameError
-        If there is no such sensor or component; the nearest name is suggested.
+        If there is no such sensor or component; the message contains the nearest name.
     """
     known = run.sensors
     if name in known:
         return name, list(range(len(run.components(name))))
     text = name if isinstance(name, str) else ""
-    # the name of a sensor may hold dots, and so may a component: the longest sensor name counts
+    # sensor and component names may both contain dots: take the longest sensor name that fits
     places = [i for i, letter in enumerate(text) if letter in ".:" and text[:i] in known]
     if places:
         sensor, rest = text[: places[-1]], text[places[-1] + 1 :]
@@ -162,18 +163,18 @@ def pick(run: Sensed, name: Any, more: Iterable[str] = ()) -> tuple[str, list[in
     raise UnknownNameError(Problem(run.where, said))
 
 
-def named(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
-    """Return the sensors and components that are named, all sensors if none is.
+def selected_names(run: Sensed, names: Sequence[Any], sensors: Any) -> tuple[str, ...]:
+    """Return the named sensors and components; all sensors if no name is given.
 
     Raises
     ------
     InputError
-        For unknown ones, and what is no name.
+        For unknown names and values that are no names.
     """
     problems, found = Problems(), []
     for given in (*names, sensors):
         if not isinstance(given, str | Sequence):
-            problems.add(run.where, f"sensors is {given!r}, must be names of sensors")
+            problems.add(run.where, f"sensors is {given!r}, must be a name or a list of names")
             continue
         for name in (given,) if isinstance(given, str) else given:
             try:

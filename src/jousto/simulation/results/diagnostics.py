@@ -10,15 +10,15 @@ from jousto.base.arrays import Array
 from jousto.base.errors import count
 from jousto.base.object_repr import described
 
-ROUND_OFF = 1e-12  # share of the largest energy that the balance cannot know
-GOOD, FAIR = 1e-3, 0.05  # shares of the scale of the balance; beyond FAIR a run warns
-STEADY = 1e-3  # share of the largest kinetic energy that the scale is at least
+ROUND_OFF = 1e-12  # round-off of the balance over the largest energy
+GOOD, FAIR = 1e-3, 0.05  # error of the balance over its scale; above FAIR a run is warned of
+STEADY = 1e-3  # minimum of the scale over the largest kinetic energy
 
 
 @described
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """Energy balance of a run, each (nt,) in J."""
+    """Energy balance of a run: energies, losses and work, each (nt,) in J."""
 
     kinetic: Array
     strain: Array
@@ -33,34 +33,34 @@ class Energy:
 
     @property
     def total(self) -> Array:
-        """Kinetic, strain and potential energy and that of the springs."""
+        """Sum (nt,) of kinetic, strain, potential and spring energy, J."""
         return self.kinetic + self.strain + self.potential + self.springs
 
     @property
     def error(self) -> Array:
-        """What the balance misses since the start: total + dissipated + friction - work."""
+        """Error (nt,) of the balance, J: total + dissipated + friction - work, minus its start."""
         balance = self.total + self.dissipated + self.friction - self.work
         return np.asarray(balance - balance[:1])
 
     @property
     def exchanged(self) -> float:
-        """The largest energy exchanged in the run, J: how far the term that varies most varies."""
+        """Largest energy exchanged in the run, J: the largest variation of a term."""
         return max(float(np.ptp(term)) if len(term) else 0.0 for term in self._terms)
 
     @property
     def scale(self) -> float:
-        """What errors are compared with, J: `exchanged`, or 0.1 % of the largest kinetic energy.
+        """Scale of the error, J: the larger of `exchanged` and 0.1 % of the kinetic energy.
 
-        A machine that turns steadily exchanges next to nothing, and loses more than that by
-        rounding and by the tolerance of a solver.
+        The second bound is for a machine that turns steadily: it exchanges less energy than it
+        loses by rounding and by the tolerance of a solver.
         """
         return max(self.exchanged, STEADY * float(np.max(self.kinetic, initial=0.0)))
 
     @property
     def relative_error(self) -> float:
-        """The largest `error` over `scale`; 0 where only round-off is missing.
+        """Largest `error` over `scale`; 0 if the error is round-off.
 
-        Round-off is 1e-12 of the largest term: of energies that large a run cannot know more.
+        Round-off is 1e-12 of the largest term of the balance.
         """
         missed = float(np.abs(self.error).max(initial=0.0))
         largest = max(float(np.abs(term).max(initial=0.0)) for term in self._terms)
@@ -80,7 +80,7 @@ class Energy:
         'energy balance closes to 2e-07 of the largest energy exchanged: good'
         """
         if not all(np.isfinite(term).all() for term in self._terms):
-            return "energy balance not known: work and losses were not followed in this run"
+            return "energy balance not known: this run did not record work and losses"
         share = self.relative_error
         if share == 0.0:
             return "energy balance closes to round-off: good"
@@ -118,13 +118,13 @@ class Residuals:
 @described
 @dataclass(frozen=True, eq=False)
 class Work:
-    """What a run cost, each (nt,).
+    """Counts of the steps and iterations of a run, each (nt,).
 
     Attributes
     ----------
     steps, rejected, evaluations, iterations : array
-        Steps taken, steps tried again with a shorter one, evaluations of the accelerations and
-        iterations of Newton's method, all since the start.
+        Steps taken, steps rejected and repeated with a shorter length, evaluations of the
+        accelerations and iterations of Newton's method, all since the start.
     step : array
         Length of the last step, s.
     """

@@ -1,4 +1,4 @@
-"""What happened in a run: events and transitions of friction, with their times."""
+"""Events and stick-slip transitions of a run, with their times."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ FRICTION_CHANGES = ("sticks", "slips forward", "slips backward")  # 0, 1, -1 of 
 
 @dataclass(frozen=True)
 class Happening:
-    """Something that happened in a run.
+    """Event or stick-slip transition of a run.
 
     Attributes
     ----------
     time : float
-        When, s.
+        Instant, s.
     name : str
         Name of the event or friction.
     change : str
         "rising" or "falling" of the watched value; "sticks", "slips forward" or "slips backward"
         of friction, along its coordinate.
     count : int
-        The first, second ... time since the model started.
+        Number of occurrences of this event since the start, this one included.
     joint : str
-        Of friction, the joint that it acts in.
+        Joint of the friction; empty for an event.
     """
 
     time: float
@@ -43,7 +43,7 @@ class Happening:
 
 
 def ordinal(count: int) -> str:
-    """Return 1st, 2nd, 3rd ..."""
+    """Return the English ordinal of a number: 1st, 2nd, 3rd ..."""
     if count % 100 in (11, 12, 13):
         return f"{count}th"
     ending = {1: "st", 2: "nd", 3: "rd"}.get(count % 10, "th")
@@ -51,7 +51,7 @@ def ordinal(count: int) -> str:
 
 
 def sources(model: Model) -> list[str]:
-    """Return the names of what may happen: events, then frictions that stick."""
+    """Return the names of the sources of the event log: events, then frictions that stick."""
     frictions = [friction.name for friction in model.frictions]
     return [event.name for event in model.events] + (
         frictions if any(friction.sticks for friction in model.frictions) else []
@@ -59,25 +59,25 @@ def sources(model: Model) -> list[str]:
 
 
 def joints_of(model: Model) -> list[str]:
-    """Return the joints of the `sources` that are frictions, empty names for events."""
+    """Return the joint of each source of the event log; an empty name for an event."""
     joints = [model.joints[friction.joint].name for friction in model.frictions]
     return [*("" for _ in model.events), *joints][: len(sources(model))]
 
 
 def change_of(is_event: bool, value: int) -> str:
-    """Return what a value of the engine's log means."""
+    """Return the text of a change in the event log of the engine."""
     if is_event:
         return "rising" if value > 0 else "falling"
     return FRICTION_CHANGES[1 if value > 0 else -1 if value < 0 else 0]
 
 
 class Chronicle:
-    """Collects what happens, with running counts.
+    """Reader of the event log of an engine, with a running count of each source.
 
     Parameters
     ----------
     engine : Engine
-        In the state from which counting goes on.
+        Engine in the state with which counting begins.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -86,11 +86,11 @@ class Chronicle:
         self._counts[: len(engine.model.events)] = engine.happened
 
     def follow(self, engine: Engine) -> None:
-        """Go on with another engine in the same state."""
+        """Read from now on the log of another engine in the same state."""
         self._engine = engine
 
     def read(self) -> NDArray[np.float64]:
-        """Return time, source, value and count (k, 4) of what the last call of the engine did."""
+        """Return time, source, value and count (k, 4) of the events of the last engine call."""
         log = self._engine.happenings()
         out = np.zeros((len(log), 4))
         for i, (time, source, value) in enumerate(log):
@@ -102,7 +102,7 @@ class Chronicle:
 def happenings(
     rows: NDArray[np.float64], names: list[str], events: int, joints: list[str]
 ) -> tuple[Happening, ...]:
-    """Return the entries of a `Chronicle` in words; the first `events` names are of events."""
+    """Return the rows of a `Chronicle` as `Happening`; the first `events` names are events."""
     return tuple(
         Happening(
             float(time),

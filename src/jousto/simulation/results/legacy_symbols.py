@@ -1,4 +1,4 @@
-"""What joined two points in results files of older versions, which knew no other symbols."""
+"""Connections of two points, the only symbols in results files of older versions."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ FORCES = ("spring", "damper", "actuator", "bushing")
 
 
 def read_connections(group: Any) -> tuple[SymbolShape, ...]:
-    """Return the connections of their HDF5 group as symbols, which know no axes.
+    """Return symbols without axes from an HDF5 group of connections.
 
-    `names` and `kinds` (k,), the latter places in `KINDS`; `bodies` (k, 2), -1 for the ground, and
-    `points` (k, 2, 3) of both ends, m; `modes` (m, 3), displacements of all points in the modes of
-    their bodies behind one another, and `ends` (k, 2), where those of each end.
+    Its datasets: `names` (k,); `kinds` (k,), indices into `KINDS`; `bodies` (k, 2), the bodies of
+    both ends, -1 for the ground; `points` (k, 2, 3), their positions, m; `modes` (m, 3), the mode
+    shapes of all points one after the other; `ends` (k, 2), the last row of each point in `modes`.
     """
     names, kinds, bodies, points, modes, ends = (
         group[name][()] for name in ("names", "kinds", "bodies", "points", "modes", "ends")

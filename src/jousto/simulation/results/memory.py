@@ -1,4 +1,4 @@
-"""Results that stay in memory, and where a run keeps its results: there or in a file."""
+"""Results in memory, and the choice of their storage: memory, temporary file or file."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from jousto.simulation.results.writer import (
 )
 from jousto.simulation.state import MEMORY
 
-IN_MEMORY = 256 << 20  # bytes of results that stay in memory
+IN_MEMORY = 256 << 20  # maximum size of results in memory, bytes; larger ones go into a file
 
 
 @dataclass(frozen=True, eq=False)
 class MemoryRecords:
-    """The rows of a run and the model that they are of.
+    """Results in memory: the rows of a run and its model.
 
     Attributes
     ----------
@@ -51,11 +51,11 @@ class MemoryRecords:
     rows : (nt, row_size) array
         Rows of the engine.
     happened : (k, 4) array
-        Time, source, change and count of what happened.
+        Time, source, change and count of each event.
     facts : dict
         How the run ended: ended, complete, wall_time, real_time_factor.
     about_run : dict
-        Attributes that were known before it: solver, step ...
+        Attributes known before the run: solver, step ...
     text : str
         Text of the model file.
     """
@@ -68,19 +68,19 @@ class MemoryRecords:
     text: str
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what another process needs: results do not need what pushes (functions)."""
+        """Return the state to be pickled, without the force functions of the model."""
         forces = tuple(replace(force, function=None) for force in self.model.forces)
         model = replace(self.model, forces=forces, beams=())
         return {name: getattr(self, name) for name in self.__dataclass_fields__} | {"model": model}
 
     @property
     def where(self) -> str:
-        """Name of the place, for messages."""
+        """Name of the storage in messages."""
         return f"results of '{self.model.name}'"
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
-        """Facts about the run."""
+        """Attributes of the run: solver, step, ended ..."""
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
@@ -105,17 +105,17 @@ class MemoryRecords:
         return {column.place: column for column in columns(self.model)}
 
     def read(self, place: str, rows: slice = ALL, columns: Any = ALL) -> Array:
-        """Return numbers of a piece of the row at some instants."""
+        """Return the values (k, width) of a dataset at some instants."""
         column = self._columns[place]
         block = self.rows[rows, column.first : column.first + column.count]
         return np.array(block[:, 0] if column.width is None else block[:, columns])
 
     def memory(self) -> tuple[str, ...]:
-        """Return which further arrays of a state are kept."""
+        """Names of the stored arrays of a state besides q and v."""
         return tuple(name for name in MEMORY if f"state/{name}" in self._columns)
 
     def inputs(self) -> tuple[str, ...]:
-        """Return the names of the external inputs."""
+        """Names of the external inputs."""
         return self.model.inputs
 
     def about(self, sensor: str) -> dict[str, Any]:
@@ -129,20 +129,20 @@ class MemoryRecords:
         }
 
     def model_text(self) -> str:
-        """Return the text of the model file."""
+        """Text of the model file."""
         return self.text
 
     def events(self) -> tuple[Happening, ...]:
-        """Return what happened."""
+        """Events of the run, in their order."""
         names = sources(self.model)
         return happenings(self.happened, names, len(self.model.events), joints_of(self.model))
 
     def bodies(self) -> tuple[BodyShape, ...]:
-        """Return the bodies with what is needed to draw them."""
+        """Bodies with their geometry for pictures."""
         return tuple(map(self._body, range(len(self.model.bodies))))
 
     def body(self, name: str) -> BodyShape | None:
-        """Return one of the bodies, None if there is none of that name."""
+        """Return the body of a name; None if there is no such body."""
         place = self._place_of.get(name)
         return None if place is None else self._body(place)
 
@@ -166,19 +166,19 @@ class MemoryRecords:
         return {body.name: i for i, body in enumerate(self.model.bodies)}
 
     def places(self) -> dict[str, tuple[int, int, int]]:
-        """Return where each body has its state in q and v, and its number of modes."""
+        """First index in q, first index in v and number of modes of each body, by its name."""
         return {body.name: (body.iq, body.iv, body.n) for body in self.model.bodies}
 
     def beams(self) -> tuple[BeamShape, ...]:
-        """Return the beams."""
+        """Beams of the mechanism."""
         return self.model.beam_shapes
 
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Return where joints, forces, sensors and named points are."""
+        """Symbols of joints, forces, sensors and named points, for pictures."""
         return tuple(self.model.symbols)
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Return where the nodes of each beam have their state in q and v."""
+        """First indices of the nodes (n + 1,) of each beam in q and in v, by its name."""
         bodies = self.model.bodies
         return {
             beam.name: (
@@ -189,19 +189,19 @@ class MemoryRecords:
         }
 
     def stressed(self) -> tuple[str, ...]:
-        """Return the names of the bodies and beams whose stress is known."""
+        """Names of the bodies and beams with stress modes or section points."""
         pairs = zip(self.model.bodies, self.model.shapes, strict=True)
         names = [body.name for body, shape in pairs if shape.stress is not None]
         return (*names, *(beam.name for beam in self.model.beam_shapes if beam.stressed))
 
     def stress_modes(self, body: str) -> StressModes | None:
-        """Return the stress of each mode of a body that there is."""
+        """Return the stress modes of a body that exists; None if it has none."""
         return self.model.shapes[self._place_of[body]].stress
 
     def save(self, path: Path) -> None:
-        """Write everything into a results file."""
+        """Write the results into a results file."""
         if not self.length:
-            raise InputError(Problem(str(path), "no instant is there to be saved"))
+            raise InputError(Problem(str(path), "the results contain no instant; nothing to save"))
         writer = ResultsWriter(path, self.model, self.length, self.about_run, self.text)
         try:
             writer.append(self.rows)
@@ -212,17 +212,17 @@ class MemoryRecords:
         writer.close(bool(self.facts["complete"]), self.facts)
 
 
-def moved(run: Solution, along: float) -> Solution:
-    """Return the results of a run with derivatives as real numbers, moved along them."""
+def displaced_results(run: Solution, along: float) -> Solution:
+    """Return real results ``x + s x'`` of a run with derivatives x', for a real number s."""
     records: Any = run._records
     model, rows = plain_model(records.model, along), real_parts(records.rows, along)
     return Solution(replace(records, model=model, rows=rows))
 
 
 class MemoryWriter:
-    """Collects the rows of a run in memory.
+    """Collector of the rows of a run in memory.
 
-    Room for all of them is asked for at once; the system gives it as it is filled.
+    Memory for all rows is reserved at the start; the system assigns it as rows are written.
     """
 
     def __init__(self, model: Model, rows: int, attributes: dict[str, Any], text: str) -> None:
@@ -240,19 +240,19 @@ class MemoryWriter:
         self.written += len(rows)
 
     def note(self, happened: Array) -> None:
-        """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
+        """Add events (k, 4): time, source, change, count; only the first EVENTS are kept."""
         if len(happened) and len(self.happened) < EVENTS:
             self.happened = np.vstack([self.happened, happened])[:EVENTS]
 
     def close(self, complete: bool, facts: Facts) -> MemoryRecords:
-        """Return what was collected."""
+        """Return the collected rows and events."""
         rows = self._rows[: self.written]
         known = {"real_time_factor": float("nan"), **facts, "complete": int(complete)}
         return MemoryRecords(self._model, rows, self.happened, known, self._about, self._text)
 
 
 class Keeper:
-    """Takes the rows of a run and returns them as a `Solution`.
+    """Collector of the rows of a run, which `close` returns as a `Solution`.
 
     Parameters
     ----------
@@ -261,9 +261,9 @@ class Keeper:
     model : Model
         The model.
     rows : int
-        Number of instants at most.
+        Maximum number of instants.
     attributes : dict
-        What is known before the run: solver, step ...
+        Attributes known before the run: solver, step ...
     text : str
         Text of the model file.
 
@@ -301,7 +301,7 @@ class Keeper:
 
     @property
     def happened(self) -> int:
-        """How many events were noted."""
+        """Number of events so far."""
         return len(self._writer.happened)
 
     def append(self, rows: NDArray[np.float64]) -> None:
@@ -309,14 +309,14 @@ class Keeper:
         self._writer.append(rows)
 
     def note(self, happened: NDArray[np.float64]) -> None:
-        """Add what happened (k, 4): time, source, change and count."""
+        """Add events (k, 4): time, source, change and count."""
         self._writer.note(happened)
 
     def close(self, complete: bool, facts: Facts) -> Solution:
-        """Note how the run ended and return its results."""
+        """Add the ending of the run to the attributes and return the results."""
         if isinstance(self._writer, MemoryWriter):
             return Solution(self._writer.close(complete, facts))
-        if not self._writer.placed:  # nothing was computed: what stood there before stays
+        if not self._writer.placed:  # no row was written: an existing file at the path stays
             self.discard()
             model, attributes, text = self._about
             return Solution(MemoryWriter(model, 0, attributes, text).close(False, facts))
@@ -324,7 +324,7 @@ class Keeper:
         return Solution(self._writer.path, temporary=self._folder is not None)
 
     def discard(self) -> None:
-        """Remove a temporary file that nobody has got, and one that has no rows."""
+        """Remove the file if it is temporary or has no rows."""
         writer = getattr(self, "_writer", None)
         if isinstance(writer, ResultsWriter) and not writer.placed:
             writer.discard()

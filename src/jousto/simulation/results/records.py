@@ -1,4 +1,4 @@
-"""Records: where the results of a run are kept, in memory or in a file."""
+"""Records: storage of the results of a run, in memory or in a file."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ ALL = slice(None)
 @described
 @dataclass(frozen=True, eq=False)
 class BodyShape:
-    """How to draw a body and where its state is.
+    """Geometry of a body for pictures, and the offsets of its state.
 
     Attributes
     ----------
     name, kind : str
         Name; "rigid" or "flexible".
     q_offset, v_offset, n : int
-        Its place in q and v, number of modes.
+        First indices of its coordinates in q and v, number of modes.
     nodes : (nn, 3) array
         Undeformed positions, body frame, m.
     elements : (ne, m) int array
@@ -56,15 +56,15 @@ class BodyShape:
 
 
 class Records(Protocol):
-    """What a `Solution` asks of the place where its results are kept."""
+    """Interface of the storage of a `Solution`."""
 
     @property
     def where(self) -> str:
-        """Name of the place, for messages."""
+        """Name of the storage in messages."""
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Facts about the run."""
+        """Attributes of the run: solver, step, ended ..."""
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -75,46 +75,46 @@ class Records(Protocol):
         """Number of instants."""
 
     def read(self, place: str, rows: slice = ALL, columns: Any = ALL) -> Array:
-        """Return numbers of a piece of the row at some instants."""
+        """Return the values (k, width) of a dataset at some instants."""
 
     def memory(self) -> tuple[str, ...]:
-        """Return which further arrays of a state are kept."""
+        """Names of the stored arrays of a state besides q and v."""
 
     def inputs(self) -> tuple[str, ...]:
-        """Return the names of the external inputs."""
+        """Names of the external inputs."""
 
     def about(self, sensor: str) -> dict[str, Any]:
         """Return unit, resolved_in, description and components of a sensor."""
 
     def model_text(self) -> str:
-        """Return the text of the model file."""
+        """Text of the model file."""
 
     def events(self) -> tuple[Happening, ...]:
-        """Return what happened."""
+        """Events of the run, in their order."""
 
     def bodies(self) -> tuple[BodyShape, ...]:
-        """Return the bodies with what is needed to draw them."""
+        """Bodies with their geometry for pictures."""
 
     def body(self, name: str) -> BodyShape | None:
-        """Return one of the bodies, None if there is none of that name."""
+        """Return the body of a name; None if there is no such body."""
 
     def places(self) -> dict[str, tuple[int, int, int]]:
-        """Return where each body has its state in q and v, and its number of modes."""
+        """First index in q, first index in v and number of modes of each body, by its name."""
 
     def beams(self) -> tuple[BeamShape, ...]:
-        """Return the beams."""
+        """Beams of the mechanism."""
 
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Return where joints, forces, sensors and named points are."""
+        """Symbols of joints, forces, sensors and named points, for pictures."""
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Return where the nodes of each beam have their state in q and v."""
+        """First indices of the nodes (n + 1,) of each beam in q and in v, by its name."""
 
     def stressed(self) -> tuple[str, ...]:
-        """Return the names of the bodies and beams whose stress is known."""
+        """Names of the bodies and beams with stress modes or section points."""
 
     def stress_modes(self, body: str) -> StressModes | None:
-        """Return the stress of each mode of a body that there is."""
+        """Return the stress modes of a body that exists; None if it has none."""
 
     def save(self, path: Path) -> None:
-        """Write everything into a results file."""
+        """Write the results into a results file."""

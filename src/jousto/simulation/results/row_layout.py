@@ -1,4 +1,4 @@
-"""What an instant of a run is made of: the engine's row, and the name of each piece of it."""
+"""Layout of a row of the engine: the columns of each dataset of the results."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ DIAGNOSTICS = {
     "evaluations": ("1", "evaluations of the accelerations since the start"),
     "iterations": ("1", "iterations of Newton's method since the start"),
     "steps": ("1", "steps taken since the start"),
-    "rejected": ("1", "steps tried again with a shorter one since the start"),
+    "rejected": ("1", "steps rejected and repeated with a shorter length since the start"),
     "step": ("s", "length of the last step"),
 }
 
 
 @dataclass(frozen=True)
 class Column:
-    """A named piece of the engine's row: `width` numbers from `first`, None for a scalar."""
+    """Dataset in a row of the engine: `width` columns from `first`; width None for a scalar."""
 
     place: str
     first: int
@@ -39,7 +39,7 @@ class Column:
 
     @property
     def count(self) -> int:
-        """How many numbers of the row it takes."""
+        """Number of columns of the row."""
         return 1 if self.width is None else self.width
 
 
@@ -47,7 +47,7 @@ _KNOWN: WeakKeyDictionary[Model, tuple[Column, ...]] = WeakKeyDictionary()
 
 
 def columns(model: Model) -> tuple[Column, ...]:
-    """Return the pieces of a row of this model, in the order of the engine, found once."""
+    """Return the datasets in a row of this model, in the order of the engine (cached)."""
     if model not in _KNOWN:
         _KNOWN[model] = _columns(model)
     return _KNOWN[model]

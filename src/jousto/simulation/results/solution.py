@@ -21,7 +21,7 @@ from jousto.model.beam_record import BeamShape
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import dataframes
-from jousto.simulation.results.dataframes import Names, named, pick
+from jousto.simulation.results.dataframes import Names, pick, selected_names
 from jousto.simulation.results.diagnostics import Energy, Residuals, Work
 from jousto.simulation.results.events import Happening
 from jousto.simulation.results.records import BodyShape, Records
@@ -30,16 +30,16 @@ from jousto.simulation.state import State
 
 T = TypeVar("T")
 
-LONG = 100  # characters of a name that are shown
+LONG = 100  # maximum length of a name in `repr`, characters
 WORK = ("dissipated", "friction", "work")
 
 
 class Solution(Mapping[str, Array]):
-    """The results of a run, a mapping from the names of sensors to their values.
+    """Results of a run: a mapping from the names of sensors to their values.
 
-    They are kept in memory or in a file. Of a file, arrays are read when asked for; a run that is
-    still going on or was killed is readable up to its last written piece. It can be pickled: the
-    results go with it, or their path if they are in a file of the user's.
+    The results are in memory or in a file. Arrays of a file are read when they are used; a run
+    that is still going on or was killed is readable up to its last written piece. A pickle
+    contains the results, or their path if they are in a file of the user.
 
     ``run[name]`` are the values of a sensor (nt, k), ``run["hinge.Fx"]`` those of one component
     (nt,); ``keys``, ``values``, ``items``, ``get``, ``len`` and ``in`` are those of every mapping.
@@ -49,12 +49,12 @@ class Solution(Mapping[str, Array]):
     source : path or Records
         The results file, or results in memory.
     temporary : bool
-        Remove the file's folder with this object.
+        Whether the folder of the file is removed together with this object.
 
     Attributes
     ----------
     attributes : dict
-        Facts about the run: solver, step, wall_time (s), real_time_factor, ended, complete ...
+        Attributes of the run: solver, step, wall_time (s), real_time_factor, ended, complete ...
     """
 
     def __init__(self, source: str | Path | Records, *, temporary: bool = False) -> None:
@@ -71,7 +71,7 @@ class Solution(Mapping[str, Array]):
 
     @property
     def path(self) -> Path:
-        """The results file; of results in memory a temporary one, which goes with this object."""
+        """Results file; for results in memory a temporary one, removed with this object."""
         if self._path is None:
             folder = Path(tempfile.mkdtemp(prefix="jousto-"))
             self._remove_with_this(folder)
@@ -81,7 +81,7 @@ class Solution(Mapping[str, Array]):
 
     @property
     def where(self) -> str:
-        """Name of the place of these results, for messages."""
+        """Name of the storage of these results in messages."""
         return self._records.where
 
     @explained
@@ -103,7 +103,7 @@ class Solution(Mapping[str, Array]):
         return target
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return how to make this object in another process."""
+        """Return the function and arguments that rebuild this object in another process."""
         if isinstance(self._records, FileRecords):
             if not self._temporary:
                 return load, (self._records.path.resolve(),)
@@ -124,13 +124,13 @@ class Solution(Mapping[str, Array]):
         return f"<Solution {name!r}: {', '.join(facts)}>"
 
     def __str__(self) -> str:
-        """Return `repr`, the solver and why it was taken, how the run ended, its energy balance."""
+        """Return a summary: solver with the reason of its choice, ending and energy balance."""
         reason = str(self.attributes.get("chosen", ""))
         ended = str(self.attributes.get("ended", "still running or killed"))
         lines = [repr(self)]
         if self._solver:
             lines.append(f"solver {self._solver}" + (f", {reason}" if reason else ""))
-        with suppress(InputError):  # a file that is gone
+        with suppress(InputError):  # the file was removed
             lines.append(f"{ended}; {self.energy.verdict}")
         return "\n".join(lines)
 
@@ -145,7 +145,7 @@ class Solution(Mapping[str, Array]):
         return iter(self.sensors)
 
     def __bool__(self) -> bool:
-        return True  # also without sensors
+        return True  # a mapping without sensors is true too
 
     def __eq__(self, other: object) -> bool:
         return self is other  # two runs are compared array by array
@@ -204,12 +204,12 @@ class Solution(Mapping[str, Array]):
 
     @property
     def work(self) -> Work:
-        """Steps taken and what they cost."""
+        """Counts of steps, evaluations and iterations."""
         return self._diagnostics(Work)
 
     @property
     def events(self) -> tuple[Happening, ...]:
-        """Events and transitions of friction that happened, in their order."""
+        """Events and stick-slip transitions of the run, in their order."""
         return self._records.events()
 
     @explained
@@ -224,7 +224,7 @@ class Solution(Mapping[str, Array]):
         Raises
         ------
         InputError
-            If nothing is stored at that time.
+            If no instant is stored at that time.
         """
         instants = self.time
         k = len(instants) - 1 if time < 0 else int(np.argmin(np.abs(instants - time)))
@@ -254,7 +254,10 @@ class Solution(Mapping[str, Array]):
 
     @property
     def inputs(self) -> dict[str, Array]:
-        """Values (nt,) of the external inputs: up to an instant, at the first one from there on."""
+        """Values (nt,) of the external inputs, each of the interval that ends at the instant.
+
+        The first value is that of the interval that begins at the first instant.
+        """
         names = self._records.inputs()
         columns = self._records.read("state/input").T if names else ()
         return dict(zip(names, columns, strict=True))
@@ -275,7 +278,7 @@ class Solution(Mapping[str, Array]):
         Raises
         ------
         InputError
-            For an unknown name; close ones are suggested. A `KeyError`, too.
+            For an unknown name, with the nearest names; the error is a `KeyError` too.
         """
         sensor, columns = pick(self, name)
         values = self._records.read(f"sensors/{sensor}")
@@ -300,10 +303,10 @@ class Solution(Mapping[str, Array]):
         }
 
     def floors(self, name: str) -> Array:
-        """Return what readings of each component of a sensor must exceed to be no rounding.
+        """Return the rounding level (k,) of each component of a sensor, in its unit.
 
-        In the units of the components; 0 where the results do not know what the quantities of the
-        machine come to, and of pure numbers. See `jousto.base.rounding`.
+        Smaller values are rounding errors. The level is 0 for dimensionless components and for
+        results without the scales of the machine. See `jousto.base.rounding`.
         """
         about, known = self.about(name), self.attributes.get("scales")
         units = dataframes.component_units(about)
@@ -313,7 +316,9 @@ class Solution(Mapping[str, Array]):
         return np.array([scales.floor(unit) for unit in units])
 
     def _columns(self, names: tuple[Names, ...], sensors: Names) -> list[dataframes.Column]:
-        return [(name, self.about(name), self[name]) for name in named(self, names, sensors)]
+        return [
+            (name, self.about(name), self[name]) for name in selected_names(self, names, sensors)
+        ]
 
     @explained
     def to_csv(self, path: str | Path, *names: Names, sensors: Names = ()) -> Path:
@@ -395,21 +400,21 @@ class Solution(Mapping[str, Array]):
 
     @property
     def bodies(self) -> tuple[BodyShape, ...]:
-        """Bodies with what is needed to draw them."""
+        """Bodies with their geometry for pictures."""
         return self._records.bodies()
 
     def body(self, name: str) -> BodyShape | None:
-        """Return one of `bodies` without reading the others, None if there is none of that name."""
+        """Return the body of a name without reading the others; None if there is no such body."""
         return self._records.body(name)
 
     @property
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Where joints, forces, sensors and named points are, for pictures."""
+        """Symbols of joints, forces, sensors and named points, for pictures."""
         return self._records.symbols()
 
     @property
     def beams(self) -> tuple[BeamShape, ...]:
-        """Beams: their nodes are bodies, numbered as in `bodies`."""
+        """Beams of the mechanism, with the index of each node in `bodies`."""
         return self._records.beams()
 
     @explained
@@ -458,12 +463,12 @@ class Solution(Mapping[str, Array]):
 
     @property
     def stressed(self) -> tuple[str, ...]:
-        """Names of the bodies and beams whose stress is known."""
+        """Names of the bodies and beams with stress modes or section points."""
         return self._records.stressed()
 
     @explained
     def stress_modes(self, body: str) -> StressModes | None:
-        """Return the stress of each mode of a body, None if it is not known.
+        """Return the stress of each mode of a body; None if the results have no stress of it.
 
         Parameters
         ----------
@@ -473,8 +478,8 @@ class Solution(Mapping[str, Array]):
         Returns
         -------
         StressModes
-            All places of parts made of beams and of parts whose places were chosen
-            (``part.with_stress``); of other solids the nodes of their surface.
+            All points of parts made of beams and of parts with chosen points
+            (``part.with_stress``); the nodes of the surface of other solids.
 
         Raises
         ------
@@ -494,7 +499,7 @@ class Solution(Mapping[str, Array]):
     def coordinates(self, body: str, rows: slice = slice(None)) -> Array:
         """Return the coordinates ``[R e p]`` of one body, (nt, 7 + n), at some stored instants.
 
-        Only these are read from the file.
+        Other bodies and instants are not read from the file.
 
         Parameters
         ----------
@@ -518,7 +523,7 @@ class Solution(Mapping[str, Array]):
 
 
 def _unpacked(content: bytes) -> Solution:
-    """Return the results of a temporary file that came from another process."""
+    """Return the results in the bytes of a results file from another process."""
     folder = Path(tempfile.mkdtemp(prefix="jousto-"))
     try:
         (folder / "run.h5").write_bytes(content)
@@ -530,20 +535,20 @@ def _unpacked(content: bytes) -> Solution:
 
 @explained
 def load(path: str | Path) -> Solution:
-    """Open a results file.
+    """Return the results in a results file.
 
     Raises
     ------
     InputError
-        If there is no such file, it is damaged, it is not a results file, or no instant is in it.
+        If the file does not exist, is damaged, is not a results file, or contains no instant.
     """
     run = Solution(path)
     if not run.nt:
         raise InputError(
             Problem(
                 run.where,
-                "no instant is stored in it: its run has just begun, or was killed before its "
-                "first instant; wait, or run the model again",
+                "contains no instant: its run has just begun, or was killed before the first "
+                "instant; wait, or run the model again",
             )
         )
     return run

@@ -1,4 +1,4 @@
-"""A file in memory that is mostly holes, for laying out HDF5 before any of its data exists."""
+"""Sparse file in memory, for the layout of an HDF5 file before its data exist."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 import h5py
 import numpy as np
 
-PAGE = 4096
+PAGE = 4096  # bytes
 
 
 class SparseImage(io.RawIOBase):
-    """A seekable file that keeps only the pages that were written.
+    """Seekable file in memory that stores only the written pages.
 
-    HDF5 crashes the process when the disk fills up while it writes. So it writes here, where
-    nothing can fail, and plain file calls, whose errors are exceptions, copy the pieces to disk.
+    HDF5 crashes the process if the disk is full. Therefore HDF5 writes into this image, and
+    ordinary file calls, whose errors are exceptions, copy the written pages to the disk.
 
     Examples
     --------
@@ -92,11 +92,11 @@ class SparseImage(io.RawIOBase):
 
     @property
     def held(self) -> int:
-        """Bytes of memory that the pages take."""
+        """Memory of the pages, bytes."""
         return PAGE * len(self._pages)
 
     def copy(self) -> SparseImage:
-        """Return an image with the same content that does not follow this one."""
+        """Return an independent copy."""
         other = SparseImage()
         other._pages = {number: bytearray(page) for number, page in self._pages.items()}
         other._written = self._ranges()
@@ -104,7 +104,7 @@ class SparseImage(io.RawIOBase):
         return other
 
     def _ranges(self) -> list[tuple[int, int]]:
-        """Return (offset, length) of what was written, in order, without gaps that were not."""
+        """Return (offset, length) of each written range, in ascending order."""
         joined: list[list[int]] = []
         for start, length in sorted(self._written):
             if joined and start <= joined[-1][1]:
@@ -114,16 +114,16 @@ class SparseImage(io.RawIOBase):
         return [(start, end - start) for start, end in joined]
 
     def pieces(self) -> Iterator[tuple[int, bytes]]:
-        """Yield (offset, bytes) of exactly what was written, in order."""
+        """Yield (offset, bytes) of each written range, in ascending order."""
         for start, length in self._ranges():
             self.seek(start)
             yield start, self.read(length)
 
 
 def reserve(file: h5py.File, place: str, shape: tuple[int, ...], kind: str) -> h5py.Dataset:
-    """Create a dataset that has its fixed place in the file at once and is not filled.
+    """Return a new contiguous dataset with allocated but unwritten space in the file.
 
-    Contiguous and allocated now: plain writes at its offset put the data in later.
+    Its data are written later, at its offset, by ordinary file calls.
     """
     layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     layout.set_layout(h5py.h5d.CONTIGUOUS)

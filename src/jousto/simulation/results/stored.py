@@ -1,4 +1,4 @@
-"""Results in a file, read when asked for."""
+"""Results in a file, of which each array is read when it is used."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from jousto.simulation.results.stress import (
     read_frame,
     read_stress,
 )
-from jousto.simulation.results.symbols import GROUP as SYMBOLS, checked, read_symbols
+from jousto.simulation.results.symbols import GROUP as SYMBOLS, check_symbols, read_symbols
 from jousto.simulation.results.validate import examine, open_results
 from jousto.simulation.results.writer import EVENT_COLUMNS
 from jousto.simulation.state import MEMORY
 
 
 class FileRecords:
-    """The results in a file.
+    """Results in a file.
 
     A run that is still going on or was killed is readable up to its last written piece.
 
@@ -59,7 +59,7 @@ class FileRecords:
 
     @property
     def where(self) -> str:
-        """Name of the place, for messages."""
+        """Name of the storage in messages."""
         return str(self.path)
 
     @contextmanager
@@ -76,7 +76,7 @@ class FileRecords:
             yield file
 
     def read(self, place: str, rows: slice = ALL, columns: Any = ALL) -> Array:
-        """Return numbers of a piece of the row at some instants."""
+        """Return the values (k, width) of a dataset at some instants."""
         start, stop, step = rows.indices(self.length)
         with self._open() as file:
             dataset = file[place]
@@ -89,12 +89,12 @@ class FileRecords:
             return np.asarray(dataset[start:stop:step, columns])
 
     def memory(self) -> tuple[str, ...]:
-        """Return which further arrays of a state are kept."""
+        """Names of the stored arrays of a state besides q and v."""
         with self._open() as file:
             return tuple(name for name in MEMORY if f"state/{name}" in file)
 
     def inputs(self) -> tuple[str, ...]:
-        """Return the names of the external inputs."""
+        """Names of the external inputs."""
         with self._open() as file:
             return tuple(name.decode() for name in file["state/input"].attrs["names"])
 
@@ -110,12 +110,12 @@ class FileRecords:
             }
 
     def model_text(self) -> str:
-        """Return the text of the model file."""
+        """Text of the model file."""
         with self._open() as file:
             return str(file["model"].asstr()[()])
 
     def events(self) -> tuple[Happening, ...]:
-        """Return what happened."""
+        """Events of the run, in their order."""
         with self._open() as file:
             if "events" not in file:
                 return ()
@@ -129,19 +129,19 @@ class FileRecords:
             return happenings(np.stack(columns, axis=1), names, int(table.attrs["events"]), joints)
 
     def bodies(self) -> tuple[BodyShape, ...]:
-        """Return the bodies with what is needed to draw them."""
+        """Bodies with their geometry for pictures."""
         with self._open() as file:
             return tuple(_read_body(name, group) for name, group in file["bodies"].items())
 
     def body(self, name: str) -> BodyShape | None:
-        """Return one of the bodies, None if there is none of that name."""
+        """Return the body of a name; None if there is no such body."""
         if name not in self.places():
             return None
         with self._open() as file:
             return _read_body(name, file["bodies"][name])
 
     def places(self) -> dict[str, tuple[int, int, int]]:
-        """Return where each body has its state in q and v, and its number of modes."""
+        """First index in q, first index in v and number of modes of each body, by its name."""
         if self._places is None:
             with self._open() as file:
                 self._places = {
@@ -155,7 +155,7 @@ class FileRecords:
         return self._places
 
     def beams(self) -> tuple[BeamShape, ...]:
-        """Return the beams."""
+        """Beams of the mechanism."""
         if self._beams is None:
             with self._open() as file:
                 groups = file[BEAMS].items() if BEAMS in file else ()
@@ -163,23 +163,23 @@ class FileRecords:
         return self._beams
 
     def symbols(self) -> tuple[SymbolShape, ...]:
-        """Return where joints, forces, sensors and named points are."""
+        """Symbols of joints, forces, sensors and named points, for pictures."""
         with self._open() as file:
             if SYMBOLS in file:
-                return checked(read_symbols(file[SYMBOLS]), file["bodies"])
+                return check_symbols(read_symbols(file[SYMBOLS]), file["bodies"])
             if CONNECTIONS in file:
-                return checked(read_connections(file[CONNECTIONS]), file["bodies"])
+                return check_symbols(read_connections(file[CONNECTIONS]), file["bodies"])
             return ()
 
     def beam_places(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Return where the nodes of each beam have their state in q and v."""
+        """First indices of the nodes (n + 1,) of each beam in q and in v, by its name."""
         with self._open() as file:
             if BEAMS not in file:
                 return {}
             return {name: (beam["iq"][()], beam["iv"][()]) for name, beam in file[BEAMS].items()}
 
     def stressed(self) -> tuple[str, ...]:
-        """Return the names of the bodies and beams whose stress is known."""
+        """Names of the bodies and beams with stress modes or section points."""
         with self._open() as file:
             names = [name for name, group in file["bodies"].items() if knows_stress(group)]
             if BEAMS in file:
@@ -187,14 +187,14 @@ class FileRecords:
             return tuple(names)
 
     def stress_modes(self, body: str) -> StressModes | None:
-        """Return the stress of each mode of a body that there is."""
+        """Return the stress modes of a body that exists; None if it has none."""
         with self._open() as file:
             return read_stress(file["bodies"][body])
 
     def save(self, path: Path) -> None:
-        """Write everything into a results file."""
+        """Copy the results into another results file."""
         with self._open():
-            pass  # it is still this run
+            pass  # the file still contains this run
         with written(path) as beside:
             shutil.copyfile(self.path, beside)
 

@@ -1,4 +1,4 @@
-"""Stress modes, beams and frames in a results file, so that stress follows from the file alone."""
+"""Stress modes, beams and frames in a results file: all data of stress recovery."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FRAME = "frame"
 
 
 def stress_arrays(stress: StressModes) -> dict[str, Any]:
-    """Return the datasets of stress modes by their place in the group of a body."""
+    """Return the datasets of stress modes by their path in the HDF5 group of a body."""
     ns = len(stress.labels)
     nodes = np.full(ns, -1, dtype=np.int64) if stress.nodes is None else stress.nodes
     arrays: dict[str, Any] = {
@@ -35,7 +35,7 @@ def stress_arrays(stress: StressModes) -> dict[str, Any]:
     if stress.scatter is not None:
         arrays["scatter"] = stress.scatter.astype(np.float32)
     if stress.sets:
-        # names may hold any character, so they are no names of datasets
+        # names of sets may contain any character, so they are data and not names of datasets
         members = list(stress.sets.values())
         arrays["set_names"] = np.array([key.encode() for key in stress.sets], dtype=np.bytes_)
         arrays["set_ends"] = np.cumsum([len(m) for m in members])
@@ -82,7 +82,9 @@ def read_stress(body: Any) -> StressModes | None:
             residual,
             group["scatter"][()] if "scatter" in group else None,
         )
-    if "stress_nodes" in body:  # files of older versions: seven digits at the nodes of a surface
+    if (
+        "stress_nodes" in body
+    ):  # files of older versions: single precision at the nodes of a surface
         nodes = body["stress_nodes"][()]
         return StressModes(
             tuple(f"node{k + 1}" for k in nodes),
@@ -95,7 +97,7 @@ def read_stress(body: Any) -> StressModes | None:
 
 
 def beam_arrays(beam: BeamShape) -> dict[str, Any]:
-    """Return the datasets of a beam by their place in its group."""
+    """Return the datasets of a beam by their path in its HDF5 group."""
     names = ("bodies", "data", "s", "nodes", "frames", "which")
     arrays: dict[str, Any] = {name: getattr(beam, name) for name in names}
     for k, section in enumerate(beam.sections):
@@ -112,7 +114,7 @@ def beam_arrays(beam: BeamShape) -> dict[str, Any]:
 
 
 def read_beam(name: str, group: Any) -> BeamShape:
-    """Return a beam of its HDF5 group."""
+    """Return the beam in an HDF5 group."""
     found = []
     for k in range(len(group["sections"])):
         own = group[f"sections/{k}"]
@@ -138,7 +140,7 @@ def read_beam(name: str, group: Any) -> BeamShape:
 
 
 def frame_arrays(frame: FrameShape) -> dict[str, Any]:
-    """Return the datasets of the elements of a frame by their place in the group of a body."""
+    """Return the datasets of the elements of a frame by their path in the group of a body."""
     arrays: dict[str, Any] = {name: getattr(frame, name) for name in ARRAYS}
     arrays |= {f"edges/{k}": edge for k, edge in enumerate(frame.edges)}
     return {f"{FRAME}/{name}": array for name, array in arrays.items()}

@@ -16,7 +16,7 @@ WORDS = ("name", "kind", "group", "text", "sensor")
 
 
 def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
-    """Return the datasets of symbols; points and modes of all stand behind one another."""
+    """Return the datasets of symbols; points and modes of all symbols are concatenated."""
     points = [point for one in found for point in one.points]
     modes = [np.zeros((0, 3)) if x.modes is None else x.modes.T for x in points]
     words = [[getattr(one, word) for one in found] for word in WORDS]
@@ -37,29 +37,33 @@ def symbol_arrays(found: Sequence[SymbolShape]) -> dict[str, Any]:
     }
 
 
-def checked(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
-    """Return symbols of which every point is one of the bodies of their file.
+def check_symbols(found: tuple[SymbolShape, ...], bodies: Any) -> tuple[SymbolShape, ...]:
+    """Return the symbols unchanged if all their points refer to existing bodies and nodes.
 
     Raises
     ------
     ValueError
-        Naming the first that is not.
+        With the first symbol that refers to a missing body, node or mode.
     """
     known = [(len(body["nodes"]), int(body.attrs["modes"])) for body in bodies.values()]
     for one in found:
         for point in one.points:
             if not -1 <= point.body < len(known):
-                raise ValueError(f"symbol '{one.name}' is on body {point.body} of {len(known)}")
+                raise ValueError(
+                    f"symbol '{one.name}' is on body {point.body}, there are {len(known)} bodies"
+                )
             nodes, modes = known[point.body] if point.body >= 0 else (0, 0)
             if not -1 <= point.node < max(nodes, 1):
-                raise ValueError(f"symbol '{one.name}' is at node {point.node} of {nodes}")
+                raise ValueError(
+                    f"symbol '{one.name}' is at node {point.node}, its body has {nodes} nodes"
+                )
             if point.modes is not None and point.modes.shape != (3, modes):
-                raise ValueError(f"symbol '{one.name}' does not move with {modes} modes")
+                raise ValueError(f"symbol '{one.name}' does not have the {modes} modes of its body")
     return found
 
 
 def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
-    """Return the symbols of their HDF5 group."""
+    """Return the symbols in an HDF5 group."""
     arrays = {name: group[name][()] for name in group}
     axes = Rotation.from_quat(arrays["turns"]).as_matrix() if len(arrays["turns"]) else ()
     cuts = np.concatenate([[0], arrays["mode_ends"]])
@@ -74,7 +78,7 @@ def read_symbols(group: Any) -> tuple[SymbolShape, ...]:
     words = json.loads(arrays["words"].tobytes().decode())
     ends = np.concatenate([[0], arrays["ends"]])
     if (np.diff(ends) < 0).any() or ends[-1] != len(points):
-        raise ValueError(f"{GROUP}/ends does not part {len(points)} points")
+        raise ValueError(f"{GROUP}/ends does not divide {len(points)} points among the symbols")
     found = []
     for k, texts in enumerate(zip(*words, strict=True)):
         axis = arrays["axes"][k]

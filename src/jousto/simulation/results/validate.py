@@ -1,4 +1,4 @@
-"""Opening a results file: what it must hold; whatever is wrong with it is one sentence."""
+"""Checks of a results file when it is opened: required fields, types, shapes and checksums."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ AGAIN = "run the model again, or restore a copy of the file"
 
 
 def check_results(file: Group) -> None:
-    """Check the structure of a results file.
+    """Check the fields, types and shapes of a results file.
 
     Raises
     ------
     ValueError, KeyError, InputError
-        Naming the first field that is missing or not what it should be.
+        With the first field that is missing or has a wrong type, shape or value.
     """
     for name in TEXTS:
         _text(file.attrs, name)
@@ -41,7 +41,7 @@ def check_results(file: Group) -> None:
     check_dataset(file["time"], (None,))
     room = len(file["time"])
     if not 0 <= length <= room:
-        raise ValueError(f"rows is {length}, there is room for {room}")
+        raise ValueError(f"rows is {length}, the datasets have {room} rows")
     time = file["time"][:length]
     if not np.isfinite(time).all() or (np.diff(time) < 0.0).any():
         raise ValueError("time is not finite and ascending")
@@ -75,13 +75,13 @@ def _bodies(file: Group) -> tuple[int, int]:
         nodes = body.array("nodes", (None, 3), finite=True)
         elements = body.array("elements", (None, None), "iu")
         if elements.size and not 0 <= elements.min() <= elements.max() < len(nodes):
-            raise ValueError(f"bodies/{name}/elements names nodes that there are not")
+            raise ValueError(f"bodies/{name}/elements refers to nodes that do not exist")
         body.array("mode_shapes", (len(nodes), 3, n), finite=True)
         nq, nv = max(nq, iq + 7 + n), max(nv, iv + 6 + n)
         if knows_stress(body):
             stress = read_stress(body)
             if stress is not None and stress.modes.shape[-1] != n:
-                raise ValueError(f"bodies/{name}/stress is not of {n} modes")
+                raise ValueError(f"bodies/{name}/stress does not have the {n} modes of the body")
     return nq, nv
 
 
@@ -103,7 +103,7 @@ def _beams(file: Group, nq: int, nv: int) -> None:
         for key, size, width in (("iq", nq, 7), ("iv", nv, 6)):
             places = group.array(key, (nodes,), "iu")
             if not 0 <= places.min() <= places.max() <= size - width:
-                raise ValueError(f"{BEAMS}/{name}/{key} is outside of the state")
+                raise ValueError(f"{BEAMS}/{name}/{key} refers to indices beyond the state")
 
 
 def _events(file: Group) -> None:
@@ -120,23 +120,23 @@ def _events(file: Group) -> None:
         if not 0 <= count <= len(table[name]):
             raise ValueError(f"events/rows is {count}, events/{name} has {len(table[name])}")
         if not np.isfinite(table[name][:count]).all():
-            raise ValueError(f"events/{name} holds numbers that are not finite")
+            raise ValueError(f"events/{name} contains numbers that are not finite")
     source = table["source"][:count]
     if count and not 0 <= source.min() <= source.max() < len(names):
-        raise ValueError("events/source names events that there are not")
+        raise ValueError("events/source refers to events that do not exist")
 
 
 def _text(attrs: Any, name: str) -> str:
     found = attrs[name] if name in attrs else None
     if not isinstance(found, str):
-        raise ValueError(f"attribute {name} is missing or no text")
+        raise ValueError(f"attribute {name} is missing or not a text")
     return found
 
 
 def _whole(attrs: Any, name: str) -> int:
     found = attrs[name] if name in attrs else None
     if not isinstance(found, (int, np.integer)):
-        raise ValueError(f"attribute {name} is missing or no whole number")
+        raise ValueError(f"attribute {name} is missing or not a whole number")
     return int(found)
 
 
@@ -144,19 +144,19 @@ def _names(found: Any, place: str) -> list[str]:
     try:
         return [name.decode() for name in found]
     except (AttributeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{place} holds something other than names") from error
+        raise ValueError(f"{place} contains values that are not names") from error
 
 
 @contextmanager
 def open_results(path: Path) -> Iterator[Group]:
-    """Open a results file for reading, also one whose run is going on or was killed.
+    """Yield the root group of a results file, also during its run or after it was killed.
 
-    What its reader stumbles over in the block is reported as damage of the file.
+    Errors of the HDF5 library inside the ``with`` block are reported as damage of the file.
 
     Raises
     ------
     InputError
-        If there is no such file, it is damaged, or it is something else than results.
+        If the file does not exist, is damaged or is not a results file.
     """
     check_input(path)
     if not path.is_file():
@@ -167,15 +167,15 @@ def open_results(path: Path) -> Iterator[Group]:
 
 
 def examine(path: Path) -> Sealed | None:
-    """Check a results file before it is used; return its checksums.
+    """Check a results file before its first use; return its checksums, None if it has none.
 
-    With checksums the file is as it was written. Without (killed before they were, or written to
-    by another program) everything that it holds must have its place, type and shape.
+    Valid checksums prove that the file is unchanged. Of a file without checksums (its run was
+    killed early, or another program changed it) all fields, types and shapes are checked.
 
     Raises
     ------
     InputError
-        Naming what is wrong with it.
+        With the first error found.
     """
     if path.is_file():
         with damage(path, AGAIN):

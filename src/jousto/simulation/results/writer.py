@@ -1,4 +1,4 @@
-"""The results file: written in pieces during a run, readable at any moment."""
+"""Writer of the results file: in pieces during a run, readable at any moment."""
 
 from __future__ import annotations
 
@@ -36,26 +36,27 @@ Facts = dict[str, Any]  # how a run ended: ended, wall_time, real_time_factor
 FORMAT = "jousto results"
 FORMAT_VERSION = 2
 CONTENTS = ("rows", "time", "state", "diagnostics", "sensors", "bodies", "model")
-ENDED = 240  # bytes kept for the sentence that says how a run ended
-EVENTS = 10_000  # that a file keeps
+ENDED = 240  # size of the attribute `ended`, bytes
+EVENTS = 10_000  # maximum number of events in a results file
 EVENT_COLUMNS = (
     ("time", "s", "when"),
-    ("source", "1", "place in events/names"),
-    ("change", "1", "1 rising, -1 falling; of friction its slip from then on, 0 sticks"),
-    ("count", "1", "the first, second, .. time"),
+    ("source", "1", "index into events/names"),
+    ("change", "1", "1 rising, -1 falling; of friction the sense of slip after it, 0 sticks"),
+    ("count", "1", "number of times that this source has occurred"),
 )
-PIECE_BYTES = 1 << 24
-KEPT_BYTES = 1 << 25  # a larger layout is made anew instead of kept
+PIECE_BYTES = 1 << 24  # size of a piece written at once, bytes
+KEPT_BYTES = 1 << 25  # maximum size of a layout cached for the next run, bytes
 
 
 class ResultsWriter:
-    """Streams rows of the engine into an HDF5 file.
+    """Writer of rows of the engine into an HDF5 file.
 
-    The file is laid out at its full length before the run (a sparse file takes no space for what
-    is not written yet); rows then go to their places with plain writes. So it is valid HDF5 at
-    every moment, also when the run is killed, and a full disk is an exception. The dataset `rows`
-    counts what has been written; a run that ends early is cut to its length. What was at its path
-    before stays there until the first rows are written; without rows it stays.
+    The file is laid out at its full length before the run; as a sparse file it takes no disk space
+    for rows that are not written yet. Ordinary file calls then write the rows at their offsets, so
+    that the file is valid HDF5 at every moment, also if the run is killed, and a full disk raises
+    an exception. The dataset `rows` is the number of written rows; the file of a run that ends
+    early is cut to this number. An existing file at the path is replaced when the first rows are
+    written.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class ResultsWriter:
         self._laid = image if image.held <= KEPT_BYTES else None
 
     def _sealed(self, file: BinaryIO, seal: Seal, image: SparseImage, *, closed: bool) -> None:
-        """Write the checksums: of the layout, of a closed file also of its counts and events."""
+        """Write the checksums of the layout; of a closed file also those of counts and events."""
         pieces = [(at, len(piece), zlib.crc32(piece)) for at, piece in image.pieces()]
         if closed:
             counts = [(self._counter, np.array(self.written, "<i8"))]
@@ -103,7 +104,7 @@ class ResultsWriter:
         seal.finish(pieces, lambda at, data: _write(file, at, data), closed=closed)
 
     def _begin(self, rows: int, facts: Facts) -> SparseImage:
-        """Return the layout of the last run of the model if only facts differ, else a new one."""
+        """Return the cached layout of the last run with new attributes if it fits, or a new one."""
         model, attributes, text = self._about
         kept = _LAID.get(model)
         if kept is not None and kept.fits(rows, attributes, text):
@@ -130,7 +131,7 @@ class ResultsWriter:
 
     @staticmethod
     def _lay_out(path: Path, image: SparseImage) -> BinaryIO:
-        target = create(path)  # stays open for the run
+        target = create(path)  # open until the end of the run
         try:
             target.truncate(image.size)
             for offset, piece in image.pieces():
@@ -158,7 +159,7 @@ class ResultsWriter:
             self._take_place(self._beside)
 
     def _take_place(self, beside: Path) -> None:
-        """Replace what was at the path before; closed meanwhile, as Windows wants it."""
+        """Move the file to its path, over an existing file; closed meanwhile, for Windows."""
         with uninterrupted():
             self._file.close()
             take_place(beside, self._final)
@@ -166,7 +167,7 @@ class ResultsWriter:
             self._file = open(self._final, "r+b", buffering=0)
 
     def note(self, happened: Array) -> None:
-        """Add what happened (k, 4): time, source, change and count; EVENTS are kept at most."""
+        """Add events (k, 4): time, source, change, count; only the first EVENTS are kept."""
         room = EVENTS - len(self.happened)
         if len(happened) and room > 0:
             self.happened = np.vstack([self.happened, happened[:room]])
@@ -184,27 +185,27 @@ class ResultsWriter:
 
     @property
     def placed(self) -> bool:
-        """Whether the file is at its path: some rows are written."""
+        """Whether the file is at its path, which is so from the first row on."""
         return self._beside is None
 
     def discard(self) -> None:
-        """Remove the file; what was at its path before the first rows stays."""
+        """Remove the file; an existing file at the path stays if no rows were written."""
         self._file.close()
         (self._beside or self._final).unlink(missing_ok=True)
 
     def close(self, complete: bool, facts: Facts) -> None:
-        """Note how the run ended, cut the file if it ended early, and close it."""
+        """Write the ending of the run, cut the file if the run ended early, and close it."""
         with uninterrupted(), self._file:
             if (not complete or self.written < self._rows) and self._cut(complete, facts):
                 return
-            # the same layout with other values: only they change
+            # the layout is unchanged: write the new values of its attributes
             if self._laid is None:
                 image, _ = self._image(self._rows, complete, facts)
             else:
                 image = self._laid
                 _set(image, {"complete": int(complete), **_ending(facts)})
             try:
-                self._file.truncate(self._seal.open_end)  # the old checksums end here
+                self._file.truncate(self._seal.open_end)  # removes the checksums of the open file
                 for offset, piece in image.pieces():
                     _write(self._file, offset, piece)
                 self._count(self._file, self._places)
@@ -215,7 +216,7 @@ class ResultsWriter:
                     raise
 
     def _cut(self, complete: bool, facts: Facts) -> bool:
-        """Put a file of its own length in place; False if the disk has no room for it."""
+        """Replace the file by a copy cut to the written rows; False if the disk is too full."""
         short = self._final.with_name(self._final.name + ".cut")
         image, places = self._image(self.written, complete, facts)
         try:
@@ -242,7 +243,7 @@ class ResultsWriter:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Let Ctrl-C wait for the end of the block (in the main thread, which alone gets it)."""
+    """Delay Ctrl-C to the end of the block; only the main thread receives it."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -257,7 +258,7 @@ def uninterrupted() -> Iterator[None]:
 
 
 def free_bytes(path: Path) -> int:
-    """Return the room on the disk of the file, boundless if the folder does not exist."""
+    """Return the free space on the disk of a file, bytes; infinite for a missing folder."""
     try:
         return shutil.disk_usage(path.parent).free
     except (OSError, ValueError):
@@ -265,7 +266,7 @@ def free_bytes(path: Path) -> int:
 
 
 def _ending(facts: Facts) -> dict[str, Any]:
-    """Return the attributes that say how a run ended; their lengths are always the same."""
+    """Return the attributes of the ending of a run, in fixed lengths."""
     return {
         "ended": np.bytes_(str(facts["ended"]).encode()[:ENDED].ljust(ENDED)),
         "wall_time": float(facts["wall_time"]),
@@ -274,7 +275,7 @@ def _ending(facts: Facts) -> dict[str, Any]:
 
 
 def _set(image: SparseImage, attributes: dict[str, Any]) -> None:
-    """Give attributes of the file other values of the same kind, in place."""
+    """Overwrite attributes of the layout by values of the same type."""
     with h5py.File(image, "r+") as file:
         for name, value in attributes.items():
             file.attrs.modify(name, value)
@@ -286,7 +287,7 @@ def _same(x: Any, y: Any) -> bool:
 
 @dataclass(frozen=True)
 class Place:
-    """Where the rows of a dataset lie in the file, and which columns of the engine they hold."""
+    """Offset of a dataset in the file, and the columns of the engine's row that it contains."""
 
     offset: int
     first: int
@@ -295,7 +296,7 @@ class Place:
 
 @dataclass(frozen=True)
 class _Laid:
-    """The layout of a run, to be used again for another of the same length."""
+    """Cached layout of a results file, for the next run with the same number of rows."""
 
     image: SparseImage
     rows: int
@@ -305,7 +306,7 @@ class _Laid:
     event_places: list[Place]
 
     def fits(self, rows: int, attributes: dict[str, Any], text: str) -> bool:
-        """Return whether a run has it but for values of attributes."""
+        """Return whether a run has the same layout apart from the values of its attributes."""
         return (rows, text, *_kinds(attributes)) == (self.rows, self.text, *_kinds(self.attributes))
 
 
@@ -317,7 +318,7 @@ def _kinds(attributes: dict[str, Any]) -> list[tuple[str, type, tuple[int, ...]]
 
 
 def _columns(places: list[Place]) -> list[tuple[int, int]]:
-    """Return where the columns are and the bytes of a row of each."""
+    """Return offset and bytes per row of each dataset."""
     return [(place.offset, 8 * place.width) for place in places[1:]]
 
 
@@ -329,7 +330,7 @@ def _write(file: BinaryIO, offset: int, data: bytes) -> None:
 
 
 def _describe_events(file: h5py.File, model: Model) -> list[Place]:
-    """Create the table of what happens; return the places of its length and columns."""
+    """Create the table of events; return the offsets of its length and of its columns."""
     names = sources(model)
     if not names:
         return []
@@ -343,7 +344,9 @@ def _describe_events(file: h5py.File, model: Model) -> list[Place]:
         made.append(dataset)
     file["events/names"] = np.array([name.encode() for name in names])
     file["events/joints"] = np.array([name.encode() for name in joints_of(model)])
-    file["events"].attrs["events"] = len(model.events)  # the names after them are of frictions
+    file["events"].attrs["events"] = len(
+        model.events
+    )  # number of events in `names`; frictions follow
     file.flush()
     return [Place(dataset.id.get_offset(), 0, 1) for dataset in made]
 
@@ -357,7 +360,7 @@ def _describe(
     attributes: dict[str, Any],
     text: str,
 ) -> list[Place]:
-    """Create all groups, datasets and attributes; return the places, that of `rows` first."""
+    """Create all groups, datasets and attributes; return the datasets of rows, `rows` first."""
     file.attrs["format"] = FORMAT
     file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["complete"] = int(complete)
@@ -377,7 +380,7 @@ def _describe(
         if column.count:
             dataset = reserve(file, column.place, size, "<f8")
             datasets.append((dataset, column))
-        else:  # nothing of this kind in the model
+        else:  # the model has no columns of this dataset
             dataset = file.create_dataset(column.place, shape=size, dtype="<f8")
         for key, value in column.facts.items():
             dataset.attrs[key] = value
@@ -388,7 +391,9 @@ def _describe(
     if model.inputs:
         file["state/input"].attrs["names"] = np.array([name.encode() for name in model.inputs])
     bodies = file.create_group("bodies", track_order=True)
-    known: dict[tuple[Any, ...], h5py.Dataset] = {}  # equal arrays of several bodies stand once
+    known: dict[
+        tuple[Any, ...], h5py.Dataset
+    ] = {}  # equal arrays of several bodies are written once
     for body, shape in zip(model.bodies, model.shapes, strict=True):
         group = bodies.create_group(body.name)
         group.attrs["kind"] = shape.kind
@@ -417,7 +422,7 @@ def _describe(
             group = beams.create_group(beam.name)
             for name, array in beam_arrays(beam).items():
                 group.create_dataset(name, data=array)
-            # where the states of the nodes are
+            # first indices of the nodes in q
             group["iq"] = np.array([model.bodies[k].iq for k in beam.bodies])
             group["iv"] = np.array([model.bodies[k].iv for k in beam.bodies])
     if model.symbols:

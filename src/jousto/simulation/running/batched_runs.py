@@ -1,4 +1,4 @@
-"""Runs of machines of one structure side by side, each in a lane of the engine's vectors."""
+"""Runs of machines of equal structure, computed together in the vector lanes of the engine."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from jousto.simulation.running.repeated_runs import Repeated
 Run = tuple[Repeated, dict[str, float]]
 
 
-def together(runs: Sequence[Run]) -> list[Solution | None]:
-    """Return the results of runs that go together; None of each that goes alone.
+def run_in_lanes(runs: Sequence[Run]) -> list[Solution | None]:
+    """Return the results of runs computed in vector lanes; None for each run left to the caller.
 
-    Machines of one structure with the same method, step and end share the lanes of a vector. Their
-    results are those of `Repeated.run` to round-off. A machine that cannot go on, or that too few
-    resemble, goes alone.
+    Machines of equal structure with the same method, step and end share the lanes of a vector.
+    Their results equal those of `Repeated.run` to round-off. Left to the caller are runs that fail
+    and runs of which too few have the same structure.
 
     Parameters
     ----------
     runs : sequence of (Repeated, dict)
-        Machines, each with the values of its inputs.
+        Runs, each with the values of its inputs.
     """
     found: list[Solution | None] = [None] * len(runs)
     width = machines()
@@ -40,14 +40,14 @@ def together(runs: Sequence[Run]) -> list[Solution | None]:
         for k in range(0, len(places), width):
             part = places[k : k + width]
             if len(part) <= width // 2:
-                continue  # lanes that nobody needs cost as much
+                continue  # an unused lane costs as much as a used one
             for i, solution in zip(part, _side_by_side([runs[i] for i in part]), strict=True):
                 found[i] = solution
     return found
 
 
 def _side_by_side(runs: Sequence[Run]) -> list[Solution | None]:
-    """Run machines in the lanes; those that are left repeat the last."""
+    """Return results of runs, one per lane; spare lanes repeat the last run."""
     started = [repeated.begin(inputs) for repeated, inputs in runs]
     engines = [engine for engine, _, _ in started]
     lanes = Ensemble([*engines, *engines[-1:] * (machines() - len(engines))])

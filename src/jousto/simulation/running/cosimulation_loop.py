@@ -1,4 +1,4 @@
-"""The loop of a run with functional mock-up units."""
+"""Time loop of a run coupled with functional mock-up units (FMUs)."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jousto.simulation.solvers.schedule import Schedule
 
 
 class Coupled:
-    """Steps an engine from exchange to exchange.
+    """Stepper of an engine from one exchange with the FMUs to the next.
 
     Parameters
     ----------
     engine, native, plan, feed
-        As in a run of `simulate`.
+        Engine, its compiled method, step schedule and inputs, as in a run of `simulate`.
     coupling : Coupling
-        Its units.
+        FMUs of the run with their connections.
     record : function
-        Takes rows for the results.
+        Called with rows (k, row_size) for the results.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Coupled:
         self.done = 0
 
     def run(self, report: Report) -> str:
-        """Step to the end; return "ok" or why it ended before."""
+        """Step to the end of the run; return "ok", or the status with which it ended early."""
         started = clock.perf_counter()
         self.feed.set(self.engine, 0)
         first = self.engine.row()
@@ -61,7 +61,10 @@ class Coupled:
         return "ok"
 
     def _twice(self) -> str:
-        """Make a step of full length, then the same as two halves, which stay."""
+        """Make one exchange step, then repeat it as two halves, whose result is kept.
+
+        The difference of both is the error estimate of the exchange step.
+        """
         count, done = self.coupling.largest, self.done
         rewind = self.engine.mark()
         self.coupling.save()
@@ -89,7 +92,7 @@ class Coupled:
         lag: int = 1,
         after: Callable[[], None] | None = None,
     ) -> str:
-        """Make `count` steps to an exchange."""
+        """Make `count` steps of the engine up to the next exchange; return the status."""
         engine, coupling, plan = self.engine, self.coupling, self.plan
         goal, filled = self.done + count, 0
         while self.done < goal:
@@ -109,12 +112,12 @@ class Coupled:
         coupling.meet(self.done, lag, all_of_them=coupling.estimates)
         if after is not None:
             after()
-        self._rows[filled - 1] = engine.row()  # what the model knows from now on
+        self._rows[filled - 1] = engine.row()  # row with the values received at this exchange
         record(self._kept(filled))
         return "ok"
 
     def _kept(self, filled: int) -> Array:
-        """Return the rows that the results have."""
+        """Return those of the first `filled` rows that belong to the results."""
         every, last = self.plan.every, self.engine.steps_done
         numbers = np.arange(last - filled + 1, last + 1)
         return np.asarray(self._rows[:filled][numbers % every == 0])

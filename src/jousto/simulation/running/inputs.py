@@ -18,23 +18,23 @@ from jousto.model.packing.inputs import substitute
 
 
 class InputFailed(SimulationError):
-    """A function of an input raised, or returned no finite number."""
+    """Error of a function of an input: it raised, or its value is not finite."""
 
 
 @dataclass(frozen=True)
-class Held:
-    """An input whose value is held between instants.
+class HeldInput:
+    """External input with a piecewise constant value.
 
     Attributes
     ----------
     name : str
         Name of the input.
     place : int
-        Place among the inputs of the engine.
+        Index among the inputs of the engine.
     every : int
         Steps between two values.
     value : callable
-        Value of the k-th interval that begins at time t, s.
+        Value as a function (k, t) of the number of the interval and its first instant, s.
     """
 
     name: str
@@ -44,22 +44,22 @@ class Held:
 
 
 class Feed:
-    """Sets the held inputs of an engine before every call."""
+    """Piecewise constant inputs of a run, set before every call of the engine."""
 
-    def __init__(self, held: tuple[Held, ...]) -> None:
+    def __init__(self, held: tuple[HeldInput, ...]) -> None:
         self._held = held
 
     def ahead(self, done: int) -> int:
-        """Return the steps until the next value is due; `done` steps are behind."""
+        """Return the number of steps to the next change of an input, after `done` steps."""
         return min((h.every - done % h.every for h in self._held), default=1 << 62)
 
     def set(self, engine: Engine, done: int) -> None:
-        """Set what is due now.
+        """Set all inputs whose interval begins after `done` steps.
 
         Raises
         ------
         InputFailed
-            If a function of the user raises or returns something that is no finite number.
+            If a function of the user raises, or its value is not a finite number.
         """
         time = float(engine.time[0].real)
         for h in self._held:
@@ -67,7 +67,7 @@ class Feed:
                 engine.input[h.place] = _ask(h, done // h.every, time)
 
 
-def _ask(held: Held, interval: int, time: float) -> float:
+def _ask(held: HeldInput, interval: int, time: float) -> float:
     try:
         answer: Any = held.value(interval, time)
     except Exception as error:
@@ -90,12 +90,12 @@ def _ask(held: Held, interval: int, time: float) -> float:
 def connect(
     model: Model, inputs: Mapping[str, Any] | None, steps: int, every: int, where: str = "simulate"
 ) -> tuple[Model, Feed]:
-    """Return the model with signals in place of inputs, and what feeds the other inputs.
+    """Return the model with its inputs replaced by signals, and the piecewise constant inputs.
 
     Parameters
     ----------
     model : Model
-        With inputs.
+        Model with external inputs.
     inputs : dict, optional
         Name to Signal, number, function of time or samples.
     steps, every : int
@@ -104,7 +104,7 @@ def connect(
     Raises
     ------
     InputError
-        If an input does not exist or its value makes no sense.
+        If an input does not exist or its value is invalid.
     """
     problems = Problems()
     signals: dict[str, Signal] = {}
@@ -115,7 +115,9 @@ def connect(
             problems.add(where, f"inputs: no input {name!r}{suggest(name, model.inputs)}")
         elif isinstance(value, Signal):
             if _uses_outside(value):
-                problems.add(place, "its signal itself needs an input or an event")
+                problems.add(
+                    place, "its signal depends on an input or an event; give one of time alone"
+                )
             signals[name] = value
         elif isinstance(value, bool) or value is None or isinstance(value, str):
             problems.add(place, f"is {value!r}, {EXPECTED}")
@@ -138,7 +140,7 @@ def connect(
                 waiting.append((name, every, _samples(samples)))
     problems.raise_if_any()
     fed = substitute(model, signals)
-    held = (Held(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
+    held = (HeldInput(name, fed.inputs.index(name), each, value) for name, each, value in waiting)
     return fed, Feed(tuple(held))
 
 

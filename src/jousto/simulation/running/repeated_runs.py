@@ -1,4 +1,4 @@
-"""The same model run many times: what `simulate` prepares and says once is not done again."""
+"""Repeated runs of one model: the preparation and the warnings of `simulate` are done once."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from jousto.simulation.results.row_layout import columns
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.simulate import simulate
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.default_solver import choose
 from jousto.simulation.solvers.explicit import prepared
 from jousto.simulation.solvers.schedule import schedule
@@ -32,14 +32,15 @@ from jousto.simulation.state import State, put
 Started = tuple[Engine, Any, Callable[[], None]]
 
 FIXED_WORK = ("rk4", "ros2")
-"""Methods whose steps take the same operations whatever the state is."""
+"""Methods whose steps take the same operations in every state."""
 
 
 class Repeated:
-    """Runs of one model with other values of its external inputs.
+    """Repeated runs of one model with different values of its external inputs.
 
-    Results are those of `simulate` to the last bit. Runs of a fixed step go through the engine in
-    one call; all others, and those that an event ends or that fail, are left to `simulate`.
+    The results equal those of `simulate` to the last bit. Runs of a fixed step take one call of
+    the engine; `simulate` computes runs of an adaptive step, runs that an event ends and runs that
+    fail.
 
     Parameters
     ----------
@@ -53,8 +54,8 @@ class Repeated:
 
     def __init__(self, model: Model, t_end: float, **how: Any) -> None:
         without_fmus(model, "study", "cannot be repeated with other values")
-        # once for all runs, and with the derivatives of the model
-        how = how | {"state": beginning(model, how.get("state"))}
+        # initial state, computed once for all runs, with the derivatives of the model
+        how = how | {"state": initial_state(model, how.get("state"))}
         self.model = model
         self._stepped = has_steps(model)
         with plainly():
@@ -76,7 +77,9 @@ class Repeated:
         self._rows = plan.steps // plan.every + 1
         last = columns(model)[-1]
         self._width = last.first + last.count
-        self._idle: list[Started] = []  # engines at the start, each for one thread at a time
+        self._idle: list[
+            Started
+        ] = []  # unused engines at t = 0; one thread uses an engine at a time
         self._plain = not solver.adaptive and 8 * self._rows * self._width <= IN_MEMORY
         self._about = {
             "solver": repr(solver),
@@ -88,12 +91,12 @@ class Repeated:
         }
 
     def run(self, inputs: dict[str, float] | None = None) -> Solution:
-        """Return the results of a run, as `simulate` does.
+        """Return the results of a run with these values of the inputs.
 
         Raises
         ------
         RunFailed
-            If it cannot go on.
+            If the run diverges or the engine cannot continue.
         """
         stepped = self._stepped or any(np.iscomplexobj(x) for x in (inputs or {}).values())
         if stepped:
@@ -105,12 +108,13 @@ class Repeated:
         return simulate(self.model, self.t_end, inputs=inputs or None, **self.how)
 
     def _stepped_run(self, inputs: dict[str, float]) -> Solution:
-        """Return results with derivatives.
+        """Return the results of a run with derivatives (complex steps), computed by this engine.
 
         Raises
         ------
         NotAnalytic
-            If the run takes decisions on its way, or cannot go on.
+            If the run switches (adaptive steps, friction, events), calls a function of Python, does
+            not fit into memory or does not reach its end.
         """
         model = self._plain_model
         if self._solver.adaptive:
@@ -129,7 +133,10 @@ class Repeated:
         return found
 
     def _in_one_call(self, inputs: dict[str, float], stepped: bool = False) -> Solution | None:
-        """Return the results; None if something happened that `simulate` knows more of."""
+        """Return the results of one call of the engine; None if `simulate` has to repeat the run.
+
+        That is so if the run ended early or its joints opened.
+        """
         plan, started = self.plan, self.begin(inputs, stepped)
         engine, native, _ = started
         rows: Any = np.empty((self._rows, self._width), engine.dtype)
@@ -144,14 +151,14 @@ class Repeated:
 
     @cached_property
     def alike(self) -> Hashable:
-        """What runs that go together have in common; None: these go alone."""
+        """Key that is equal for runs which can share vector lanes; None if this run cannot."""
         kind = ""
         if self._plain and not self._stepped and self._solver.method in FIXED_WORK:
             kind = structure(self.model)
         return (kind, repr(self._solver), self.plan) if kind else None
 
     def begin(self, inputs: dict[str, float], stepped: bool = False) -> Started:
-        """Return an engine at the start with these inputs, for `finish`."""
+        """Return an engine at the initial state with these inputs, for `finish`."""
         started = self._idle.pop() if self._idle and not stepped else self._started(stepped)
         for name, value in inputs.items():
             started[0].input[self.model.inputs.index(name)] = value
@@ -160,18 +167,18 @@ class Repeated:
     def finish(
         self, started: Started, rows: Any, wall: float, chronicle: Chronicle
     ) -> Solution | None:
-        """Return the results of a run to the end; None if they contradict themselves.
+        """Return the results of a completed run; None if redundant joints disagree in it.
 
         Parameters
         ----------
         started : tuple
             From `begin`.
         rows : (k, row_size) array
-            Of the engine.
+            Rows of the engine.
         wall : float
-            How long it took, s.
+            Wall time of the run, s.
         chronicle : Chronicle
-            Its events.
+            Events of the run.
         """
         plan, (engine, _, rewind) = self.plan, started
         watch = RunWatch(self._plain_model, projected=self._solver.projection)
@@ -190,7 +197,7 @@ class Repeated:
         return Solution(found)
 
     def _started(self, stepped: bool = False) -> Started:
-        """Return an engine at the start, what steps it, and a function that takes it back there."""
+        """Return an engine at the initial state, its stepper and the function that resets it."""
         engine = Engine(self.model, complex_scalars=stepped)
         if self._state is not None:
             put(engine, self._state, "simulate")

@@ -1,4 +1,4 @@
-"""RunWatch: what a run misses in its energy balance and joints, and how bodies spin and bend."""
+"""RunWatch: checks of a run: energy balance, gaps of joints, spin and bending of bodies."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from jousto.simulation.check_bending import bends
 from jousto.simulation.check_spin import spins
 from jousto.simulation.results.diagnostics import FAIR, STEADY
 
-SIGNS = np.array([-1.0 if name == "work" else 1.0 for name in ENERGIES])  # of the balance
-GAP_LIMIT = 1e-9  # of the size of the mechanism, with projection
-STILL = 1e-9  # of the size of the mechanism: moved in a whole run by what stands still
-OPEN_LIMIT = 1e-4  # the same: where repeated rows contradict one another the run ends
+SIGNS = np.array(
+    [-1.0 if name == "work" else 1.0 for name in ENERGIES]
+)  # signs of the terms of the energy balance
+GAP_LIMIT = 1e-9  # gap of a joint over the size of the mechanism, above which it is warned of
+STILL = 1e-9  # displacement in a run over the size of the mechanism, below which a body is at rest
+OPEN_LIMIT = 1e-4  # gap over the size of the mechanism, above which redundant joints end the run
 
 
 class Contradiction(Exception):
-    """Joints, couplings or drives that repeat one another disagree."""
+    """Error of redundant joints, couplings or drives that contradict one another."""
 
 
 class RunWatch:
-    """What the energy balance missed and how far the joints opened so far, in fixed memory."""
+    """Largest error of the energy balance and largest gap of the joints of a run so far."""
 
     def __init__(self, model: Model, *, projected: bool) -> None:
         self._model = model
@@ -39,14 +41,14 @@ class RunWatch:
         self._since = self._until = 0.0
         self._missed = 0.0
         self._gap = 0.0
-        self._open: NDArray[np.float64] | None = None  # the row with the largest gap
+        self._open: NDArray[np.float64] | None = None  # row (row_size,) with the largest gap
         self._spins = spins(model)
         self._turning = [0.0] * len(self._spins)
         self._bends = bends(model)
         self._bent = [0.0] * len(self._bends)
 
     def see(self, rows: NDArray[np.float64]) -> None:
-        """Look at rows of the engine."""
+        """Update the largest errors with rows (k, row_size) of the engine."""
         if not len(rows):
             return
         terms = rows[:, self._terms]
@@ -70,7 +72,7 @@ class RunWatch:
                 raise Contradiction(self._gaping(rows[int(np.argmax(gaps > limit))]))
 
     def _small(self, level: float, potential: float) -> float:
-        """Return what is nothing beside energies of such a size, J."""
+        """Return the energy, J, that is negligible beside energies of this size."""
         size = self._model.size
         mass = sum(float(b.mass[0]) for b in self._model.bodies)
         weight = mass * float(np.abs(self._model.gravity).max())
@@ -79,22 +81,22 @@ class RunWatch:
         return max(1e-6 * level, 1e-12 * potential, 1e-12 * weight * size, still)
 
     def _gaping(self, row: NDArray[np.float64]) -> str:
-        """Return which joint is open at an instant, and why."""
+        """Return a sentence with the joint of the largest gap at an instant and the cause."""
         return disagreement(self._model, row[1 : 1 + self._model.nq], float(row[0]))
 
     @property
     def rubbed(self) -> bool:
-        """Whether friction took energy, or nothing moved."""
+        """Whether friction dissipated energy, or nothing moved."""
         low, high = self._extremes()
         return high["friction"] > low["friction"] or not high["kinetic"] > 0.0
 
     def _extremes(self) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the least and the largest value of each energy, J."""
+        """Return the smallest and the largest value of each energy in the run, J."""
         low = dict(zip(ENERGIES, self._low.tolist(), strict=True))
         return low, dict(zip(ENERGIES, self._high.tolist(), strict=True))
 
     def judge(self) -> None:
-        """Warn if the balance misses a noticeable share of the energy exchanged or kinetic."""
+        """Warn if the error of the balance is noticeable beside the exchanged or kinetic energy."""
         where = f"simulate {self._model.name!r}"
         for spin, squared in zip(self._spins, self._turning, strict=True):
             if sentence := spin.sentence(squared):
@@ -104,7 +106,7 @@ class RunWatch:
                 warn(where, sentence)
         low, high = self._extremes()
         exchanged = sum(high[name] - low[name] for name in places("jo_energies"))
-        # shares of what moves only by round-off mean nothing
+        # no check of a machine that moves by round-off alone
         level = {name: max(abs(high[name]), abs(low[name])) for name in ENERGIES}
         potential, kinetic = level.pop("potential"), level["kinetic"]
         scale = max(exchanged, STEADY * kinetic)
@@ -113,9 +115,9 @@ class RunWatch:
         ):
             warn(
                 where,
-                f"the energy balance misses {self._missed:.3g} J of {exchanged:.3g} J exchanged "
-                f"({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller step is more "
-                "accurate",
+                f"the error of the energy balance is {self._missed:.3g} J of {exchanged:.3g} J "
+                f"exchanged ({100 * self._missed / max(exchanged, 1e-300):.2g} %); a smaller "
+                "step is more accurate",
             )
         if self._projected and self._open is not None and self._gap > GAP_LIMIT * self._model.size:
             warn(

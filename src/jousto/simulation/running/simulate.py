@@ -1,4 +1,4 @@
-"""simulate: step a model through time and keep what it does."""
+"""simulate: run a model through time and return the results."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from jousto.simulation.results.writer import EVENTS
 from jousto.simulation.running.cosimulation_loop import Coupled
 from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
 from jousto.simulation.solvers.beam_checks import warn_bent
 from jousto.simulation.solvers.default_solver import choose
@@ -45,15 +45,17 @@ log = logging.getLogger(__name__)
 
 Record = Callable[[NDArray[np.float64]], None]
 
-WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
+WALL_PER_CALL = 0.1  # wall time of a call of the engine, s; progress and Ctrl-C act between calls
 BUFFER_BYTES = 4 << 20
-JOLT = 1e-6  # of the speeds of the machine and its drives: velocities that do not fit
-INSTANTS = 17  # of a run, at which drives are looked at
-LEAP = 1e3  # sizes of the mechanism in a step: the run has diverged
+JOLT = (
+    1e-6  # velocity residual of a joint over the speeds of the machine, above which it is warned of
+)
+INSTANTS = 17  # sampling instants of a run for the largest speed of its drives
+LEAP = 1e3  # displacement in a step over the size of the mechanism, above which a run has diverged
 
 
 class RunInterrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `solution` has the results up to then."""
+    """Ctrl-C during a run; `solution` contains the results up to that instant."""
 
     def __init__(self, message: str, solution: Solution) -> None:
         super().__init__(message)
@@ -63,7 +65,7 @@ class RunInterrupted(KeyboardInterrupt):
 
 
 class RunFailed(SimulationError):
-    """A run that could not continue; `solution` contains the results up to then."""
+    """Run that could not continue; `solution` contains the results up to that instant."""
 
     def __init__(self, message: str, solution: Solution | None, *, time: float, body: str) -> None:
         super().__init__(message, time=time, body=body)
@@ -72,7 +74,7 @@ class RunFailed(SimulationError):
 
 @dataclass(frozen=True)
 class Ending:
-    """How a run ended before its time: what to say, the body that shows it, whether it failed."""
+    """Early end of a run: its cause as a sentence, the body concerned, whether it is a failure."""
 
     sentence: str
     body: str = ""
@@ -92,11 +94,11 @@ def simulate(
     state: State | None = None,
     inputs: Mapping[str, Any] | None = None,
 ) -> Solution:
-    """Run a model to time `t_end`, from 0 or the time of a state.
+    """Return the results of a run of a model to time `t_end`, from 0 or the time of a state.
 
-    Results with a `path` are written in pieces during the run: what was computed survives
-    if it is killed. Without one they stay in memory up to 256 MB; longer runs write them into a
-    temporary file, so that the memory does not grow with their length.
+    With a `path` the results are written in pieces during the run and remain if the process is
+    killed. Without a path they stay in memory up to 256 MB; longer runs write them into a
+    temporary file, so that the memory does not grow with the length of the run.
 
     Parameters
     ----------
@@ -105,10 +107,10 @@ def simulate(
     t_end : float
         End of the run, s.
     solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
-        Method and step. None chooses: ``ROS2(step=1e-3)``, with a shorter step for steep friction
-        and dampers and for blows on stops; ``GeneralizedAlpha(step=1e-3)`` for exact beams and what
-        is too stiff.
-        ``run.attributes["solver"]`` and ``["chosen"]`` name it and the reason. A fixed
+        Method and step. None chooses them: ``ROS2(step=1e-3)``, with a shorter step for steep
+        friction and dampers and for impacts on stops; ``GeneralizedAlpha(step=1e-3)`` for exact
+        beams and machines too stiff for ROS2.
+        ``run.attributes["solver"]`` and ``["chosen"]`` contain the choice and its reason. A fixed
         step is shortened, never lengthened, so that outputs and the end fall on steps.
     output_step : float, optional
         Time between stored instants, s; None stores every step, or the `output` of an adaptive
@@ -122,37 +124,37 @@ def simulate(
     model_text : str
         Text of the model file, kept with the results.
     state : State, optional
-        Where to start, at its own time: from `equilibrium`, or ``run.state()`` to continue a
-        run. None starts where the mechanism says, else at its initial state, at time 0.
+        Initial state, with its time: from `equilibrium`, or ``run.state()`` to continue a run.
+        None is the `start` of the mechanism, or its initial state, at time 0.
     inputs : dict, optional
-        External inputs by name. A Signal is evaluated exactly, as if it stood in the model; a
-        number is constant; a function of time, s, is asked at the start of every step and held
-        during it; an array has a value for every interval between outputs, held during it. Inputs
-        that are not named keep their value.
+        External inputs by name. A Signal is evaluated exactly, as a signal of the model is; a
+        number is constant; a function of time, s, is evaluated at the start of every step and its
+        value is constant during the step; an array has one constant value for each interval
+        between outputs. Inputs that are not named keep their value.
 
     Returns
     -------
     Solution
         The results. An event with ``stop=True`` ends a run early; ``run.attributes["ended"]``
-        says which and when.
+        contains its name and time.
 
     Raises
     ------
     InputError
-        If the input makes no sense or the file cannot be written.
+        If an argument is invalid or the file cannot be written.
     RunFailed
-        If the run diverges or the disk is full; the results up to then are kept.
+        If the run diverges or the disk is full; `solution` of the error has the results so far.
     RunInterrupted
-        On Ctrl-C; the results up to then are kept.
+        On Ctrl-C; `solution` of the error has the results so far.
 
     Warns
     -----
     JoustoWarning
         Before the run if the step is too large for the highest mode, the velocities of the state
-        do not fit the joints and drives, or the modes of a body represent a load badly; after it
-        if the energy balance misses more than 5 %.
+        violate the joints or drives, or the modes of a body represent a load badly; after the run
+        if the error of the energy balance exceeds 5 %.
     """
-    state = beginning(model, state)
+    state = initial_state(model, state)
     start, reason = 0.0 if state is None else state.time, ""
     if solver is None:
         solver, reason = choose(model, t_end, output_step, start)
@@ -191,10 +193,10 @@ def simulate(
 
 
 def _warn_at_rest(model: Model) -> None:
-    """Warn if nothing can start to move."""
+    """Warn if the model has no force, drive or initial velocity that starts a motion."""
     pushed = any(f.kind != "load" or model.markers[f.a].body >= 0 for f in model.forces)
     driven = any(is_drive(joint) for joint in model.joints)
-    # beams may start bent
+    # a bent beam moves without any load
     bent = any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in model.bodies)
     loaded = pushed or driven or model.gravity.any()
     if not (loaded or bent or model.beams or model.v0.any()):
@@ -205,21 +207,20 @@ def _warn_at_rest(model: Model) -> None:
 
 
 def _tell_of_ringing(model: Model) -> None:
-    """Say how moving elastic bodies that begin straight are spared their vibration."""
+    """Log how to avoid the vibration of moving elastic bodies that start undeformed."""
     elastic = [b for b in model.bodies if b.n]
     straight = not any(model.q0[b.iq + 7 : b.iq + 7 + b.n].any() for b in elastic)
     if elastic and straight and model.v0.any():
         log.info(
-            "%s: elastic bodies move and are straight at the first instant, so that they ring; "
-            "state=jo.simulation.vibration_free_state(model) begins with the shape of the motion, "
-            "of a machine that turns about one axis "
-            "jo.simulation.steady_rotation(model, axis, speed) does",
+            "%s: elastic bodies move and are undeformed at the first instant, which makes them "
+            "vibrate; start with state=jo.simulation.vibration_free_state(model), or, if the "
+            "machine turns about one axis, with jo.simulation.steady_rotation(model, axis, speed)",
             model.name,
         )
 
 
 def _start(engine: Engine, state: State, plan: Schedule) -> None:
-    """Put the engine into a state that fits the model."""
+    """Set the engine to an initial state; warn if its velocities violate joints or drives."""
     put(engine, state, "simulate")
     rates = np.abs(engine.constraints()[1] * engine.row_metres)
     row = int(np.argmax(rates)) if len(rates) else -1
@@ -236,9 +237,9 @@ def _start(engine: Engine, state: State, plan: Schedule) -> None:
 
 
 def _jolts(engine: Engine, rate: float, plan: Schedule) -> bool:
-    """Return whether a row that velocities miss by a rate, m/s, shows beside speeds in the run.
+    """Return whether a velocity residual, m/s, is noticeable beside the speeds of the run.
 
-    Those of the machine at its start and of its drives at some instants of the run.
+    The speeds are those of the bodies at the start and of the drives at INSTANTS of the run.
     """
     if rate <= JOLT * largest_speed(engine.model, engine.v):
         return False
@@ -260,7 +261,7 @@ def _run(
     progress: bool | Report | None,
     feed: Feed,
 ) -> Solution:
-    """Step, write, and leave a closed file with how it ended whatever happens."""
+    """Return the results of a run; close the results file, with its ending, after errors too."""
     watch = RunWatch(engine.model, projected=solver.projection)
     chronicle = Chronicle(engine)
 
@@ -268,7 +269,7 @@ def _run(
         try:
             keeper.append(rows)
             keeper.note(chronicle.read())
-        except OSError as error:  # the disk is full or gone
+        except OSError as error:  # full or missing disk
             raise _DiskError(f"cannot write {keeper.place}: {error}{_remedy(error)}") from error
         watch.see(rows)
 
@@ -310,7 +311,7 @@ def _run(
     if keeper.happened == EVENTS:
         warn(
             f"simulate {engine.model.name!r}",
-            f"only the first {EVENTS} events are in the results; watch for fewer crossings",
+            f"only the first {EVENTS} events are in the results; declare fewer events",
         )
     watch.judge()
     warn_bent(engine)
@@ -319,27 +320,28 @@ def _run(
     if engine.counts.singular and not engine.model.redundant:
         warn(
             f"simulate {engine.model.name!r}",
-            "the mechanism passed a position in which its joints repeat one another; beyond it the "
-            "motion may be one of several, and the reactions there are those of least norm",
+            "the mechanism passed a singular position, in which constraints of its joints are "
+            "linearly dependent; the motion beyond it may be one of several, and the reactions in "
+            "it are those of least norm",
         )
     return solution
 
 
 def _warn_idle_friction(engine: Engine) -> None:
-    """Warn of frictions that slip for nothing."""
+    """Warn of friction elements that dissipated no energy."""
     for i, friction in enumerate(engine.model.frictions):
         mu = named("jo_friction_data", friction.data).mu_kinetic
         if mu > 0.0 and not (friction.sticks and engine.slip[i] == 0):
             warn(
                 f"friction '{friction.name}'",
-                "took no energy: its joint does not move, or nothing presses it. Forces along the "
-                "axis of a hinge press with collar_radius only, bending moments with "
-                "bearing_length only; preload presses always",
+                "dissipated no energy: its joint does not move, or has no normal force. Forces "
+                "along the axis of a hinge give a normal force with collar_radius only, bending "
+                "moments with bearing_length only; preload gives one always",
             )
 
 
 class _DiskError(Exception):
-    """The results could not be written."""
+    """Error of writing the results."""
 
 
 def _remedy(error: OSError) -> str:
@@ -350,7 +352,7 @@ def _remedy(error: OSError) -> str:
 def _loop(
     engine: Engine, solver: Solver, plan: Schedule, record: Record, report: Report, feed: Feed
 ) -> Ending | None:
-    """Step to the end in calls of about a tenth of a second; return why it ended before."""
+    """Step to the end in calls of WALL_PER_CALL; return the cause of an early end, or None."""
     model = engine.model
     native = prepared(engine, solver, plan.step)
     capacity = max(2, min(4096, BUFFER_BYTES // (8 * engine.row_size)))
@@ -376,10 +378,10 @@ def _loop(
         now = clock.perf_counter()
         record(rows[:written])
         if status == "event":
-            return stopped(engine)
+            return event_ending(engine)
         if status != "ok":
-            return cause(model, solver, plan, engine, status)
-        count = engine.steps_done - first  # fewer if the log of events was full
+            return failure_ending(model, solver, plan, engine, status)
+        count = engine.steps_done - first  # fewer than asked for if the event log was full
         done += count
         report(float(engine.time[0].real), now - started)
         spent = max(now - before, 1e-6)
@@ -396,7 +398,7 @@ def _coupled(
     report: Report,
     feed: Feed,
 ) -> Ending | None:
-    """Do the same with functional mock-up units beside the engine."""
+    """Step to the end, coupled with FMUs; return the cause of an early end, or None."""
     feed.set(engine, 0)
     coupling = Coupling(engine, plan)
     suspects = ""
@@ -406,9 +408,9 @@ def _coupled(
     finally:
         coupling.close()
     if status == "event":
-        return stopped(engine)
+        return event_ending(engine)
     if status != "ok":
-        ending = cause(engine.model, solver, plan, engine, status)
+        ending = failure_ending(engine.model, solver, plan, engine, status)
         return replace(ending, sentence=f"{ending.sentence}; {suspects}") if suspects else ending
     coupling.judge()
     return None
@@ -424,26 +426,29 @@ def _adaptive(
     report: Report,
     feed: Feed,
 ) -> Ending | None:
-    """Do the same with error control; it starts anew wherever the value of an input jumps."""
+    """Step to the end with error control; return the cause of an early end, or None.
+
+    The integration restarts at every jump of an input.
+    """
     done = 0
     while done < plan.steps:
         feed.set(engine, done)
         count = min(plan.steps - done, feed.ahead(done))
-        engine.steps_done = 0  # rows from here
+        engine.steps_done = 0  # counter of the rows of this interval
         seen: Record = record if done == 0 else _without_first(record)
         status = follow(engine, native, count, rows, seen, report)
         if status == "event":
-            return stopped(engine)
+            return event_ending(engine)
         if status == "step too small":
             return Ending(*too_many_steps(engine, plan.start + done * plan.step, plan.step))
         if status != "ok":
-            return cause(engine.model, solver, plan, engine, status)
+            return failure_ending(engine.model, solver, plan, engine, status)
         done += count
     return None
 
 
 def _without_first(record: Record) -> Record:
-    """Return a function that leaves out the first row, which is known."""
+    """Return a function that records all rows but the first, which is already recorded."""
     waiting = [True]
 
     def rest(rows: NDArray[np.float64]) -> None:
@@ -453,21 +458,23 @@ def _without_first(record: Record) -> Record:
     return rest
 
 
-def stopped(engine: Engine) -> Ending:
-    """Return that an event ended the run as it should."""
+def event_ending(engine: Engine) -> Ending:
+    """Return the ending of a run that an event with ``stop=True`` stopped."""
     name = engine.model.events[engine.error_index].name
     return Ending(f"stopped by event '{name}' at {engine.time[0]:.9g} s", failed=False)
 
 
-def cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str) -> Ending:
-    """Return why the run cannot go on, and which body shows it."""
+def failure_ending(
+    model: Model, solver: Solver, plan: Schedule, engine: Engine, status: str
+) -> Ending:
+    """Return the cause of a failed run, as a sentence, and the body that moves most."""
     if status == "no convergence":
         body = model.bodies[engine.error_index].name
         text = f"{engine.problem(status)}; "
         text += f"the step is {plan.step:.3g} s, try {0.5 * plan.step:.3g} s"
         found = repeated_rows(model) if model.redundant else None
         if found and found.weak:
-            text += f"; rows of the joints repeat one another, and {found.weak}"
+            text += f"; constraints of the joints are linearly dependent, and {found.weak}"
         return Ending(text, body)
     if status not in ("not finite", "singular body", "singular joint"):
         return Ending(str(engine.problem(status)))
@@ -488,13 +495,13 @@ def cause(model: Model, solver: Solver, plan: Schedule, engine: Engine, status: 
         )
         drives = ", ".join(f"'{joint.name}'" for joint in model.joints if is_drive(joint))
         if drives:
-            sentence += f"; or the lengths do not allow what the drives ({drives}) ask for"
+            sentence += f"; or the lengths do not allow the motion of the drives ({drives})"
     what = f"body '{body}'" if body else "the motion"
     return Ending(f"{what} diverged; likely cause: {sentence}", body)
 
 
 def describe(solution: Solution) -> dict[str, Any]:
-    """Return the facts about a run that are worth printing, by name."""
+    """Return the summary of a run: its end, wall time, largest residuals and energy error."""
     residuals, energy = solution.residuals, solution.energy
     chosen = str(solution.attributes.get("chosen", ""))
     return {

@@ -21,12 +21,12 @@ from jousto.simulation.results.events import Chronicle, Happening, happenings, j
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
-from jousto.simulation.running.start_state import beginning
+from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
 from jousto.simulation.state import State, put, take
 
-ROWS = 256  # of a results file that are computed in one call
-LONGEST = 10_000_000  # rows of a results file
+ROWS = 256  # rows of a results file per call of the engine
+LONGEST = 10_000_000  # maximum number of rows of a results file
 
 
 @explained
@@ -34,8 +34,8 @@ LONGEST = 10_000_000  # rows of a results file
 class Simulator:
     """A model that is stepped from outside: set inputs, step, read sensors.
 
-    For controllers, tests with hardware and optimisation, where what comes next depends on what
-    was measured. Runs of known length belong to `simulate`, which is faster and writes a file.
+    Use it for controllers, tests with hardware and optimisation, where the next input depends on
+    measured values. `simulate` is faster for runs of known length.
 
     Parameters
     ----------
@@ -44,22 +44,22 @@ class Simulator:
     solver : Solver, optional
         Method with a fixed step; None is ``ROS2(step=1e-3)``.
     state : State, optional
-        Where to start; None is the initial state of the model.
+        Initial state; None is the initial state of the model.
     path : path, optional
-        Results file (HDF5), overwritten when the first rows are written: everything that happens
-        from the first `step` on, up to `close`. None keeps nothing.
+        Results file (HDF5) with all rows and events from the first `step` to `close`. An existing
+        file is overwritten when the first rows are written. None writes no file.
     every : int
-        Steps between two rows of it.
+        Steps between two rows of the file.
 
     Attributes
     ----------
     model : Model
         The model.
     events : tuple of Happening
-        What happened so far.
+        Events of the run so far.
     stopped : str
-        Name of the event that stopped the simulator, empty while none did; it steps on from there
-        if asked to.
+        Name of the event that stopped the simulator, empty if there is none; a further `step`
+        continues from the event.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class Simulator:
     >>> round(float(sim.read("place")[0]), 2)
     0.36
 
-    ``Simulator(model, path="run.h5")`` keeps its results, which ``close()`` returns.
+    ``Simulator(model, path="run.h5")`` writes its results into a file; ``close()`` returns them.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Simulator:
         self.events: tuple[Happening, ...] = ()
         self.stopped = ""
         self._engine = Engine(model)
-        if (begun := beginning(model, state)) is not None:
+        if (begun := initial_state(model, state)) is not None:
             put(self._engine, begun, "Simulator")
         self._native = prepared(self._engine, chosen, chosen.step)
         self._record = None if path is None else _Record(Path(path), self._engine, chosen, every)
@@ -126,12 +126,12 @@ class Simulator:
         return float(self._engine.time[0])
 
     def set(self, name: str, value: float) -> None:
-        """Set an external input; it is held until it is set again.
+        """Set an external input to a value that stays until the next `set` of this input.
 
         Raises
         ------
         InputError
-            If there is no such input or the value is no finite number.
+            If there is no input of this name or the value is not finite.
         """
         inputs = self.model.inputs
         if name not in inputs:
@@ -143,7 +143,7 @@ class Simulator:
         self._known = None
 
     def step(self, count: int = 1) -> None:
-        """Advance by `count` steps, or to an event that stops.
+        """Advance by `count` steps, or up to the first event with ``stop=True``.
 
         Raises
         ------
@@ -181,14 +181,14 @@ class Simulator:
                 )
 
     def close(self, ended: str = "completed", *, complete: bool = True) -> Solution | None:
-        """End the results file and return its results; None without a `path`.
+        """Close the results file and return its results; None without a `path`.
 
         Parameters
         ----------
         ended : str
-            What the file says of its end.
+            Text of the attribute `ended` of the results.
         complete : bool
-            Whether it says that the results are whole.
+            Whether the attribute `complete` of the results is true.
         """
         if self._record is None:
             return None
@@ -205,12 +205,12 @@ class Simulator:
             self.close("failed: an error of the caller", complete=False)
 
     def read(self, name: str) -> NDArray[np.float64]:
-        """Return the value (k,) of a sensor now.
+        """Return the components (k,) of a sensor at the current time.
 
         Raises
         ------
         InputError
-            If there is no such sensor.
+            If there is no sensor of this name.
         """
         if name not in self._sensors:
             tail = suggest(name, self._sensors)
@@ -222,16 +222,17 @@ class Simulator:
         return self._known[sensor.offset : sensor.offset + sensor.count]
 
     def state(self) -> State:
-        """Return all that is needed to continue from here, with `simulate` or another simulator."""
+        """Return the current state, from which `simulate` or another simulator can continue."""
         self._engine.row()
         return take(self._engine)
 
 
 class _Record:
-    """The results file of a simulator.
+    """Results file of a simulator.
 
-    Its length is not known before, so that it is laid out for the steps that have room on half of
-    the free disk, up to 1e7 rows (no space is taken by what is not written), and cut at the end.
+    The number of rows is unknown at the start: the file is laid out for as many rows as fit into
+    half of the free disk space, at most 1e7, and cut to the written rows at the end. Rows that are
+    not written take no disk space.
     """
 
     def __init__(self, path: Path, engine: Engine, solver: Any, every: int) -> None:
@@ -246,22 +247,24 @@ class _Record:
             "evaluations_per_step": solver.evaluations,
         }
         self._keeper = Keeper(path, engine.model, self._room, about)
-        weakref.finalize(self, self._keeper.discard)  # a file without rows, if nobody closes it
+        weakref.finalize(
+            self, self._keeper.discard
+        )  # removes a file without rows if `close` is never called
         self._written, self._started = 0, clock.perf_counter()
 
     def begin(self) -> None:
-        """Write the state before the first step, with the inputs as they are now."""
+        """Write the row of the state before the first step, with the current inputs."""
         if not self._begun:
             self._begun = True
             self.add(self._engine.row()[None], np.zeros((0, 4)))
 
     def add(self, rows: NDArray[np.float64], happened: NDArray[np.float64]) -> None:
-        """Write rows (k, row_size) and events (k, 4).
+        """Append rows (k, row_size) of the engine and events (k, 4) to the file.
 
         Raises
         ------
         SimulationError
-            If they cannot be written.
+            If the file cannot be written or has no room for more rows.
         """
         time = float(self._engine.time[0])
         if self._written + len(rows) > self._room:
@@ -277,7 +280,7 @@ class _Record:
         self._written += len(rows)
 
     def close(self, ended: str, complete: bool) -> Solution:
-        """Return the results."""
+        """Close the file and return its results."""
         wall = clock.perf_counter() - self._started
         facts = {"ended": ended, "wall_time": wall, "real_time_factor": float("nan")}
         return self._keeper.close(complete, facts)

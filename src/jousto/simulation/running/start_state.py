@@ -1,4 +1,4 @@
-"""Where a run starts that is given no state."""
+"""Initial state of a run: a given one, equilibrium, or the vibration-free state."""
 
 from __future__ import annotations
 
@@ -8,37 +8,38 @@ from jousto.model.start_complex_step import has_steps
 from jousto.simulation.state import State
 
 
-def beginning(model: Model, state: State | None = None, start: str | None = None) -> State | None:
-    """Return the state that a run starts from; None for the initial one of the model.
+def initial_state(
+    model: Model, state: State | None = None, start: str | None = None
+) -> State | None:
+    """Return the initial state of a run; None for the initial state of the model.
 
     Parameters
     ----------
     model : Model
         The model.
     state : State, optional
-        What the user gave; it counts.
+        Initial state given by the user; it is returned unchanged.
     start : str, optional
-        "initial", "rest" or "vibration-free"; that of the mechanism if not given.
+        "initial", "rest" or "vibration-free"; `start` of the mechanism if not given.
 
     Raises
     ------
     InputError
-        If that is unknown because a model of another program runs beside the machine, or if there
-        is none.
+        If there is no such state, or an FMU of the machine makes it unknown.
     NotAnalytic
-        If derivatives of it are asked for that there are none of.
+        If the model has derivatives and the state is found by iterations.
     """
     start = model.start if start is None else start
     if state is not None or start == "initial":
         return state
     if model.fmus:
         unit = model.fmus[0].fmu.name
-        told = f"is to start at '{start}', but what fmu '{unit}' gives there is not known; "
+        told = f"start is '{start}', but the outputs of fmu '{unit}' in that state are not known; "
         told += "take start 'initial', or give the state to start from"
         raise InputError(Problem(f"mechanism {model.name!r}", told))
     if has_steps(model):
         if start != "rest":
-            raise NotAnalytic("a start without vibration is sought by iterations")
+            raise NotAnalytic("the vibration-free initial state is found by iterations")
         from jousto.simulation.statics.complex_step import rest
 
         return rest(model)

@@ -10,14 +10,16 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.simulation.statics.residual import turned
 
-SMALL = 1e-4  # sine of half the relative rotation below which series are exact
+SMALL = 1e-4  # sine of half the relative rotation, below which the series is exact to round-off
 
 
 def beam_strains(model: Model, q: Any) -> Any:
-    """Return ``[Q_m^T (r_b - r_a)/L - e1, phi/L]`` (elements, 6), unstressed strains included.
+    """Return strains ``[Q_m^T (r_b - r_a)/L - e1, phi/L]`` (elements, 6) of all beam elements.
 
-    With ``Q_a^T Q_b = exp(phi)`` and ``Q_m = Q_a exp(phi/2)``, in the frame half way; Gamma across
-    phi times ``h / sin h``, ``h = |phi|/2``, where the element is a screw line. Units m/m, rad/m.
+    ``Q_a^T Q_b = exp(phi)``, ``Q_m = Q_a exp(phi/2)`` is the frame at mid-length, in which the
+    strains are resolved. Of helical elements the part of Gamma across phi is multiplied by
+    ``h / sin h``, ``h = |phi|/2``. Initial strains of the unstressed shape are not subtracted.
+    Units m/m, rad/m.
     """
     frames = [turned(q[b.iq + 3 : b.iq + 7]) for b in model.bodies]
     places = [q[b.iq : b.iq + 3] for b in model.bodies]
@@ -28,7 +30,7 @@ def beam_strains(model: Model, q: Any) -> Any:
         along = places[beam.b] + B @ x.u_b - places[beam.a] - A @ x.u_a
         first = A @ x.B_a.reshape(3, 3)
         relative = first.T @ B @ x.B_b.reshape(3, 3)
-        # euler parameters of the rotation between the ends, and of half of it
+        # Euler parameters of the rotation between the ends, and of half of it
         cosine = 0.5 * np.sqrt(1.0 + np.trace(relative))
         odd = relative - relative.T
         sine = np.array([odd[2, 1], odd[0, 2], odd[1, 0]]) / (4.0 * cosine)

@@ -1,4 +1,4 @@
-"""buckling: loads at which the equilibrium of a mechanism turns unstable, and the modes."""
+"""buckling: critical loads of a mechanism and their modes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jousto.base.errors import Problems, warn
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, displaced
-from jousto.simulation.modes.linear import local, pictures
+from jousto.simulation.modes.linear import local, normalised_shapes
 from jousto.simulation.modes.spectrum import DENSE
 from jousto.simulation.second_order import with_second_order
 from jousto.simulation.state import State
@@ -33,16 +33,16 @@ from jousto.simulation.statics.residual import Balance
 # imaginary part over size of a load, below which a pair is two equal real loads: follower loads on
 # unequal elements split equal loads by their own errors (rings: up to 3e-3), and by round-off
 NEARLY = 1e-2
-REACH = 1.5  # the path goes on to so many times the highest load of the linear theory
-FAINT = 1e-15  # of the largest 1/load: round-off, an infinite load
-WIDE = 1e4  # ratio of neighbouring loads: the lower ones are of motions that hardly anything holds
-LOW = 1e-2  # of a value beyond such loads: they end there
-HELD = 1e-14  # of the largest stiffness: what round-off leaves of that against rigid motions
+REACH = 1.5  # end of the path over the highest load of the linear theory
+FAINT = 1e-15  # 1/load over the largest 1/load, below which it is round-off and the load infinite
+WIDE = 1e4  # ratio of neighbouring loads, above which the lower ones are of weakly held motions
+LOW = 1e-2  # upper bound of the loads of weakly held motions over the shift of `_gap`
+HELD = 1e-14  # round-off of the stiffness of rigid motions over the largest stiffness
 
 
 @dataclass(frozen=True, eq=False)
 class Buckling:
-    """Critical values of a parameter: the lowest first, or in the order of the path.
+    """Critical values of a load parameter in ascending order, or in the order of the path.
 
     Attributes
     ----------
@@ -51,14 +51,15 @@ class Buckling:
     increments : (nv, k) array
         Modes: increments [dR (world), dtheta (body frame), dp] of every body.
     shapes : dict
-        Body name to nodal displacements (k, nodes, 3), world; largest of a mode is 1.
+        Nodal displacements (k, nodes, 3) of each body in the world frame, by its name; maximum of
+        a mode 1.
     kinds : tuple of str
         "linear", or "limit" and "bifurcation" on the path.
     path : LoadPath or None
-        The path, if it was followed.
+        Path of ``method="path"``.
     left_out : (m,) complex array
-        Complex values among the loads of the linear theory, with positive imaginary part: there
-        two modes join and may flutter under loads that follow, but stiffness does not vanish.
+        Complex loads of the linear theory, with positive imaginary part. At these loads two modes
+        coalesce and may flutter under follower loads; the stiffness is not singular.
     """
 
     parameter: str
@@ -88,22 +89,20 @@ def buckling(
     axis: ArrayLike | None = None,
     point: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Buckling:
-    """Find the loads beyond a start at which the equilibrium turns unstable.
+    """Return the critical loads beyond a start, at which the equilibrium becomes unstable.
 
-    ``method="linear"``: with the tangent matrix A0 of the equilibrium at `start` and its rate A'
-    there, ``(A0 + (s - start) A') x = 0``: right where displacements stay small up to the critical
-    load. A' is exact, but of exact beams it is that of the linear stress alone, their shape held,
-    as in classical theory: the terms of first order in bending are nothing without their second.
-    ``method="path"``: the path is followed and the points where the tangent stiffness is singular
-    are found on it, exactly, limit points too.
+    ``method="linear"`` solves ``(A0 + (s - start) A') x = 0`` with the tangent matrix A0 of the
+    equilibrium at `start` and its derivative A' by the load; it is accurate if displacements stay
+    small up to the critical load. A' is exact, except for exact beams: there it contains the
+    linear stress in the undeformed shape alone, as in classical theory, because terms of first
+    order in bending are wrong without those of second order. ``method="path"`` follows the path
+    and finds the points of singular tangent stiffness on it, limit points included.
 
-    Under loads that follow, A' is not symmetric and s may be complex. A pair whose imaginary part
-    is below a hundredth of its size counts as two loads of its real part: equal loads, as those of
-    a ring, are split so by the errors of the elements, and with a stiffness that small beside its
-    fellows' nothing is safe. Other pairs are `left_out`, with a warning.
-
-    Modal bodies always stiffen and soften here, whether their parts were reduced with
-    ``stiffening=True`` or not.
+    Under follower loads A' is not symmetric and s may be complex. A pair with an imaginary part
+    below a hundredth of its modulus counts as two loads at its real part, because element errors
+    split equal loads, such as those of a ring, into such pairs. Other pairs are `left_out`, with a
+    warning. Modal bodies have geometric stiffness here, also if their parts were reduced without
+    ``stiffening=True``.
 
     Parameters
     ----------
@@ -112,27 +111,28 @@ def buckling(
     parameter : str
         Name of an `Input` that scales loads, "gravity" or "time", as for `load_path`.
     count : int
-        Most loads.
+        Maximum number of loads.
     method : str
         "linear" or "path".
     start : float, optional
-        Prestress; None is the input's present value, 0 for gravity.
+        Value of the parameter at the prestressed equilibrium; None is the current value of the
+        input, 0 for gravity.
     to : float, optional
-        End of the path; None is half beyond the loads of the linear theory.
+        End of the path; None is 1.5 times the highest load of the linear theory.
     steps : int
-        Of the path.
+        Number of steps of the path.
     state : State, optional
-        Near the first equilibrium.
+        Starting point for the first equilibrium.
     axis, point
         As for `load_path`.
 
     Raises
     ------
     InputError
-        If the parameter does not exist, the values make no sense, or a modal body cannot stiffen:
-        its part comes from matrices or from a file without stiffening.
+        If the parameter does not exist, a value is invalid, or a modal body has no geometric
+        stiffness because its part comes from matrices or from a file without stiffening.
     PathFailed
-        If there is no equilibrium to begin with.
+        If there is no equilibrium at `start`.
     """
     problems = Problems()
     where = "buckling"
@@ -151,7 +151,7 @@ def buckling(
         if method == "linear":
             return linear
         if not len(linear.loads):
-            problems.add(where, "the linear theory finds no critical load; say how far: to=...")
+            problems.add(where, "the linear theory has no critical load; give the end, to=...")
             problems.raise_if_any()
         first = balance.value if start is None else float(start)
         to = first + REACH * float(linear.loads[-1] - first)
@@ -181,7 +181,7 @@ def buckling(
 def _linear(balance: Balance, start: float, count: int) -> Buckling:
     at = Walk(balance, start, start + 1.0).begin()
     step = -factor(balance, at).solve(balance.push(at.q, at.lam, at.value))
-    pencil = _Pencil(_held(balance, at), _rate(balance, at, step))
+    pencil = _Pencil(_regularised(balance, at), _rate(balance, at, step))
     nv = balance.model.nv
     found, vectors = pencil.near(0.0, count)
     gap = _gap(found)
@@ -191,14 +191,14 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
         found = np.concatenate([found[soft], further[firm]])
         vectors = np.hstack([vectors[:, soft], beyond[:, firm]])
     loads, shapes, left_out = _sorted(found, vectors[:nv], count, pencil.knows)
-    drawn = pictures(balance.model, at.q, local(balance.model, at.q, shapes))
+    drawn = normalised_shapes(balance.model, at.q, local(balance.model, at.q, shapes))
     if len(left_out):
         pairs = ", ".join(f"{start + x.real:.4g} +- {x.imag:.3g}i" for x in left_out[:3])
         warn(
             "buckling",
             f"left out of the loads of {balance.parameter!r}: {pairs}"
-            f"{' and more' if len(left_out) > 3 else ''}, complex as loads that follow make them. "
-            "The equilibrium may flutter there instead of buckling; look at modes(..., "
+            f"{' and more' if len(left_out) > 3 else ''}, which are complex because of follower "
+            "loads. The equilibrium may flutter there instead of buckling; check modes(..., "
             "damped=True) of states along load_path for a positive real part",
         )
     return Buckling(
@@ -211,13 +211,13 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
     )
 
 
-def _held(balance: Balance, at: Point) -> Any:
-    """Return the tangent matrix with the stiffness of its own round-off against every motion.
+def _regularised(balance: Balance, at: Point) -> Any:
+    """Return the tangent matrix with an added stiffness of the size of its round-off.
 
-    The sum of its rows over all nodes, which is the stiffness of rigid motions, is no better known
-    than ``eps max|K|``: softer springs let forces that are round-off move everything. With the
-    metric D of `Balance.metric`, ``K + HELD max|K| / sum(D) D`` moves by a little less than the
-    bodies deform.
+    The stiffness of rigid motions is the sum of the rows of K over all nodes, with the round-off
+    ``eps max|K|``: bodies on softer springs would move under forces that are round-off. Added is
+    ``HELD max|K| / sum(D) D`` with the metric D of `Balance.metric`; under it rigid motions stay
+    below the deformations.
     """
     nv = balance.model.nv
     A = balance.matrix(at.q, at.lam, at.value)
@@ -228,7 +228,7 @@ def _held(balance: Balance, at: Point) -> Any:
 
 
 class _Pencil:
-    """``(A + s A') x = 0``: the tangent matrix and its rate.
+    """Eigenproblem ``(A + s A') x = 0`` of the tangent matrix and its derivative by the load.
 
     Parameters
     ----------
@@ -239,7 +239,10 @@ class _Pencil:
         self.A, self.slope = A, slope
 
     def near(self, about: float, count: int) -> tuple[Any, Any]:
-        """Return loads s (k,) next to a value and x (n, k), of small ones all; inf for none."""
+        """Return the loads s (k,) nearest to a value and their x (n, k); inf for no load.
+
+        Of small systems all loads are returned.
+        """
         n = self.A.shape[0]
         lu = spl.splu((self.A + about * self.slope).tocsc())
         if n <= DENSE:
@@ -255,13 +258,13 @@ class _Pencil:
         return np.where(finite, about + 1.0 / np.where(finite, values, 1.0), np.inf), vectors
 
     def knows(self, s: complex) -> bool:
-        """Return whether s is a load, and round-off leaves it to `NEARLY`.
+        """Return whether s is an eigenvalue with an error by round-off below `NEARLY`.
 
-        By inverse iteration next to s the load there is ``-y A x / y A' x``, and its condition
-        ``|y| (|A| + |s A'|) |x| / |s y A' x|`` is one that units leave (Higham and Higham, SIAM J.
-        Matrix Anal. Appl. 20 (1998) 493-512). Where the determinant does not depend on s, solvers
-        return infinite loads as huge ones; where only round-off holds a motion, its own as tiny
-        ones, and those of other motions beside them wrong.
+        Inverse iteration at s gives the load ``-y A x / y A' x`` and its condition number
+        ``|y| (|A| + |s A'|) |x| / |s y A' x|``, which does not depend on units (Higham and Higham,
+        SIAM J. Matrix Anal. Appl. 20 (1998) 493-512). It excludes two kinds of wrong values of
+        eigensolvers: huge values in place of infinite loads, if the determinant does not depend on
+        s, and tiny values of motions whose only stiffness is round-off.
         """
         A, slope = self.A, self.slope
         near: Any = _factor(lambda k: A + s * (1.0 + 1e-9 * k) * slope)
@@ -279,9 +282,9 @@ class _Pencil:
 
 
 def _factor(matrix: Callable[[int], Any]) -> Any:
-    """Return the factors of a complex matrix(k), k = 1, 2, 3; None where all are singular.
+    """Return the LU factors of the first regular one of the complex matrices matrix(1 .. 3).
 
-    A matrix next to a singular one may have a pivot that rounding makes exactly 0.
+    None if all are singular. Rounding may make a pivot of a nearly singular matrix exactly 0.
     """
     for k in (1, 2, 3):
         try:
@@ -292,9 +295,10 @@ def _factor(matrix: Callable[[int], Any]) -> Any:
 
 
 def _gap(loads: Any) -> float:
-    """Return a value beyond loads that are next to nothing beside the others; 0 without such.
+    """Return a shift above the loads that are tiny beside the others; 0 if there are none.
 
-    Motions that soft springs hold have loads so small that next to 0 all others are lost.
+    Motions on very soft springs have loads so small that an eigensolver with a shift at 0 finds
+    no others.
     """
     ascending = np.sort(np.abs(loads[np.isfinite(loads) & (loads != 0.0)]))
     if len(ascending) < 2:
@@ -307,10 +311,10 @@ def _gap(loads: Any) -> float:
 def _sorted(
     loads: Any, vectors: Any, count: int, known: Callable[[complex], bool]
 ) -> tuple[Array, Array, NDArray[np.complex128]]:
-    """Return real loads, their shapes, and the complex loads left out, of all that were found.
+    """Return the real loads (k,), their shapes (n, k) and the omitted complex loads (m,).
 
-    A nearly real pair is two loads; its shapes are an orthonormal basis of the plane of the
-    eigenvectors' real and imaginary parts.
+    A nearly real pair counts as two loads; its shapes are an orthonormal basis of the plane of the
+    real and imaginary parts of the eigenvectors.
     """
     ahead = np.isfinite(loads) & (loads.real > 0.0)
     nearly = ahead & (np.abs(loads.imag) <= NEARLY * np.abs(loads))
@@ -331,10 +335,11 @@ def _sorted(
 
 
 def _rate(balance: Balance, at: Point, step: Array) -> Any:
-    """Return the rate of the tangent matrix along the linear solution.
+    """Return the derivative A' of the tangent matrix along the linear solution.
 
-    Beams keep their shape and carry the linear stress, ``e0 -> e0 - s e'``: their stiffness of
-    initial displacements, EA times a rotation, would need its partner of second order.
+    Beams keep their shape and have the linear stress, ``e0 -> e0 - s e'``: the stiffness of
+    initial displacements, EA times a rotation, is left out because it is wrong without the terms
+    of second order.
     """
     model = balance.model
     if not model.beams:

@@ -1,4 +1,4 @@
-"""Frequencies and positions of rest of models with complex constants: their derivatives."""
+"""Derivatives of natural frequencies and equilibria, from models with complex constants."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ from jousto.simulation.state import State
 from jousto.simulation.statics.equilibrium import equilibrium
 
 SAME = 1e-6
-"""Frequencies that differ by less, relatively, are one frequency."""
+"""Relative difference below which frequencies are equal."""
 STILL = 1e-12
-"""Of the largest eigenvalue: motions that do not oscillate."""
+"""Eigenvalue over the largest one, below which a motion does not oscillate."""
 RANK = 1e-10
-"""Of the largest singular value: rows that repeat others."""
+"""Singular value over the largest one, below which a row is redundant."""
 
 
 def rest(model: Model) -> State:
-    """Return the position of rest, with derivatives by ``[K, Cq^T; Cq, 0] [dq; dlam] = -[r; C]``.
+    """Return the static equilibrium with derivatives, ``[K, Cq^T; Cq, 0] [dq; dlam] = -[r; C]``.
 
-    r and C are the residuals of balance and joints at the position of rest of the real parts.
+    r and C are the residuals of the equations of rest and of the joints, with the complex
+    constants, at the equilibrium of their real parts.
     """
     if controllers(model):
-        raise NotAnalytic("controllers settle by iteration")
+        raise NotAnalytic("the equilibrium of controllers is found by iterations")
     with plainly():
         found = equilibrium(real_parts(model))
     engine = _at(model, found.q, np.zeros(model.nv))
@@ -41,7 +42,7 @@ def rest(model: Model) -> State:
     A = engine.newton_matrix(0.0, 0.0, 1.0).real
     nv = model.nv
     A[nv:, :nv] = A[:nv, nv:].T
-    # motions without stiffness and rows that repeat others stay as they are
+    # least squares: no increment of motions without stiffness and of redundant rows
     step = scipy.linalg.lstsq(A, -np.concatenate([r, c]), cond=RANK)[0]
     q = displaced(model, found.q, 1j * step[:nv])
     lam: Any = found.lam + 1j * step[nv:]
@@ -71,7 +72,7 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
         loaded = where_noticed(plain, about, "modes")
     model = as_in(model, loaded, about)
     if number > len(found.frequencies):
-        raise NotAnalytic(f"there are {len(found.frequencies)} modes only")
+        raise NotAnalytic(f"there are only {len(found.frequencies)} modes")
     squares = -(found.eigenvalues**2)
     s = squares[number - 1]
     if abs(s) <= STILL * np.abs(squares).max() or abs(s.imag) > SAME * abs(s):
@@ -86,7 +87,7 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
 
 
 def _slopes(model: Model, q: NDArray[Any], s: float, count: int) -> NDArray[np.float64]:
-    """Return the derivatives of `count` equal omega^2, ascending."""
+    """Return the derivatives (count,) of equal eigenvalues s = omega^2, ascending."""
     nv = model.nv
     engine = _at(model, q, np.zeros(nv))
     a = engine.accelerations()[0].copy()
@@ -95,7 +96,7 @@ def _slopes(model: Model, q: NDArray[Any], s: float, count: int) -> NDArray[np.f
     Cq = K[:nv, nv:].T
     engine.v[:] = a
     H = engine.newton_matrix(0.0, 0.0, 1.0)[nv:, :nv]
-    # stiff motions beside slow ones: unknowns and rows of like size; rows that repeat are left out
+    # scale unknowns and rows to equal size; redundant rows are left out
     scale = 1.0 / np.sqrt(np.abs(np.diag(K[:nv, :nv]).real) + abs(s) * np.diag(M).real)
     U, sizes, _ = np.linalg.svd(Cq.real * scale, full_matrices=False)
     rank = int((sizes > RANK * sizes.max(initial=0.0)).sum())
@@ -106,7 +107,7 @@ def _slopes(model: Model, q: NDArray[Any], s: float, count: int) -> NDArray[np.f
     A = np.block([[K, Cq.T], [H, none]])
     B = np.block([[M, np.zeros(Cq.T.shape)], [Cq / s, none]])
     (A0, dA), (B0, dB) = parts(A), parts(B)
-    for _ in range(3):  # the modes are of the symmetric part where the rest is small
+    for _ in range(3):  # improves s, found with the symmetric part of K if the skew part is small
         Y, _, X = np.linalg.svd(A0 - s * B0)
         Y, X = Y[:, -count:], X[-count:].T
         weight = np.linalg.inv(Y.T @ B0 @ X)

@@ -1,4 +1,4 @@
-"""Newton's method for points of an equilibrium path, at a load or at a distance along it."""
+"""Newton's method for a point of an equilibrium path, at a load or at an arc length."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from jousto.base.arrays import Array
 from jousto.base.errors import SimulationError
 from jousto.model.scales import largest_speed, velocity_metres
 from jousto.simulation.modes.linear import rotations
-from jousto.simulation.modes.spectrum import Spectrum, nearest
+from jousto.simulation.modes.spectrum import Spectrum, lowest_modes
 from jousto.simulation.statics.residual import Balance
 
-SMALL = 1e-10  # length of the last increment
-STALLED = 1e-6  # length of an increment that no longer shrinks: round-off
-NEUTRAL = 1e-13  # of the largest stiffness over its metric: no stiffness
-PUSHED = 1e-3  # length of what forces would move along neutral directions at that stiffness
-TURN = 1.0  # rad or sizes of the mechanism, largest increment of a body
+SMALL = 1e-10  # increment at which Newton's iteration has converged, sizes of the mechanism or rad
+STALLED = 1e-6  # increment below which an iteration that no longer contracts is at round-off
+NEUTRAL = 1e-13  # stiffness over metric, relative to the largest, below which there is none
+PUSHED = 1e-3  # displacement along neutral directions at that stiffness, above which a force acts
+TURN = 1.0  # largest increment of a body in an iteration, rad or sizes of the mechanism
 
 
 class NoConvergenceError(Exception):
-    """Newton's iteration failed; `body` moved most."""
+    """Error of Newton's iteration; `body` is the body with the largest increment."""
 
     def __init__(self, message: str, body: str = "") -> None:
         self.body = body
@@ -42,7 +42,7 @@ class SingularTangentError(NoConvergenceError):
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """Positions, multipliers (and the torque of a held azimuth) and the parameter."""
+    """Point of a path: positions q, multipliers (with the azimuth torque) and the parameter."""
 
     q: Array
     lam: Array
@@ -52,7 +52,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """Increments of all unknowns per unit of the path's length, and of the parameter."""
+    """Path tangent: derivatives of all unknowns and of the parameter by the arc length."""
 
     step: Array
     value: float
@@ -61,8 +61,8 @@ class Rates:
 T = TypeVar("T")
 
 
-def _steady(solve: Callable[..., T]) -> Callable[..., T]:
-    """Take what the engine cannot do at a trial position for a failure of the iteration."""
+def _raise_no_convergence(solve: Callable[..., T]) -> Callable[..., T]:
+    """Decorate `solve` so that errors of the engine at a trial position are NoConvergenceError."""
 
     @wraps(solve)
     def tried(*values: Any, **options: Any) -> T:
@@ -75,12 +75,12 @@ def _steady(solve: Callable[..., T]) -> Callable[..., T]:
 
 
 def factor(balance: Balance, point: Point) -> Any:
-    """Return the factors of the tangent matrix.
+    """Return the sparse LU factors of the tangent matrix at a point.
 
     Raises
     ------
     NoConvergenceError
-        If it is singular.
+        If the matrix is singular.
     """
     A = balance.matrix(point.q, point.lam, point.value)
     try:
@@ -90,24 +90,26 @@ def factor(balance: Balance, point: Point) -> Any:
 
 
 def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
-    """Return Newton's step without, and its part along, neutral directions, (size,) each.
+    """Return Newton's step split into its parts across and along neutral directions, (size,) each.
 
-    Spin of a rope about its own axis, say, has no stiffness and takes no force. With
-    ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s at the
-    round-off of K, that part of a step x is ``s P D x``: where K is regular s does nothing, and
-    where it is none everything.
+    A neutral direction, such as the spin of a rope about its own axis, has no stiffness and no
+    force. With ``P = (K + s D)^-1`` under the constraints, D the metric of `Balance.metric` and s
+    at the round-off of K, the neutral part of a step x is ``s P D x``: about 0 in directions with
+    stiffness, x in directions without.
 
     Raises
     ------
     NoConvergenceError
-        If constraints contradict one another, so that the matrix is singular all the same.
+        If the matrix is singular because constraints contradict one another.
     """
     nv = balance.model.nv
     metric = balance.metric(point.q, point.lam, point.value)
     r = balance.residual(point.q, point.lam, point.value)
     A = balance.matrix(point.q, point.lam, point.value)
     fall = largest_speed(balance.model, r[:nv] / metric)  # m/s2
-    least = max(least_stiffness(A, metric), NEUTRAL * fall / balance.model.size)  # no stiffness
+    least = max(
+        least_stiffness(A, metric), NEUTRAL * fall / balance.model.size
+    )  # regularisation s, 1/s2
     added = np.concatenate([least * metric, np.zeros(len(r) - nv)])
     try:
         lu = spl.splu((A + sp.diags(added)).tocsc())
@@ -120,13 +122,13 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
 
 
 def least_stiffness(A: Any, metric: Array) -> float:
-    """Return the stiffness, over the metric, that round-off of the tangent matrix leaves."""
+    """Return the round-off of the tangent matrix as a stiffness over the metric, 1/s2."""
     nv = len(metric)
     return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
 
 
 def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the point of rest at a value of the parameter, from one nearby.
+    """Return the equilibrium at a value of the parameter, from a point nearby.
 
     Raises
     ------
@@ -143,57 +145,57 @@ def at_load(balance: Balance, point: Point, value: float, iterations: int = 15) 
         raise
 
 
-@_steady
+@_raise_no_convergence
 def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> Point:
     q, lam = point.q, point.lam
     before = np.inf
     for k in range(iterations):
         r = balance.residual(q, lam, value)
         step = -factor(balance, Point(q, lam, value)).solve(r)
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
         length = balance.length(step)
-        if finished(length, before, cut):
+        if has_converged(length, before, cut):
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
+@_raise_no_convergence
 def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the point of rest nearby by Newton's steps without their neutral part.
+    """Return the equilibrium nearby, by Newton's steps without their neutral part.
 
     Raises
     ------
     NoConvergenceError
-        If the iteration fails, or forces push along a neutral direction.
+        If the iteration fails, or a force acts along a neutral direction.
     """
     q, lam = point.q, point.lam
     before = np.inf
     for k in range(iterations):
         step, free = least_step(balance, Point(q, lam, value))
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[balance.model.nv :]
         length = balance.length(step)
-        if finished(length, before, cut):
+        if has_converged(length, before, cut):
             if balance.length(free) > PUSHED:
                 raise NoConvergenceError(
-                    "it is pushed where nothing holds it", mover(balance, free)
+                    "a force acts in a direction without stiffness", most_moved_body(balance, free)
                 )
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, length, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
-def along(
+@_raise_no_convergence
+def at_arc_length(
     balance: Balance, point: Point, ahead: Rates, length: float, weight: float, iterations: int = 12
 ) -> Point:
-    """Return the point at a distance along the path, ``x^T W x + (weight s)^2 = length^2``.
+    """Return the equilibrium at an arc length, ``x^T W x + (weight s)^2 = length^2``.
 
     Newton's method for the unknowns and the parameter together (Riks 1979; Schweizerhof and
-    Wriggers 1986). x are the increments from `point`, rotations as rotation vectors: the
-    derivative of ``|theta|^2`` with body-fixed turns is ``2 theta``, exactly.
+    Wriggers 1986). x are the increments from `point`, with rotations as rotation vectors: the
+    derivative of ``|theta|^2`` by body-fixed rotations is exactly ``2 theta``.
 
     Raises
     ------
@@ -217,19 +219,19 @@ def along(
             raise NoConvergenceError("the path turns back on itself")
         change = -(gap + float(normal @ free[:nv])) / below
         step = free + change * pushed
-        cut = bounded(balance, step)
+        cut = step_factor(balance, step)
         q, lam = balance.moved(q, cut * step), lam + cut * step[nv:]
         value += cut * change
         moved = balance.length(step) + abs(weight * change)
-        if finished(moved, before, cut):
+        if has_converged(moved, before, cut):
             return Point(q, lam, value, k + 1)
         before = _checked(balance, step, moved, before, k)
     raise _failed(balance, step, iterations)
 
 
-@_steady
+@_raise_no_convergence
 def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -> Rates:
-    """Return the direction of the path of length 1, onwards from the last one.
+    """Return the unit tangent of the path, in the sense of the last one.
 
     Raises
     ------
@@ -248,9 +250,9 @@ def tangent(balance: Balance, point: Point, weight: float, last: Rates | None) -
 
 
 def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) -> Spectrum:
-    """Return the modes of the tangent stiffness nearest to 0 at a point of the path.
+    """Return the modes of the tangent stiffness with omega^2 nearest to 0 at a point.
 
-    Held: neutral directions have the stiffness that round-off leaves, so that they are stable.
+    With `held`, the stiffness of `least_stiffness` is added, so that neutral modes are stable.
     """
     nv, nrow = balance.model.nv, balance.model.nrow
     A = balance.matrix(point.q, point.lam, point.value)
@@ -259,11 +261,11 @@ def spectrum(balance: Balance, point: Point, count: int, *, held: bool = False) 
     if held:
         metric = balance.metric(point.q, point.lam, point.value)
         K = K + sp.diags(least_stiffness(A, metric) * metric)
-    return nearest(K, M, C, count)
+    return lowest_modes(K, M, C, count)
 
 
 def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
-    """Return how many modes have no stiffness but round-off, ``|x K x| <= 1000 eps |x||K||x|``."""
+    """Return the number of modes without stiffness, ``|x K x| <= 1000 eps |x||K||x|``."""
     nv = balance.model.nv
     K = balance.matrix(point.q, point.lam, point.value)[:nv, :nv]
     x = np.abs(found.shapes)
@@ -272,15 +274,15 @@ def neutral_modes(balance: Balance, point: Point, found: Spectrum) -> int:
 
 
 def free_motion(balance: Balance, point: Point) -> str:
-    """Return which body can move freely, and how, at a point with a singular tangent."""
-    from jousto.simulation.modes.spectrum import nearest
+    """Return a sentence with the body that moves freely, and its motion, at a singular tangent."""
+    from jousto.simulation.modes.spectrum import lowest_modes
 
     nv, nrow = balance.model.nv, balance.model.nrow
     A = balance.matrix(point.q, point.lam, point.value)
     M = balance.mass(point.q, point.lam, point.value)
-    found = nearest(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
+    found = lowest_modes(A[:nv, :nv], M, A[nv : nv + nrow, :nv], 1)
     if not found.shapes.shape[1]:
-        return "its joints hold everything but contradict one another"
+        return "its joints contradict one another"
     x = np.real(found.shapes[:, 0])
     model = balance.model
     moves = np.array([np.linalg.norm(x[b.iv : b.iv + 3]) for b in model.bodies]) / model.size
@@ -295,8 +297,8 @@ def free_motion(balance: Balance, point: Point) -> str:
     return f"body '{b.name}' {'turns freely about' if turning else 'moves freely along'} ({text})"
 
 
-def bounded(balance: Balance, step: Array) -> float:
-    """Return the factor that keeps turns and travels of an iteration within TURN."""
+def step_factor(balance: Balance, step: Array) -> float:
+    """Return the factor on a step that limits rotations and translations of bodies to TURN."""
     size = balance.model.size
     most = max(
         max(
@@ -308,8 +310,8 @@ def bounded(balance: Balance, step: Array) -> float:
     return float(min(1.0, TURN / max(most, 1e-300)))
 
 
-def finished(length: float, before: float, cut: float) -> bool:
-    """Return whether the increment was the last one."""
+def has_converged(length: float, before: float, cut: float) -> bool:
+    """Return whether Newton's iteration has converged or stalled at round-off."""
     if cut < 1.0:
         return False
     return length <= SMALL or (length <= STALLED and length > 0.3 * before)
@@ -321,8 +323,8 @@ def _checked(balance: Balance, step: Array, length: float, before: float, k: int
     return length
 
 
-def mover(balance: Balance, step: Array) -> str:
-    """Return the name of the body that an increment moves most."""
+def most_moved_body(balance: Balance, step: Array) -> str:
+    """Return the name of the body with the largest increment."""
     bodies = balance.model.bodies
     moves = step[: balance.model.nv] * velocity_metres(balance.model)
     size = [float(np.linalg.norm(moves[b.iv : b.iv + 6])) for b in bodies]
@@ -330,7 +332,7 @@ def mover(balance: Balance, step: Array) -> str:
 
 
 def _failed(balance: Balance, step: Array, iterations: int) -> NoConvergenceError:
-    body = mover(balance, step)
+    body = most_moved_body(balance, step)
     return NoConvergenceError(
         f"Newton's iteration did not converge in {iterations} iterations, body '{body}' moves most",
         body,

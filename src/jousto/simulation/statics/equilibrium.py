@@ -1,4 +1,4 @@
-"""equilibrium: where a mechanism rests."""
+"""equilibrium: static equilibrium of a mechanism near a state."""
 
 from __future__ import annotations
 
@@ -16,57 +16,57 @@ from jousto.model.scales import largest_speed
 from jousto.simulation.check_bending import warn_far
 from jousto.simulation.controllers import hold_controllers, settle_controllers
 from jousto.simulation.modes.large import MANY
-from jousto.simulation.modes.linear import at_rest, stiffness_modes, turning
+from jousto.simulation.modes.linear import at_rest, body_frame_increments, stiffness_modes
 from jousto.simulation.state import State, put
 from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
 from jousto.simulation.statics.neglected_stiffening import check_second_order
 
-ITERATIONS = 100
+ITERATIONS = 100  # maximum number of iterations
 TURN = 0.5  # largest rotation of an iteration, rad
-TRAVEL = 0.3  # largest translation of an iteration, of the size of the mechanism
-FREE = 1e-12  # omega^2 below this share of the largest: a free direction
+TRAVEL = 0.3  # largest translation of an iteration, sizes of the mechanism
+FREE = 1e-12  # omega^2 over the largest one, below which a direction has no stiffness
 
 
 @explained
 def equilibrium(model: Model, state: State | None = None, *, tolerance: float = 1e-10) -> State:
-    """Find a static equilibrium near a state: where it comes to rest.
+    """Return a static equilibrium of a mechanism near a state.
 
-    Steps through a viscous medium lead downhill, so that a hanging pendulum is found, not an
-    upright one (a start exactly in an unstable equilibrium stays there); Newton's method ends them.
-    Its matrix is that of the engine, sparse, and each step costs about as much as one of an
-    implicit method. Where that fails, small mechanisms go by steps ``sum_i x_i c_i / |omega_i^2|``
-    over the modes x_i of the exact stiffness, c the forces expanded in ``M x_i``, bounded in turn
-    and travel, with the joints closed after each.
+    Implicit steps of an overdamped motion reduce the potential energy; Newton's method follows
+    near the minimum. So the equilibrium is stable: a hanging pendulum, not an upright one (a start
+    exactly in an unstable equilibrium stays in it). The matrix is the sparse one of the engine, and
+    a step costs about as much as a step of an implicit method. If this fails, small mechanisms
+    take steps ``sum_i x_i c_i / |omega_i^2|`` over the modes x_i of the exact stiffness, with the
+    forces expanded as ``sum_i c_i M x_i``, bounded in rotation and translation; after each step the
+    joints are closed.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     state : State, optional
-        Start; None is the initial state. Time counts for signals.
+        Starting point; None is the initial state. Signals have the values of its time.
     tolerance : float
-        Largest remaining force of the steps by modes, relative to all forces that act on the free
-        coordinates; the other way ends at increments of 1e-10 of the size.
+        Largest residual force of the steps by modes, relative to the forces on the free
+        coordinates; the sparse iteration ends at increments of 1e-10 sizes of the mechanism.
 
-    A `PID` holds its coordinate at its reference, with the integral part that this takes.
-
-    Directions without stiffness, such as the spin of a rope between spherical joints, are no
-    obstacle as long as no force works in them.
+    A `PID` has its coordinate at the reference, with the integral part that balances the loads.
+    Directions without stiffness, such as the spin of a rope between spherical joints, are allowed
+    if no force acts in them.
 
     Raises
     ------
     SimulationError
-        If there is none, or it is not found; the message distinguishes both and names the body.
-        If a linear body would buckle there: the loads beyond a critical one are no rest.
+        If there is no equilibrium, or the iteration does not find one; the message distinguishes
+        the two and names the body. If the loads exceed the buckling load of a linear body.
     InputError
-        If a body or joint is singular at some position on the way.
+        If a body or joint is singular at a position of the iteration.
 
     Warns
     -----
     JoustoWarning
-        A body with modes bends by more than they, which are linear, can follow, or a part without
-        ``stiffening=True`` bends otherwise by per cents where loads stiffen or soften it.
+        If a modal body bends beyond the range of its linear modes, or if geometric stiffness would
+        change the deflection of a part without ``stiffening=True`` by per cents.
     """
     warn_loads(model)
     held, where = hold_controllers(model), f"equilibrium of {model.name!r}"
@@ -82,19 +82,19 @@ def _rest(model: Model, state: State | None, tolerance: float) -> State:
     try:
         return settle(model, state)
     except (SimulationError, RuntimeError, InputError) as error:
-        # loads that follow and lead uphill, rows that repeat one another
+        # follower loads that raise the energy, or redundant constraints: steps by modes
         if model.nv + model.nrow > MANY:
             raise
         try:
             return _by_modes(model, state, tolerance)
         except SimulationError:
-            if isinstance(error, SimulationError):  # it knows more of what is wrong
+            if isinstance(error, SimulationError):  # has the more specific message
                 raise error from None
             raise
 
 
 def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
-    """Return a static equilibrium by Newton's steps in the modes of the exact stiffness."""
+    """Return a static equilibrium, by bounded Newton steps in the modes of the stiffness."""
     rest = np.zeros(model.nv)
     start = State(model.q0, rest, np.zeros(model.nrow)) if state is None else state
     time, q = start.time, np.array(start.q)
@@ -108,9 +108,9 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
             return replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None)
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
-        # under follower loads shapes are not orthogonal, least of all those of equal frequencies
+        # modal forces c by least squares: under follower loads the shapes are not orthogonal
         push = np.linalg.lstsq(shapes, force, rcond=None)[0]
-        # reach of the forces: a stiff direction at its round-off must not keep the others waiting
+        # smallest omega^2 of a step, so that round-off in a stiff direction does not limit it
         rates = np.abs(squares)
         pull = largest_speed(model, t.a)  # m/s2
         least = FREE * max(float(rates.max()), pull / model.size, 1e-300)
@@ -118,7 +118,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         largest = max(largest, pull, float(np.linalg.norm(model.gravity)))
         moves = [np.abs(step[b.iv : b.iv + 3]).max() for b in model.bodies]
         turns = [np.abs(step[b.iv + 3 : b.iv + 6]).max() for b in model.bodies]
-        # a body whose frame is held bends all the same
+        # modal coordinates move also if the body frame is fixed
         bent = max(
             np.abs(s.modes @ step[b.iv + 6 : b.iv + 6 + b.n]).max(initial=0.0)
             for b, s in zip(model.bodies, model.shapes, strict=True)
@@ -130,20 +130,20 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time
-        engine.q[:] = displaced(model, q, turning(model, q) @ (factor * step))
+        engine.q[:] = displaced(model, q, body_frame_increments(model, q) @ (factor * step))
         engine.v[:] = 0.0
         engine.assemble()
         q = np.array(engine.q)
         engine.v[:] = 0.0
         a, _ = engine.accelerations()
-        # went past the bottom and climbed higher on the other side: shorter steps
-        after = t.N.T @ t.M @ (turning(model, q).T @ a)
+        # the potential energy rose behind the minimum: shorten the steps
+        after = t.N.T @ t.M @ (body_frame_increments(model, q).T @ a)
         if float(after @ force) < 0.0 and float(after @ after) > before:
             bound *= 0.5
     raise SimulationError(
-        f"no static equilibrium found in {ITERATIONS} iterations, body '{body}' moves most: if "
-        "something pushes it in a direction in which nothing holds it, add a joint or take the "
-        "load away; else start nearer to the rest position (state=...)",
+        f"no static equilibrium found in {ITERATIONS} iterations, body '{body}' moves most; if a "
+        "force acts on it in a direction without stiffness, add a joint or remove the load; "
+        "otherwise start nearer to the equilibrium (state=...)",
         time=time,
         body=body,
     )

@@ -1,4 +1,4 @@
-"""settle: where a large mechanism rests, by sparse matrices."""
+"""settle: static equilibrium of a large mechanism by sparse matrices."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ from jousto.simulation.statics.continuation import (
     NoConvergenceError,
     Point,
     at_least,
-    bounded,
     least_step,
     least_stiffness,
-    mover,
+    most_moved_body,
+    step_factor,
 )
 from jousto.simulation.statics.free_bodies import UNHELD
 from jousto.simulation.statics.residual import TIME, Balance
 
-TRIES = 300
-INNER = 12  # Newton iterations of a step
-CLOSE = 1e-3  # of the length of a step: its iteration is done
-STRIDE = 0.5  # rad or sizes of the mechanism, largest increment of a body in a step
-NEAR = 1e-3  # length of a step from which Newton's method goes on alone
-FIRST = 0.05  # of the size of the mechanism, the first step under the largest acceleration
-QUICK = 4  # Newton iterations of a step at most: the next one is larger
-SOFTER, SOFT, HARDER = 0.1, 0.4, 6.0  # of the resistance, after quick, slow and failed steps
+TRIES = 300  # maximum number of steps
+INNER = 12  # maximum number of Newton iterations of a step
+CLOSE = 1e-3  # relative step size at which Newton's iteration of a step has converged
+STRIDE = 0.5  # largest increment of a body in a step, rad or sizes of the mechanism
+NEAR = 1e-3  # length of a step, sizes of the mechanism, below which Newton's method takes over
+FIRST = 0.05  # length of the first step under the largest acceleration, sizes of the mechanism
+QUICK = 4  # number of Newton iterations up to which a step counts as quick
+SOFTER, SOFT, HARDER = 0.1, 0.4, 6.0  # factors on the resistance after quick, slow, failed steps
 
 
 def settle(model: Model, state: State | None) -> State:
-    """Return a static equilibrium near a state, of mechanisms with thousands of coordinates.
+    """Return a static equilibrium near a state, for mechanisms with thousands of coordinates.
 
-    Implicit steps of motion through a viscous medium, ``r(q + x) + s D x = 0`` under the
-    constraints, lead downhill: each is the minimum of the energy and ``s x D x / 2`` (proximal
-    point method, Rockafellar 1976). The resistance s falls while steps converge quickly. Stiff
-    parts, such as the stretch of a rope, are in balance after every step. D is the mass with
-    rotary inertia as of the whole, so that spin about a thin axis is no fast motion.
+    Implicit steps of an overdamped motion, ``r(q + x) + s D x = 0`` under the constraints, reduce
+    the potential energy: each step minimises the energy plus ``s x D x / 2`` (proximal point
+    method, Rockafellar 1976). The resistance s falls while steps converge quickly. Stiff
+    directions, such as the stretch of a rope, are in equilibrium after every step. D is the metric
+    of `Balance.metric`, in which slender bodies have a larger rotary inertia about their axis.
 
     Raises
     ------
     SimulationError
-        If there is none.
+        If no equilibrium is found.
     """
     flow = _Flow(Balance(model, TIME, state, where="equilibrium", frictionless=True))
     at, s = flow.start, max(flow.fall / (FIRST * model.size), flow.least)
@@ -71,7 +71,7 @@ def settle(model: Model, state: State | None) -> State:
 
 
 class _Flow:
-    """Steps of a mechanism through a viscous medium."""
+    """Implicit steps of the overdamped motion of a mechanism."""
 
     def __init__(self, balance: Balance) -> None:
         self.balance, self.time = balance, balance.value
@@ -89,7 +89,8 @@ class _Flow:
         Raises
         ------
         NoConvergenceError
-            If Newton's iteration fails, goes far, or leads uphill: the resistance is too small.
+            If Newton's iteration fails, or the step is too long or raises the energy, because the
+            resistance is too small.
         """
         balance, nv = self.balance, self.balance.model.nv
         q, lam, x = start.q, start.lam, np.zeros(nv)
@@ -100,39 +101,41 @@ class _Flow:
             r[:nv] += held[:nv] * x
             A = balance.matrix(q, lam, self.time) + sp.diags(held)
             change = -spl.splu(A.tocsc()).solve(r)
-            if not bounded(balance, change) >= 1.0:
-                raise NoConvergenceError("an iteration went too far", mover(balance, change))
+            if not step_factor(balance, change) >= 1.0:
+                raise NoConvergenceError(
+                    "an iteration went too far", most_moved_body(balance, change)
+                )
             q, lam = balance.moved(q, change), lam + change[nv:]
             x = balance.between(start.q, q)
             length = balance.length(x)
             if balance.length(change) <= max(CLOSE * length, SMALL):
                 self._check(start, lam, x, alone=count == 1)
                 return Point(q, lam, self.time, count), length
-        raise NoConvergenceError("an iteration did not converge", mover(balance, change))
+        raise NoConvergenceError("an iteration did not converge", most_moved_body(balance, change))
 
     def _check(self, start: Point, lam: Array, x: Array, *, alone: bool) -> None:
-        """Refuse steps that go far or uphill, past an unstable rest."""
-        if not bounded(self.balance, x / STRIDE) >= 1.0:
-            raise NoConvergenceError("it travels on and on", mover(self.balance, x))
+        """Raise NoConvergenceError for steps that are too long or raise the energy."""
+        if not step_factor(self.balance, x / STRIDE) >= 1.0:
+            raise NoConvergenceError("a step was too long", most_moved_body(self.balance, x))
         r = self._residual(start.q, lam)[: len(x)]
         if not alone and float(r @ x) > SMALL * float(np.abs(r) @ np.abs(x)):
-            raise NoConvergenceError("it leads uphill", mover(self.balance, x))
+            raise NoConvergenceError("a step raised the energy", most_moved_body(self.balance, x))
 
     def failed(self, at: Point, why: NoConvergenceError | None) -> SimulationError:
-        """Return what to say when there is no rest."""
+        """Return the error of a search that found no equilibrium."""
         balance = self.balance
         try:
             step, free = least_step(balance, at)
         except NoConvergenceError:
             step = free = np.zeros(balance.size)
         if balance.length(free) > max(PUSHED, balance.length(step)):
-            body = mover(balance, free)
+            body = most_moved_body(balance, free)
             text = UNHELD.format(body)
         else:
-            body = why.body if why and why.body else mover(balance, step)
+            body = why.body if why and why.body else most_moved_body(balance, step)
             text = (
-                f"{why or 'it goes on'}, body '{body}' moves most; start nearer to the rest "
-                "(state=...), or bring the loads on in steps with load_path"
+                f"{why or 'it still moves'}, body '{body}' moves most; start nearer to the "
+                "equilibrium (state=...), or raise the loads in steps with load_path"
             )
         return SimulationError(
             f"no static equilibrium found in {TRIES} steps: {text}", time=self.time, body=body

@@ -1,4 +1,4 @@
-"""Bodies that nothing links to the ground: they have no rest under a load with a resultant."""
+"""Bodies without a link to the ground: no equilibrium under a load with a resultant."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ GROUND = -1
 NOTHING = 1e-9
 """Of the sum of the absolute forces on a group: the resultant that is left of forces in balance."""
 UNHELD = (
-    "body '{}' is pushed in a direction in which nothing holds it; add a joint, "
-    "or take the load away that pushes it"
+    "a force acts on body '{}' in a direction in which nothing holds it; add a joint, "
+    "or remove the load"
 )
 
 
 def check_adrift(model: Model, state: State | None) -> None:
-    """Refuse bodies, linked to one another alone, which loads push away all together.
+    """Raise an error for a group of bodies without a link to the ground and with a resultant load.
 
-    What acts between bodies has no resultant, and gravity and loads of a fixed direction have the
-    same one at all positions: if it is not zero there is no rest. Groups on which anything
-    else acts, such as a force that follows its body, are left to the iteration.
+    Forces between bodies have no resultant; gravity and loads of fixed direction have the same one
+    at all positions. If it is not zero, there is no equilibrium. Groups with other forces, such as
+    follower loads, are not checked.
 
     Raises
     ------
     SimulationError
-        If there are such bodies; it names one of them.
+        If there is such a group; the message names one of its bodies.
     """
     groups = _adrift(model)
     if not groups:
@@ -51,7 +51,7 @@ def check_adrift(model: Model, state: State | None) -> None:
 
 
 def _adrift(model: Model) -> list[list[int]]:
-    """Return the groups of linked bodies on which nothing acts but loads of a fixed direction."""
+    """Return the groups of linked bodies on which only loads of fixed direction act."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -62,7 +62,7 @@ def _adrift(model: Model) -> list[list[int]]:
     ):
         first, *others = links
         pairs += [(first, other) for other in others]
-    n = len(model.bodies)  # and the ground behind them
+    n = len(model.bodies)  # index n is the ground
     a, b = np.array(pairs, dtype=np.int64).reshape(-1, 2).T % (n + 1)
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(n + 1, n + 1))
     label = connected_components(graph, directed=False)[1]
@@ -87,7 +87,7 @@ def _of_coordinate(model: Model, place: int) -> Iterator[int]:
 
 
 def _of_force(model: Model, force: ForceModel) -> Iterator[int]:
-    """Yield the bodies between which a force acts; the ground where its resultant may change."""
+    """Yield the bodies that a force links; the ground if its resultant depends on positions."""
     if force.body >= 0:
         yield force.body
     yield from (model.markers[side].body for side in (force.a, force.b) if side >= 0)

@@ -1,4 +1,4 @@
-"""load_path: static equilibria of a mechanism while a load grows, through limit points."""
+"""load_path: path of static equilibria over a load parameter, through limit points."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ def load_path(
     point: ArrayLike = (0.0, 0.0, 0.0),
     speed: float = 0.0,
 ) -> LoadPath:
-    """Follow the static equilibrium of a mechanism while a parameter goes to a value.
+    """Return the path of static equilibria of a mechanism while a parameter goes to a value.
 
-    The residual of the engine at rest is brought to zero by Newton's method with the exact
-    tangent, at given loads (``method="load"``) or at given distances along the path
-    (``method="arc"``), which passes limit points where the load turns back (snap-through) and
-    points where displacements turn back (snap-back). Steps are halved where Newton fails. Points
-    where a mode of the tangent stiffness turns unstable are found by bisection. Modal bodies
-    always stiffen and soften here, whether their parts were reduced with ``stiffening=True`` or
-    not; a run that begins at a state of the path needs parts that were.
+    Newton's method with the exact tangent solves the equations of rest, at given loads
+    (``method="load"``) or at given arc lengths of the path (``method="arc"``). The arc-length
+    method passes limit points of the load (snap-through) and of displacements (snap-back). Steps
+    are halved where Newton's method fails. Points where a mode of the tangent stiffness becomes
+    unstable are found by bisection. Modal bodies have geometric stiffness here, also if their
+    parts were reduced without ``stiffening=True``; a run from a state of the path needs parts
+    reduced with it.
 
     Parameters
     ----------
@@ -49,36 +49,37 @@ def load_path(
         From `compile`.
     parameter : str
         Name of an `Input` that scales loads or drives; "gravity" (factor on the model's gravity,
-        such as 0 to 1); "time" (s, of signals); with an axis also "speed" (rad/s).
+        such as 0 to 1); "time" (time of the signals, s); with an axis also "speed" (rad/s).
     to : float
-        Last value.
+        Last value of the parameter.
     steps : int
-        Steps from start to `to`; with "arc" it sets the distance: a step never passes more than
-        that part of the load, nor moves or turns the bodies (root mean square) by more than
-        ``1 / steps`` sizes of the mechanism or rad.
+        Number of steps from `start` to `to`. With "arc" it sets the arc length: the load changes
+        by at most ``(to - start) / steps`` in a step, and the bodies move (root mean square) by at
+        most ``1 / steps`` sizes of the mechanism or rad.
     method : str or ArcLength
         "load", "arc" or `ArcLength(...)`.
     start : float, optional
-        First value; None is the input's present value, 0 for gravity.
+        First value of the parameter; None is the current value of the input, 0 for gravity.
     state : State, optional
-        Near the first equilibrium; None is the initial state.
+        Starting point for the first equilibrium; None is the initial state.
     until : function, optional
-        Of the State of each point: True ends the path.
+        Function of the State of each point; the path ends where it returns True.
     branch : int
-        1 or -1: leave the path at the first bifurcation, along plus or minus the critical mode
-        (with "arc").
+        1 or -1: continue at the first bifurcation on the other branch, along plus or minus the
+        critical mode (with "arc"). 0: stay on the path.
     enough : int
-        End after so many critical points; 0: never.
+        Number of critical points after which the path ends; 0: no limit.
     axis, point, speed
-        A steady rotation of everything with `speed` about an axis through a point, world.
+        Steady rotation of the whole mechanism: direction of the axis and a point on it, m, in the
+        world frame; speed, rad/s.
 
     Raises
     ------
     InputError
-        If the parameter does not exist, the values make no sense, or a modal body cannot stiffen:
-        its part comes from matrices or from a file without stiffening.
+        If the parameter does not exist, a value is invalid, or a modal body has no geometric
+        stiffness because its part comes from matrices or from a file without stiffening.
     PathFailed
-        If no equilibrium is found; it has the path so far and names the body that moves.
+        If no equilibrium is found; the error contains the path so far and the body that moves.
     """
     problems = Problems()
     where = "load_path"

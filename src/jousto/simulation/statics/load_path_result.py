@@ -1,4 +1,4 @@
-"""What a path of equilibria is: its settings, points, critical points and failure."""
+"""Settings and results of path following: ArcLength, LoadPath, CriticalPoint, PathFailed."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from jousto.simulation.state import State
 
 @dataclass(frozen=True, eq=False, init=False)
 class ArcLength:
-    """Steps along the path, at a fixed distance: passes limit points of load and of displacement.
+    """Arc-length method, which passes limit points of load and of displacement.
 
     Parameters
     ----------
     weight : float
-        Of the load in the distance, ``x^T W x + (weight (s - s0) / (to - start))^2``; 1
-        (spherical), 0 (cylindrical, Crisfield 1981). x^T W x is the mean over the bodies of
-        ``|dR|^2 / size^2 + |dtheta|^2``.
+        Weight of the load in the squared arc length of a step,
+        ``x^T W x + (weight (s - s0) / (to - start))^2``; 1: spherical, 0: cylindrical (Crisfield
+        1981). x^T W x is the mean over the bodies of ``|dR|^2 / size^2 + |dtheta|^2``.
     limit : int
-        Most steps.
+        Maximum number of steps.
     """
 
     weight: float
@@ -41,21 +41,21 @@ class ArcLength:
 
 @dataclass(frozen=True, eq=False)
 class CriticalPoint:
-    """A point of a path where the tangent stiffness is singular.
+    """Point of a path where the tangent stiffness is singular.
 
     Attributes
     ----------
     load : float
         Value of the parameter.
     kind : str
-        "limit": the load turns back there; "bifurcation": another path crosses.
+        "limit" (extremum of the load) or "bifurcation" (intersection with another path).
     state : State
     increments : (nv,) array
         The critical mode.
     shape : dict
-        Body name to its nodal displacements (nodes, 3), world; largest 1.
+        Nodal displacements (nodes, 3) of each body in the world frame, by its name; maximum 1.
     after : int
-        Index of the point of the path before it.
+        Index of the last point of the path before this one.
     """
 
     load: float
@@ -71,7 +71,7 @@ class CriticalPoint:
 
 @dataclass(frozen=True, eq=False)
 class LoadPath:
-    """Equilibria along a path; ``path["tip"]`` are the values of the sensor there.
+    """Equilibria along a path; ``path["tip"]`` are the values of the sensor `tip` at its points.
 
     Attributes
     ----------
@@ -80,18 +80,18 @@ class LoadPath:
         Values of the parameter.
     states : tuple of State
     sensors : dict
-        Sensor name to values (n,) or (n, k).
+        Values (n,) or (n, k) of each sensor, by its name.
     squares : (n,) array
         Lowest omega^2 of the tangent stiffness, rad2/s2; below 0 the equilibrium is unstable.
     unstable : (n,) int array
-        How many modes fall away (of the few nearest to zero).
+        Number of unstable modes, omega^2 < 0, among the computed ones nearest to zero.
     iterations : (n,) int array
         Newton iterations of each point.
     critical : tuple of CriticalPoint
     complete : bool
-        Whether the last load is the one asked for.
+        Whether the path ends at the requested load.
     ended : str
-        Why it ends where it does.
+        Reason of the end of the path.
     """
 
     parameter: str
@@ -140,7 +140,7 @@ class LoadPath:
 
 
 class PathFailed(SimulationError):
-    """A path could not be followed to its end; `path` contains what was found."""
+    """Error of a path that could not be followed to its end; `path` contains its points so far."""
 
     def __init__(self, message: str, *, path: LoadPath, body: str = "") -> None:
         self.path = path

@@ -1,4 +1,4 @@
-"""What an equilibrium of linear bodies leaves out: how loads stiffen, soften or buckle them."""
+"""Check of the geometric stiffness that an equilibrium of linear bodies neglects."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from jousto.simulation.statics.continuation import (
 from jousto.simulation.statics.residual import TIME, Balance
 
 MISSED = 0.05
-"""Share of the root mean square of its deflection that a body may leave out."""
+"""Relative change of the mean deflection of a body above which a warning follows."""
 LEAST = 1e-3
-"""Of the largest deflection of all bodies, m: below it a body is not bent."""
+"""Deflection over the largest of all bodies, below which a body is not bent."""
 STRAIGHT = 1e-5
-"""Of the size of the machine: mean deflection below which a body is not bent."""
+"""Mean deflection over the size of the machine, below which a body is not bent."""
 WATCHED = 6
-"""Modes next to zero that are asked whether they fall away."""
+"""Number of modes with omega^2 nearest to zero that are checked for instability."""
 REMEDY = "reduce its part with stiffening=True"
 
 
 def check_second_order(model: Model, at: State, where: str, told: set[str]) -> None:
-    """Compare an equilibrium of linear bodies with that of bodies that loads stiffen or soften.
+    """Compare an equilibrium of linear bodies with that of bodies with geometric stiffness.
 
-    The difference is that of one Newton step from the equilibrium. Bodies whose names are `told`
-    are known to bend too far for any modes.
+    The difference is one Newton step from the equilibrium. No warning of the bodies in `told`,
+    which bend beyond the range of their modes.
 
     Raises
     ------
     SimulationError
-        If the machine falls away from the equilibrium once loads soften a linear body.
+        If the equilibrium is unstable with the geometric stiffness of its bodies.
 
     Warns
     -----
     JoustoWarning
-        A body bends otherwise by more than `MISSED`.
+        If the deflection of a body changes by more than `MISSED`.
     """
     parts = linear_bodies(model)
     if not parts:
@@ -64,8 +64,8 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
     names = [model.bodies[k].name for k in parts]
     if falls:
         raise SimulationError(
-            f"{where}: linear bodies leave out that loads soften them, and with it the machine "
-            f"buckles before it rests here, in {_listed(names)}; {REMEDY}, and look for the "
+            f"{where}: this equilibrium neglects that loads soften linear bodies; with it the "
+            f"machine buckles below these loads, in {_listed(names)}; {REMEDY}, and find the "
             "critical load with buckling or load_path",
             time=at.time,
             body=names[0],
@@ -80,7 +80,7 @@ def check_second_order(model: Model, at: State, where: str, told: set[str]) -> N
         if share > MISSED and b.name not in told:
             warn(
                 where,
-                f"body '{b.name}' is linear: how its loads stiffen or soften it would change its "
+                f"body '{b.name}' is linear: its neglected geometric stiffness would change its "
                 f"deflection by about {100.0 * share:.2g} %; {REMEDY}",
             )
 

@@ -1,4 +1,4 @@
-"""Walk: a path of equilibria as it grows, through limit points and onto branches."""
+"""Walk: path following with step control, critical points and branch switching."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spl
 
 from jousto.base.arrays import Array
-from jousto.simulation.modes.linear import local, pictures
+from jousto.simulation.modes.linear import local, normalised_shapes
 from jousto.simulation.modes.spectrum import Spectrum, blocks
 from jousto.simulation.state import State
 from jousto.simulation.statics.continuation import (
@@ -19,7 +19,7 @@ from jousto.simulation.statics.continuation import (
     Point,
     Rates,
     SingularTangentError,
-    along,
+    at_arc_length,
     at_load,
     free_motion,
     neutral_modes,
@@ -34,15 +34,16 @@ from jousto.simulation.statics.load_path_result import (
 )
 from jousto.simulation.statics.residual import Balance
 
-WATCHED = 6  # lowest modes that are looked at on the way
-# of the load along the critical mode, above which the point is a limit point; at a bifurcation the
-# place along the mode is known to the root of the least increment, 1e-5, alone
+WATCHED = 6  # number of lowest modes of the tangent stiffness computed at each point
+# threshold on the projection of dF/dlambda on the critical mode, over its norm: above it a limit
+# point, below it a bifurcation; at a bifurcation the position along the mode is accurate to 1e-5,
+# the square root of the smallest increment
 SLANT = 1e-3
-SHORTEST = 1e-4  # of the first step
+SHORTEST = 1e-4  # smallest step length over the first one
 
 
 class Walk:
-    """One path as it grows."""
+    """Path of equilibria under construction: its points, spectra, states and critical points."""
 
     def __init__(
         self,
@@ -65,11 +66,11 @@ class Walk:
         self.rows: list[Array] = []
         self.critical: list[CriticalPoint] = []
         self.ended = "no equilibrium found"
-        self.neutral = 0  # motions without stiffness where the path begins
-        self.anchor = 0  # the first point of the present branch
+        self.neutral = 0  # number of modes without stiffness at the first point
+        self.anchor = 0  # index of the first point of the current branch
 
     def run(self) -> LoadPath:
-        """Return the whole path."""
+        """Return the path from the first load to the end."""
         self._add(self.begin())
         done = self._by_arc() if self.arc else self._by_load()
         return self.result(done)
@@ -95,10 +96,10 @@ class Walk:
             try:
                 free = free_motion(self.balance, at)
             except (RuntimeError, ValueError, np.linalg.LinAlgError):
-                free = "some body moves freely"
+                free = "a body moves freely"
             return (
-                f"the tangent stiffness is singular, {free}; hold it by a joint or a spring, or "
-                "begin where the loads already hold it (start=..., state=...)"
+                f"the tangent stiffness is singular, {free}; add a joint or a spring, or "
+                "begin at loads that stiffen this motion (start=..., state=...)"
             )
         return (
             f"{error}; give a state nearer to the equilibrium (from `equilibrium`), or begin with "
@@ -106,7 +107,7 @@ class Walk:
         )
 
     def _add(self, point: Point) -> bool:
-        """Keep a point, look for critical ones before it; whether to go on."""
+        """Append a point and the critical points before it; return whether the path goes on."""
         if not self.points:
             found = spectrum(self.balance, point, WATCHED)
             self.neutral = neutral_modes(self.balance, point, found)
@@ -122,7 +123,7 @@ class Walk:
         return True
 
     def _spectrum(self, point: Point) -> Spectrum:
-        """Return the modes that are watched, motions without stiffness held."""
+        """Return the WATCHED lowest modes, with the neutral modes stabilised."""
         return spectrum(self.balance, point, WATCHED + self.neutral, held=self.neutral > 0)
 
     # -- steps of the load
@@ -156,7 +157,7 @@ class Walk:
         return at_load(self.balance, last, last.value + share * (value - last.value))
 
     def _along_share(self, last: Point, ahead: Rates, length: float, share: float) -> Point:
-        return along(self.balance, last, ahead, share * length, self.weight)
+        return at_arc_length(self.balance, last, ahead, share * length, self.weight)
 
     # -- steps of the arc
 
@@ -170,7 +171,7 @@ class Walk:
         for _ in range(self.arc.limit):
             last = self.points[-1]
             try:
-                point = along(balance, last, ahead, length, self.weight)
+                point = at_arc_length(balance, last, ahead, length, self.weight)
                 if self._strays(last, point, ahead):
                     raise NoConvergenceError("the iteration left the path")
                 fraction = partial(self._along_share, last, ahead, length)
@@ -207,7 +208,7 @@ class Walk:
         return False
 
     def _closes(self, length: float) -> bool:
-        """Whether the path is back at the first point of its branch."""
+        """Return whether the path is back at the first point of its branch."""
         first, last = self.points[self.anchor], self.points[-1]
         if len(self.points) - self.anchor < 8:
             return False
@@ -215,7 +216,7 @@ class Walk:
         return bool(np.hypot(away, self.weight * (last.value - first.value)) < 0.7 * length)
 
     def _strays(self, last: Point, point: Point, ahead: Rates) -> bool:
-        """Whether a point lies behind: the iteration has turned round."""
+        """Return whether the iteration converged to a point behind the last one."""
         x = self.balance.between(last.q, point.q)
         nv = self.balance.model.nv
         forward = float((self.balance.weights * x) @ ahead.step[:nv])
@@ -224,7 +225,7 @@ class Walk:
         return bool(forward < 0.3 * size)
 
     def _switch(self, length: float) -> Rates | None:
-        """Leave the path at the first bifurcation: the direction along its other branch."""
+        """Return the tangent of the other branch at the first bifurcation; None without one."""
         if not self.branch or not self.critical or self.critical[-1].kind != "bifurcation":
             return None
         found, balance = self.critical[-1], self.balance
@@ -243,7 +244,7 @@ class Walk:
         size = 0.5 * length
         while True:
             try:
-                point = along(balance, at, ahead, size, self.weight)
+                point = at_arc_length(balance, at, ahead, size, self.weight)
                 if not self._strays(at, point, ahead):
                     break
             except NoConvergenceError:
@@ -251,7 +252,12 @@ class Walk:
             size *= 0.5
             if size < SHORTEST * length:
                 return None
-        for kept in (self.points, self.spectra, self.states, self.rows):  # the point beyond it
+        for kept in (
+            self.points,
+            self.spectra,
+            self.states,
+            self.rows,
+        ):  # remove the point beyond the bifurcation
             kept.pop()
         came = Rates(
             np.concatenate([balance.between(at.q, point.q), point.lam - at.lam]),
@@ -264,7 +270,7 @@ class Walk:
     # -- critical points
 
     def _step(self, point: Point, fraction: Callable[[float], Point]) -> bool:
-        """Keep a point and find the critical ones on the way to it."""
+        """Append a point and the critical points between the last point and it."""
         goes_on = self._add(point)
         before, after = self.spectra[-2].unstable, self.spectra[-1].unstable
         for place in range(min(before, after), max(before, after)):
@@ -275,7 +281,7 @@ class Walk:
         return goes_on
 
     def _crossing(self, fraction: Callable[[float], Point], place: int) -> CriticalPoint:
-        """Find where the mode at `place`, in ascending order, has omega^2 = 0 (Illinois rule)."""
+        """Return the point where mode `place`, ascending, has omega^2 = 0 (Illinois rule)."""
         left, right = 0.0, 1.0
         fl, fr = (self._ascending(self.spectra[i], place)[0] for i in (-2, -1))
         scale = max(abs(fl), abs(fr))
@@ -289,7 +295,7 @@ class Walk:
             try:
                 point = fraction(x)
                 value, shape = self._ascending(self._spectrum(point), place)
-            except NoConvergenceError:  # singular there: look beside it
+            except NoConvergenceError:  # singular tangent: try a point beside it
                 nudge = 0.03 if nudge == 0.0 else -2.0 * nudge
                 continue
             best, nudge = (point, shape), 0.0
@@ -302,7 +308,7 @@ class Walk:
         point, shape = best
         model = self.balance.model
         state, _ = self.balance.accept(point.q, point.lam, point.value)
-        drawn = pictures(model, state.q, local(model, state.q, shape[:, None]))
+        drawn = normalised_shapes(model, state.q, local(model, state.q, shape[:, None]))
         return CriticalPoint(
             load=point.value,
             kind=self._kind(point, shape),
@@ -319,7 +325,7 @@ class Walk:
         return float(values[k]), np.real(found.shapes[:, k])
 
     def _kind(self, point: Point, shape: Array) -> str:
-        """Whether the load pushes along the critical mode (limit) or not (bifurcation)."""
+        """Return "limit" if the load has a component along the critical mode, or "bifurcation"."""
         balance = self.balance
         nv = balance.model.nv
         push = balance.push(point.q, point.lam, point.value)
@@ -339,7 +345,7 @@ class Walk:
     # -- the result
 
     def result(self, complete: bool) -> LoadPath:
-        """Return what was found so far."""
+        """Return the path so far."""
         model = self.balance.model
         values = np.array(self.rows).reshape(len(self.rows), model.nout)
         sensors: dict[str, Array] = {}
@@ -381,8 +387,8 @@ class Walk:
             remedy = self._cause(error, last)
         else:
             remedy = (
-                f"{error}; take more steps, more elements where it bends, and look for forces "
-                "that jump"
+                f"{error}; take more steps, more elements where it bends, and check for forces "
+                "that are discontinuous"
             )
         return PathFailed(
             f"no equilibrium found beyond {name} = {last.value:.6g} on the way to {self.to:g}: "

@@ -1,4 +1,4 @@
-"""Bending: the shape of driven elastic bodies that follow their drives without vibration."""
+"""Bending: quasi-static shape of elastic bodies in a driven motion, without vibration."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.scales import velocity_metres
 from jousto.simulation.modes.linear import free_motions
 
-ITERATIONS = 40
-CLOSE = 1e-11  # of the size of the mechanism: converged
-FAR = 1e3  # the same: lost
+ITERATIONS = 40  # maximum number of Newton iterations
+CLOSE = 1e-11  # increment over the size of the mechanism at which the iteration has converged
+FAR = 1e3  # increment over the size of the mechanism above which the iteration has diverged
 
 
 class Bending:
-    """Elastic bodies in equilibrium with the loads and the inertia of a prescribed motion.
+    """Solver for elastic bodies in equilibrium with loads and inertia of a driven motion.
 
-    At a time t the positions solve ``C(q, t) = 0`` and ``M a + Cq^T lam = Q``, where the
-    velocities and accelerations are those of the drives with the least elastic part: the bodies
-    bend, but their modes do not vibrate.
+    At a time t the positions solve ``C(q, t) = 0`` and ``M a + Cq^T lam = Q``. The velocities and
+    accelerations are those of the drives with the smallest modal part: the bodies bend, but their
+    modes do not vibrate.
 
     Parameters
     ----------
     model : Model
-        Its joints and drives leave no motion free but bending.
+        Model whose joints and drives prescribe all rigid motions.
     """
 
     def __init__(self, model: Model) -> None:
@@ -36,7 +36,7 @@ class Bending:
         )
 
     def settle(self, engine: Engine) -> bool:
-        """Solve at the engine's time, from its q and lam; set q and v. False: no convergence."""
+        """Set q, v and lam of the engine to the solution at its time; False if it diverged."""
         Cq, K = self._slopes(engine)
         rows = engine.row_metres
         N, inverse = free_motions(rows[:, None] * Cq / self._metres)
@@ -60,7 +60,7 @@ class Bending:
         return False
 
     def _motion(self, engine: Engine, N: Array, inverse: Array, bend: Array) -> tuple[Array, Array]:
-        """Velocities and accelerations that follow the drives, least in the modes."""
+        """Return velocities and accelerations (nv,) of the drives with the smallest modal part."""
         twin, model = self._twin, self._model
         twin.q[:], twin.v[:], twin.time[0] = engine.q, 0.0, engine.time[0]
         v = -inverse @ twin.constraints()[1].real
@@ -72,7 +72,7 @@ class Bending:
         return v, a
 
     def _slopes(self, engine: Engine) -> tuple[Array, Array]:
-        """Cq (nrow, nv) and the derivative K (nv, nv) of the residual with respect to q."""
+        """Return Cq (nrow, nv) and the derivative K (nv, nv) of the residual by q."""
         model, twin = self._model, self._twin
         for name in (
             "v",

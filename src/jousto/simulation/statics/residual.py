@@ -1,4 +1,4 @@
-"""Balance: forces of a mechanism at rest or in steady rotation, over a parameter."""
+"""Balance: equations of a mechanism at rest or in steady rotation, over a parameter."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from jousto.simulation.controllers import without_controllers
 from jousto.simulation.modes.spectrum import blocks, newton_sparse
 from jousto.simulation.state import State, put
 
-LIGHT = 1e-12  # of the largest mass, inertia or modal mass: the least that counts
-SOFT = 1e-10  # of the largest compliance: what rows that repeat one another give way by
-FIXED = 1e-9  # of the size: a rotation that the joints allow
+LIGHT = 1e-12  # smallest mass, inertia or modal mass in the metric, over the largest of its kind
+SOFT = 1e-10  # compliance added to redundant rows, over the largest compliance
+FIXED = 1e-9  # residual of a rotation over the size, below which the joints allow it
 GRAVITY, TIME, SPEED = "gravity", "time", "speed"
 
 
 class Balance:
-    """``r(q, lam; s) = 0`` and ``C(q; s) = 0``: the equations of rest, or of steady rotation.
+    """Equations of rest or of steady rotation, ``r(q, lam; s) = 0`` and ``C(q; s) = 0``.
 
-    The residual ``M a + Cq^T lam - Q`` is that of the engine with ``v = 0, a = 0``, or with those
-    of a rotation of everything about a fixed axis, ``R' = W x (R - o)``, ``w = A^T W``,
+    The residual ``r = M a + Cq^T lam - Q`` is that of the engine, with ``v = 0, a = 0``, or with
+    the motion of a rotation of all bodies about a fixed axis: ``R' = W x (R - o)``, ``w = A^T W``,
     ``R'' = W x (W x (R - o))``, ``w' = 0``. Unknowns are increments [dR (world), dtheta (body
-    frame), dp] of every body, then the multipliers; if nothing drives the rotation, one more row
-    holds the azimuth, whose multiplier is the missing torque.
+    frame), dp] of every body, then the multipliers. A rotation without a drive has one more row,
+    which fixes the azimuth; its multiplier is the missing torque.
 
     Parameters
     ----------
@@ -42,13 +42,14 @@ class Balance:
     parameter : str
         Name of an input; "gravity" (a factor), "time" (s), or "speed" (rad/s) with an axis.
     state : State, optional
-        Where to begin; None is the initial state.
+        First state; None is the initial state of the model.
     axis, point : (3,) arrays, optional
-        Axis of a steady rotation and a point on it, m, world.
+        Direction of the axis of a steady rotation and a point on it, m, world frame.
     speed : float
-        rad/s.
+        Speed of the rotation, rad/s.
     frictionless : bool
-        Leave friction that sticks out instead of refusing it: at rest it may push or not.
+        True omits stick-slip friction; False raises an error for it, since its force at rest is
+        not unique.
     """
 
     def __init__(
@@ -87,7 +88,8 @@ class Balance:
             if friction.sticks and not frictionless:
                 problems.add(
                     f"friction '{friction.name}'",
-                    "sticks and slips, where rest is not unique; give it law=Regularised()",
+                    "sticks and slips, so that the equilibrium is not unique; give it "
+                    "law=Regularised()",
                 )
         unit = None if axis is None else parse_direction(problems, where, "axis", axis)
         at = problems.array(where, "point", point, (3,))
@@ -110,7 +112,7 @@ class Balance:
         self.gauge = self.axis is not None and self._turns_freely()
 
     def _let_go(self) -> None:
-        """Forget what sticks and slips; what events locked stays locked."""
+        """Release all sticking frictions; coordinates locked by events stay locked."""
         self.engine.slip[:] = 0
         self.engine.direction[:] = 0
         for friction in self.model.frictions:
@@ -121,7 +123,7 @@ class Balance:
 
     @property
     def value(self) -> float:
-        """The parameter's present value; gravity begins at 0."""
+        """Current value of the parameter; 0 for gravity."""
         if self.kind == "input":
             return float(self.engine.input[self.model.inputs.index(self.parameter)])
         if self.kind == TIME:
@@ -134,7 +136,7 @@ class Balance:
         return int(self.model.nv + self.model.nrow + self.gauge)
 
     def at(self, q: Any, lam: Any, value: Any, twin: bool = False) -> Engine:
-        """Return the engine, or its complex twin, brought to positions, multipliers, parameter."""
+        """Return the engine, or the complex engine, set to positions, multipliers, parameter."""
         engine = self.engine
         if twin:
             if self._twin is None:
@@ -158,15 +160,15 @@ class Balance:
         return engine
 
     def _same(self, engine: Engine) -> None:
-        """Bring another engine to what is neither position nor load: time, inputs, events."""
+        """Copy time, inputs and states of events from the engine to another one."""
         for name in ("time", "input", "turn", "locked", "held", "slip", "direction"):
             getattr(engine, name)[:] = getattr(self.engine, name)
         engine.happened[:] = self.engine.happened
 
     def variant(self, *, beams: bool = True, data: dict[int, Any] | None = None) -> Balance:
-        """Return a balance of the same state without the beams, or with other data of elements.
+        """Return a copy with the same state, without the beams or with other data of elements.
 
-        Data may be complex: `slope` then is the rate along them too.
+        If the data are complex, `slope` is also the derivative along their imaginary parts.
         """
         out = copy(self)
         if not beams:
@@ -187,7 +189,7 @@ class Balance:
             engine.a[b.iv : b.iv + 3] = np.cross(W, V)
 
     def spin(self, q: Array) -> Array:
-        """Return the increments (nv,) of a rotation of everything about the axis by 1 rad."""
+        """Return the increments (nv,) of a rotation of all bodies about the axis by 1 rad."""
         out = np.zeros(self.model.nv)
         assert self.axis is not None
         for b in self.model.bodies:
@@ -196,7 +198,7 @@ class Balance:
         return out
 
     def _turns_freely(self) -> bool:
-        """Whether joints and drives let everything turn, at rest, about the axis."""
+        """Return whether joints and drives allow a rotation of all bodies about the axis."""
         self.engine.v[:] = self.spin(self.engine.q)
         moved = self.engine.constraints()[1]
         self.engine.v[:] = 0.0
@@ -222,13 +224,13 @@ class Balance:
         return np.concatenate([r, c, np.zeros(int(self.gauge))])
 
     def matrix(self, q: Array, lam: Array, value: float) -> Any:
-        """Return ``[K, Cq^T; Cq, 0]``, bordered if the azimuth is held, (size, size)."""
+        """Return ``[K, Cq^T; Cq, 0]`` (size, size), bordered by the row of the azimuth if any."""
         return self._bordered(self._matrix(self.at(q, lam, value)), q)
 
     def slope(self, q: Array, lam: Array, value: float, step: Array, rate: float = 1.0) -> Any:
         """Return the derivative of `matrix` along increments of all unknowns and of the parameter.
 
-        Exact: the engine's formulas at a complex step.
+        It is exact, by a complex step of the engine.
         """
         nv = self.model.nv
         h = 1j * IMAGINARY
@@ -247,23 +249,23 @@ class Balance:
         return newton_sparse(self.at(q, lam, value), 1.0, 0.0, 0.0)[:nv, :nv].tocsc()
 
     def metric(self, q: Array, lam: Array, value: float) -> Array:
-        """Return masses (nv,) of all increments, with rotary inertia of the size of neighbours.
+        """Return masses (nv,) of all increments, with a lower bound on the rotary inertia.
 
-        A mass on an arm of the mechanism's size over the number of bodies: spin about a thin axis
-        then counts as other motions do.
+        The bound is the mass on a lever of the size of the mechanism over the number of bodies, so
+        that spin about a slender axis is scaled as other motions are.
         """
         out = self.mass(q, lam, value).diagonal()
         arm = self.model.size / len(self.model.bodies)
         for b in self.model.bodies:
             out[b.iv + 3 : b.iv + 6] += out[b.iv : b.iv + 3].max() * arm**2
-        # masses, inertias and modal masses are of no common size: each kind has its own floor
+        # masses, inertias and modal masses differ in size: a lower bound for each kind
         kinds = _kinds(self.model)
         most = np.zeros(3)
         np.maximum.at(most, kinds, out)
         return np.asarray(np.maximum(out, LIGHT * most[kinds]))
 
     def _matrix(self, engine: Engine) -> Any:
-        """``[K, Cq^T; Cq, 0]`` without the border; K with the rates of a steady rotation."""
+        """Return ``[K, Cq^T; Cq, 0]`` without the border; K includes terms of the rotation."""
         nv = self.model.nv
         A = newton_sparse(engine, 0.0, 0.0, 1.0).tocsr()
         K, Ct, rest = A[:nv, :nv], A[:nv, nv:], A[nv:, nv:]
@@ -296,11 +298,11 @@ class Balance:
     # -- states -----------------------------------------------------------------------------------
 
     def moved(self, q: Array, step: Array) -> Array:
-        """Return positions moved by the first nv of the unknowns' increments."""
+        """Return positions q (nq,) after the first nv components of an increment."""
         return np.asarray(displaced(self.model, q, step[: self.model.nv]))
 
     def length(self, step: Array) -> float:
-        """Return the length of increments: mean over the bodies of turn and travel by the size."""
+        """Return the norm of an increment: root mean square of rotation and translation / size."""
         x = step[: self.model.nv]
         return float(np.sqrt(self.weights @ (x * x)))
 
@@ -322,9 +324,9 @@ class Balance:
         return out
 
     def accept(self, q: Array, lam: Array, value: float) -> tuple[State, Array]:
-        """Return the state and its sensor values; angles are counted on from here."""
+        """Return the state and its sensor values; update the revolution counters of angles."""
         engine = self.at(q, lam, value)
-        if len(engine.turn):  # which counts them
+        if len(engine.turn):  # revolution counters, updated by assemble
             engine.assemble(0)
             engine = self.at(q, lam, value)
         velocities = np.array(engine.v)
@@ -358,12 +360,12 @@ def turned(e: Any) -> Any:
 
 
 def _kinds(model: Model) -> NDArray[np.intp]:
-    """Return 0, 1, 2 of the increments (nv,): travels, turns, modal coordinates."""
+    """Return the kind (nv,) of each increment: 0 translation, 1 rotation, 2 modal coordinate."""
     return np.concatenate([np.repeat([0, 1, 2], [3, 3, b.n]) for b in model.bodies])
 
 
 def _weights(model: Model) -> Array:
-    """Return what the squares of increments count in the length of a step, (nv,)."""
+    """Return the weights (nv,) of squared increments in the arc-length norm."""
     out = np.ones(model.nv)
     shapes = model.shapes or [None] * len(model.bodies)
     for b, shape in zip(model.bodies, shapes, strict=True):

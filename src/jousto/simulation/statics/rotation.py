@@ -1,4 +1,4 @@
-"""steady_rotation: the shape of a mechanism that turns at constant speed."""
+"""steady_rotation: relative equilibrium of a mechanism that turns at constant speed."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from jousto.simulation.statics.continuation import NoConvergenceError, Point, at
 from jousto.simulation.statics.path_following import Walk
 from jousto.simulation.statics.residual import SPEED, Balance
 
-TORQUE = 1e-9  # of the moments of inertia forces and weight: a torque that is round-off
-NOISE = 64 * float(np.finfo(float).eps)  # of the largest stiffness: forces that are round-off
-SAME = 1e-9  # of the inertia forces: what may change as everything turns on
-FITS = 1e-6  # of the speed times the size: velocities that fit the joints and drives
+TORQUE = 1e-9  # torque over the moments of inertia forces and weight, below which it is round-off
+NOISE = 64 * float(np.finfo(float).eps)  # round-off of a force over the largest stiffness
+SAME = 1e-9  # variation of a force over a revolution / inertia forces, below which it is constant
+FITS = 1e-6  # velocity residual over speed times size, below which joints and drives allow it
 
 
 @explained
@@ -33,37 +33,38 @@ def steady_rotation(
     state: State | None = None,
     steps: int = 8,
 ) -> State:
-    """Find the relative equilibrium of a mechanism that turns steadily about an axis.
+    """Return the relative equilibrium of a mechanism that turns steadily about an axis.
 
-    Everything turns with ``R' = W x (R - o)``; the positions solve ``M a + Cq^T lam = Q`` with the
-    accelerations ``W x (W x (R - o))`` of that motion, by Newton's method with the exact tangent
-    (centrifugal, geometric and gyroscopic terms). Where nothing drives the rotation the azimuth is
-    kept. `modes` with ``damped=True`` about the state gives the frequencies in the turning frame,
-    so that `campbell` draws them over the speed. Modal bodies stiffen, whether their parts were
-    reduced with ``stiffening=True`` or not; a run that begins there needs parts that were.
+    All bodies have the velocities ``R' = W x (R - o)``; the positions solve
+    ``M a + Cq^T lam = Q`` with the accelerations ``W x (W x (R - o))`` of that motion, by Newton's
+    method with the exact tangent (centrifugal, geometric and gyroscopic terms). Without a drive the
+    azimuth of the state remains. `modes` with ``damped=True`` about the state returns frequencies
+    in the turning frame, which `campbell` draws over the speed. Modal bodies have geometric
+    stiffness, also if their parts were reduced without ``stiffening=True``; a run from the state
+    needs parts reduced with it.
 
     Parameters
     ----------
     model : Model
         From `compile`.
     axis : (3,) array_like
-        Direction, world.
+        Direction of the axis, world frame.
     speed : float
-        rad/s; that of the drive, if one drives it.
+        Speed, rad/s; if the rotation has a drive, the speed of the drive.
     point : (3,) array_like
-        A point of the axis, m, world.
+        Point on the axis, m, world frame.
     state : State, optional
-        Near the equilibrium; None is the initial state.
+        Starting point; None is the initial state.
     steps : int
-        Steps of the speed, from 0, where the way from the start is too far for one.
+        Number of steps of the speed, from 0, if Newton's method fails at the full speed.
 
     Raises
     ------
     InputError
-        If the axis or the speed make no sense.
+        If the axis or the speed is invalid.
     SimulationError
-        If there is no such motion: joints or drives move otherwise, a force is not the same for
-        every azimuth (gravity across the axis), or a torque is missing.
+        If there is no such motion: joints or drives prescribe another one, a force depends on the
+        azimuth (gravity across the axis), or the rotation needs a torque without a drive.
     """
     where = "steady_rotation"
     problems = Problems()
@@ -97,7 +98,7 @@ def steady_rotation(
 
 
 def _check(balance: Balance, at: Point) -> None:
-    """Refuse what does not turn steadily."""
+    """Raise a SimulationError if the mechanism does not turn steadily at a point."""
     model, speed = balance.model, at.value
     engine = balance.at(at.q, at.lam, speed)
     gap = engine.constraints()[1] * engine.row_metres
@@ -106,9 +107,9 @@ def _check(balance: Balance, at: Point) -> None:
         row = int(np.argmax(np.abs(gap)))
         name = next(j.name for j in model.joints if j.row <= row < j.row + j.rows)
         raise SimulationError(
-            f"joint or drive '{name}' does not move as a rotation of everything with {speed:g} "
-            "rad/s about the axis; give the speed, axis and point of the drive, or a joint that "
-            "lets everything turn",
+            f"joint or drive '{name}' does not allow a rotation of the whole mechanism with "
+            f"{speed:g} rad/s about the axis; give the speed, axis and point of the drive, or a "
+            "joint that allows the rotation",
             time=float(engine.time[0]),
             body=name,
         )
@@ -118,7 +119,7 @@ def _check(balance: Balance, at: Point) -> None:
     turns = np.concatenate([np.arange(b.iv + 3, b.iv + 6) for b in model.bodies])
     total = sum(float(np.real(b.mass[0])) for b in model.bodies)
     if balance.gauge:
-        # work of the missing forces in a turn of everything by 1 rad
+        # missing torque: work of the residual in a rotation of the whole mechanism by 1 rad
         spin = balance.spin(at.q)
         torque = -float(at.lam[-1]) * float(spin @ spin)
         inertia = float(M.diagonal() @ (spin * spin))
@@ -126,12 +127,12 @@ def _check(balance: Balance, at: Point) -> None:
         moments += float(np.linalg.norm(model.gravity)) * float(np.sqrt(inertia * total))
         if abs(torque) > TORQUE * moments + noise * model.size:
             raise SimulationError(
-                f"the rotation needs a torque of {torque:.4g} N m to stay steady, and nothing "
-                "drives it; add a Drive with that speed, or take the brake away",
+                f"the rotation needs a torque of {torque:.4g} N m to stay steady, and has no "
+                "drive; add a Drive with that speed, or remove the brake",
                 time=float(engine.time[0]),
             )
-    # the same accelerations after a turn of everything?
-    half = 0.5  # rad, half of the turn
+    # compare the accelerations after a rotation of the whole mechanism
+    half = 0.5  # half of the rotation angle, rad
     turn = np.concatenate([[np.cos(half)], np.sin(half) * balance.axis])
     Q = rotation_matrix(turn)
     q = np.array(at.q)
@@ -144,7 +145,7 @@ def _check(balance: Balance, at: Point) -> None:
     wanted, time = np.array(later.a), float(later.time[0])
     if speed:
         later.time[0] = time + 2.0 * half / speed
-    found = np.array(later.accelerations()[0])  # a copy: the engine's own changes below
+    found = np.array(later.accelerations()[0])  # copy, since the array of the engine changes below
     later.time[0] = time
     change = np.abs(balance.mass(q, at.lam, speed) @ (found - wanted))
     change[turns] /= model.size
@@ -153,8 +154,8 @@ def _check(balance: Balance, at: Point) -> None:
         worst = int(np.argmax(change))
         body = next(b.name for b in model.bodies if b.iv <= worst < b.iv + 6 + b.n)
         raise SimulationError(
-            f"no steady rotation: the force on body '{body}' changes as everything turns; take "
-            "away gravity across the axis, loads fixed in space, and springs to the ground beside "
+            f"no steady rotation: the force on body '{body}' changes with the azimuth; remove "
+            "gravity across the axis, loads fixed in space, and springs to the ground beside "
             "the axis",
             time=time,
             body=body,

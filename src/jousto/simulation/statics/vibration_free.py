@@ -1,4 +1,4 @@
-"""vibration_free_state: a start from which elastic bodies do not ring."""
+"""vibration_free_state: initial state from which elastic bodies do not vibrate."""
 
 from __future__ import annotations
 
@@ -19,48 +19,47 @@ from jousto.simulation.controllers import follow_filters, hold_controllers
 from jousto.simulation.modes.linear import free_motions
 from jousto.simulation.state import State, put, take
 
-ITERATIONS = 60
-FRESH = 8  # iterations with one set of slopes
-CLOSE = 1e-12  # of the size of the mechanism: converged
-FAR = 1e3  # the same: lost
-SLOW = 0.1  # of the bending: largest change by the inertia of its own rates
-RIGID = 1e-9  # singular values of modal rates below this: a motion without bending
-SHORT = 5e-3  # rad that the fastest body turns between the instants of a difference
-REST = 1e-5  # of the lowest frequency of a body, rad/s: the same of a machine at rest
+ITERATIONS = 60  # maximum number of iterations
+FRESH = 8  # number of iterations with one Jacobian
+CLOSE = 1e-12  # increment over the size of the mechanism at which the iteration has converged
+FAR = 1e3  # increment over the size of the mechanism above which the iteration has diverged
+SLOW = 0.1  # largest relative change of the bending by the inertia of its own rates
+RIGID = 1e-9  # singular value of modal rates, below which a motion does not bend any body
+SHORT = 5e-3  # rotation of the fastest body between instants of a finite difference, rad
+REST = 1e-5  # smallest speed in the step of differences over the lowest frequency of a body
 
 
 @explained
 def vibration_free_state(model: Model, state: State | None = None) -> State:
-    """Find the state in which elastic bodies are bent as the motion bends them, without vibration.
+    """Return the state in which elastic bodies have the quasi-static shape of the motion.
 
-    A machine whose bodies are straight at the first instant rings about the shape that loads and
-    inertia forces ask for, whether drives, motors or given velocities move it. Here the modal
-    coordinates p fulfil ``M a + Cq^T lam = Q`` with p' and p'' that are the slow change of this
-    shape alone, found by differences along the motion. With a motion of the frequency W and modes
-    of the frequency w what is left to ring is of the order ``(W / w)^3`` of the bending.
-
-    Positions and rates of the rigid motions stay; where the pose is free it turns by as little as
-    the bending asks for.
+    Bodies that start undeformed vibrate about the shape in equilibrium with loads and inertia
+    forces, whether drives, motors or initial velocities move the machine. In this state the modal
+    coordinates p fulfil ``M a + Cq^T lam = Q``, where p' and p'' are the slow change of this
+    shape, by finite differences along the motion. In a motion of the frequency W the remaining
+    vibration of modes of the frequency w is of the order ``(W / w)^3`` of the bending. Positions
+    and velocities of the rigid motions remain; a free pose changes by the smallest rotation that
+    the bending requires.
 
     Parameters
     ----------
     model : Model
         From `compile`, with bodies that are rigid or have modes.
     state : State, optional
-        Whose pose, velocities, time and inputs count; None is the initial state.
+        State with the pose, velocities, time and inputs; None is the initial state.
 
     Returns
     -------
     State
-        For ``simulate(model, t_end, state=...)``.
+        Initial state for ``simulate(model, t_end, state=...)``.
 
     Raises
     ------
     InputError
         If the mechanism has exact beams or is too large.
     SimulationError
-        If the bodies are too soft for such a motion without vibration, or something that nothing
-        drives moves about as fast as they vibrate.
+        If the bodies are too soft for a quasi-static shape in this motion, or an undriven body
+        moves about as fast as they vibrate.
 
     Examples
     --------
@@ -69,7 +68,7 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
     without_fmus(model, "vibration_free_state", "has no state at rest that is known")
     if model.beams or model.nv > MOST:
         why = (
-            "exact beams are not settled; start them from equilibrium or steady_rotation"
+            "exact beams are not supported; start them from equilibrium or steady_rotation"
             if model.beams
             else f"{model.nv} velocities are more than {MOST}; start from rest, slowly"
         )
@@ -90,10 +89,11 @@ def vibration_free_state(model: Model, state: State | None = None) -> State:
 
 @dataclass(frozen=True)
 class _Motions:
-    """Free motions (nv, f): those that bend nothing and the others, orthonormal in metres.
+    """Free motions at a position, orthonormal in metres.
 
-    `inverse` is a pseudoinverse of Cq, `parts` gives the shares (f, nv) of rigid motions in a
-    velocity, `follow` those of the others that bend as modal rates say.
+    `inverse` is the pseudoinverse of Cq. `rigid` are free motions without bending, `bending` the
+    other ones, (nv, f) each. `parts` (f, nv) maps a velocity to its coefficients of `rigid`,
+    `follow` maps modal rates to coefficients of `bending`.
     """
 
     inverse: Array
@@ -104,7 +104,7 @@ class _Motions:
 
 
 class _Scaled:
-    """Equations whose rows and columns differ by the square of frequencies, brought to size 1."""
+    """Linear equations with rows and columns scaled to size 1, since they differ by omega^2."""
 
     def __init__(self, A: Array) -> None:
         self._rows = np.maximum(np.abs(A).max(axis=1, initial=0.0), 1e-300)
@@ -113,19 +113,19 @@ class _Scaled:
         self._A = A / self._columns
 
     def solve(self, b: Array) -> Array:
-        """Return x of A x = b."""
+        """Return x from ``A x = b``."""
         x = np.linalg.lstsq(self._A, b / self._rows, rcond=None)[0]
         return np.asarray(x / self._columns)
 
 
 class _Slow:
-    """The slow motion of a mechanism: p follows the rigid motions.
+    """Solver for the quasi-static modal coordinates p in a motion of a mechanism.
 
     Parameters
     ----------
     model : Model
     modal : (m,) array
-        Which velocities are modal.
+        Indices of the modal velocities in v.
     """
 
     def __init__(self, model: Model, modal: NDArray[np.int_]) -> None:
@@ -134,11 +134,11 @@ class _Slow:
         self._twin = Engine(model, complex_scalars=True)
 
     def settle(self, engine: Engine) -> None:
-        """Bring the engine to the slow motion at its time, from its pose and velocities.
+        """Set the engine to the quasi-static shape at its time, from its pose and velocities.
 
-        First as if the shape did not change in time, there and at two instants after it; then
-        with the rates and accelerations that these three shapes give. (Once: noise of the shapes
-        comes back from their second difference larger by ``1 / (w h)^2``.)
+        The shapes at this instant and at two later ones are solved with p' = p'' = 0; then the
+        shape at this instant with the p' and p'' of their differences. The correction is made
+        once, since a second one would amplify round-off by ``1 / (w h)^2``.
         """
         v0, time = np.array(engine.v), float(engine.time[0])
         still = np.zeros(len(self._modal))
@@ -159,10 +159,10 @@ class _Slow:
         self._check_slow(one, self._p(engine.q), time)
 
     def _check_slow(self, still: Array, settled: Array, time: float) -> None:
-        """Refuse a bending that the inertia of its own change corrects by much.
+        """Raise an error if the inertia of p' and p'' changes the bending by more than SLOW.
 
-        Of a slow motion the correction is of the order ``(W / w)^2``, in the norm of the elastic
-        energy; where it is large, so is what it leaves out.
+        In a slow motion the change is of the order ``(W / w)^2``, in the norm of the elastic
+        energy; if it is large, the neglected terms are large too.
         """
         K = np.concatenate([b.K for b in self._model.bodies])
         energy, other = (float(K @ p**2) for p in (still, settled - still))
@@ -171,8 +171,8 @@ class _Slow:
         if share > SLOW and bent > CLOSE * self._model.size:
             raise SimulationError(
                 "the elastic bodies would have to bend about as fast as they vibrate (the inertia "
-                f"of their bending changes it by {100.0 * share:.3g} %): something that nothing "
-                "drives, such as a hanging chain, swings too fast from this pose. Start from "
+                f"of their bending changes it by {100.0 * share:.3g} %): a body without a "
+                "drive, such as a hanging chain, swings too fast from this pose. Start from "
                 "equilibrium(model) if the machine begins at rest, with slower drives or "
                 "velocities, or from the initial state",
                 time=time,
@@ -184,7 +184,7 @@ class _Slow:
         return np.array(np.concatenate(parts))
 
     def _step(self, v: Array, a: Array) -> float:
-        """Return the time in which the fastest body turns by SHORT, s."""
+        """Return the step of the finite differences, s: the fastest body turns by SHORT in it."""
         K = np.concatenate([b.K for b in self._model.bodies])
         fastest = REST * float(np.sqrt(K[K > 0.0].min()))
         for b in self._model.bodies:
@@ -195,10 +195,10 @@ class _Slow:
         return SHORT / fastest
 
     def _bend(self, engine: Engine, given: Array, rates: Array, accelerations: Array) -> None:
-        """Solve at the engine's time for q, v, a and lam.
+        """Solve for q, v, a and lam at the time of the engine, with given p' and p''.
 
-        Moves are ``N_b y`` and what closes the joints, accelerations ``a_c + N_0 alpha``, where
-        N_0 are the free motions that bend nothing and N_b the others.
+        Unknowns are y and alpha: increments ``N_b y`` plus the correction that closes the joints,
+        accelerations ``a_c + N_0 alpha``. N_0 are the free motions without bending, N_b the others.
         """
         for iteration in range(ITERATIONS):
             if iteration % FRESH == 0:
@@ -223,7 +223,7 @@ class _Slow:
             alpha = alpha + solved[count:]
             left = r + K @ move + M @ (free.rigid @ solved[count:])
             engine.lam[:] -= free.inverse.T @ left
-            if far <= CLOSE:  # velocities are to fit to round-off
+            if far <= CLOSE:  # converged: close the velocities to round-off
                 drift = free.rigid @ alpha
                 free = self._motions(engine)
                 alpha = free.parts @ drift
@@ -232,13 +232,13 @@ class _Slow:
             if far <= CLOSE:
                 return
         raise SimulationError(
-            "the elastic bodies do not come to rest in their shape: they are too soft for such a "
-            "motion without vibration; start slower, or from the initial state",
+            "the quasi-static deformation did not converge: the elastic bodies are too soft for "
+            "this motion; start with lower speeds, or from the initial state",
             time=float(engine.time[0]),
         )
 
     def _motions(self, engine: Engine) -> _Motions:
-        """Return what the joints leave free at the engine's position."""
+        """Return the free motions at the position of the engine."""
         metres, rows = self._metres, engine.row_metres
         N, inverse = free_motions(rows[:, None] * self._jacobian(engine) / metres)
         _, s, Vt = np.linalg.svd(N[self._modal])
@@ -253,14 +253,17 @@ class _Slow:
         )
 
     def _velocities(self, engine: Engine, free: _Motions, given: Array, rates: Array) -> Array:
-        """Velocities that fit joints and drives, with the given rigid motion and modal rates."""
+        """Return velocities (nv,) that satisfy the constraints, with rigid and modal parts."""
         engine.v[:] = 0.0
         v = -free.inverse @ engine.constraints()[1]
         v = v + free.rigid @ (free.parts @ (given - v))
         return np.asarray(v + free.bending @ (free.follow @ (rates - v[self._modal])))
 
     def _accelerations(self, engine: Engine, free: _Motions, modal: Array) -> Array:
-        """Accelerations that fit joints and drives, with modal ones and no free rigid ones."""
+        """Return accelerations (nv,) that satisfy the constraints, with the given modal part.
+
+        Their part along the free rigid motions is zero.
+        """
         twin, v = self._twin, np.array(engine.v)
         self._copy(engine)
         twin.q[:] = displaced(self._model, engine.q, 1j * IMAGINARY * v)
@@ -275,7 +278,7 @@ class _Slow:
             getattr(self._twin, name)[:] = getattr(engine, name)
 
     def _jacobian(self, engine: Engine) -> Array:
-        """Cq (nrow, nv)."""
+        """Return the constraint Jacobian Cq (nrow, nv)."""
         model, twin = self._model, self._twin
         self._copy(engine)
         Cq = np.zeros((model.nrow, model.nv))
@@ -285,7 +288,7 @@ class _Slow:
         return Cq
 
     def _slopes(self, engine: Engine) -> tuple[Array, Array]:
-        """Derivatives (nv, nv) of the residual with respect to q and a."""
+        """Return the derivatives (nv, nv) of the residual by q and by a."""
         model, twin = self._model, self._twin
         self._copy(engine)
         K, M = np.zeros((model.nv, model.nv)), np.zeros((model.nv, model.nv))

@@ -7,7 +7,7 @@ from typing import Any
 
 from jousto.base.complexstep import STEP, plainly, stepped
 from jousto.design.studies.case import Case
-from jousto.simulation.results.memory import moved
+from jousto.simulation.results.memory import displaced_results
 from jousto.simulation.results.solution import Solution
 
 SHARE = 1e-5
@@ -39,7 +39,7 @@ def directional(case: Case, judge: Callable[[Solution, float], float]) -> float:
     moves = has_slope(run)
 
     def at(change: float) -> float:
-        return judge(moved(run, change) if moves else run, change)
+        return judge(displaced_results(run, change) if moves else run, change)
 
     with plainly():
         found = [at(k * size) for k in (1, -1, 2, -2)]

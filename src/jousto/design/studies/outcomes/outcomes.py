@@ -24,7 +24,7 @@ from jousto.mechanism.sensors.loads import ReactionSensor
 from jousto.model.model import Model
 from jousto.model.start_complex_step import has_steps
 from jousto.simulation.results.dataframes import component_units
-from jousto.simulation.results.memory import moved
+from jousto.simulation.results.memory import displaced_results
 from jousto.simulation.results.solution import Solution
 
 Floats = np.ndarray[Any, np.dtype[np.float64]]
@@ -187,7 +187,7 @@ class Stress(Outcome):
             return float(worst[0].value) if worst else 0.0
         # the derivative is that of the same place and instant
         with plainly():
-            plain = moved(case.run, 0.0)
+            plain = displaced_results(case.run, 0.0)
             found: Any = () if self.site else spots(plain)
             if not self.site and not found:
                 return 0.0
@@ -266,7 +266,7 @@ class Damage(Outcome):
         from jousto.fatigue.miner.damage import damage
         from jousto.recovery.fields.criteria import Plane
 
-        run = moved(case.run, 0.0) if has_slope(case.run) else case.run
+        run = displaced_results(case.run, 0.0) if has_slope(case.run) else case.run
         with plainly():
             found = self._field(case, run, real_parts(laws))
             worst = int(np.argmax(found.damage))
