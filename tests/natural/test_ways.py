@@ -151,7 +151,9 @@ def test_two_methods_judge_what_the_moving_frame_does_not_know(monkeypatch: Patc
     assert "does not know 1 thing of the machine; two methods of the engine agree" in found.verdict
     assert "not known" in str(found)
     monkeypatch.setattr(
-        engine_variants, "contrasting_method", lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0)
+        engine_variants,
+        "contrasting_method",
+        lambda solver, model: jo.simulation.Newmark(beta=0.6, gamma=1.0),
     )
     broken = compare(stop())
     assert not broken.agrees

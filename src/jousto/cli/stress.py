@@ -109,7 +109,7 @@ def stress(
 
 def errors(field: StressField, criterion: Criterion, *, residual: bool = False) -> list[str]:
     """Return lines on the error of the stress at the most stressed place."""
-    from jousto.recovery.budget import error_budget, told
+    from jousto.recovery.budget import budget_text, error_budget
     from jousto.recovery.fields.criteria import weights
     from jousto.recovery.hotspots.hot_spots import hot_spots
 

@@ -55,7 +55,7 @@ def _begun(begin: Callable[[Model], Any], model: Model) -> Any:
 
     if begin is not equilibrium:
         raise NotAnalytic("a function makes the state at the start")
-    return beginning(model, start="rest")  # start at rest, with derivatives of the equilibrium
+    return initial_state(model, start="rest")  # start at rest, with derivatives of the equilibrium
 
 
 @dataclass(frozen=True, eq=False)

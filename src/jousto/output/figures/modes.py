@@ -93,7 +93,7 @@ def in_mode(data: MechanismModes, mode: int, scale: float) -> Solution:
     """Return a run of two instants: equilibrium, and mode shape with closed joints."""
     model, q = data.model, data.state.q
     x = data.increments[:, mode]
-    moved = [u.ravel() for u in nodal(model, q, x[:, None]).values()]
+    moved = [u.ravel() for u in nodal_displacements(model, q, x[:, None]).values()]
     # point-like bodies: use their rotations if there are no displacements
     seen = [u for u in moved if u.any()] or [x]
     farthest = max((u[np.abs(u).argmax()] for u in seen), key=abs)
