@@ -126,7 +126,7 @@ class Sealed:
         self._start = start
         self._good: NDArray[np.bool_] = np.zeros((about["blocks"], len(self._columns)), bool)
         self._sums = self._read_sums()
-        self.rows: int | None = about["rows"]  # of a closed file
+        self.rows: int | None = about["rows"]  # number of rows; None while the file is open
 
     def _read_sums(self) -> NDArray[np.uint32]:
         with self._path.open("rb") as file:

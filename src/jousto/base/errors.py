@@ -19,7 +19,7 @@ from jousto.base.complexstep import floats, is_stepping, scalar
 
 T = TypeVar("T")
 Path: TypeAlias = tuple[str | int, ...]
-FEW = 9  # numbers up to which those of Python are faster than those of NumPy
+FEW = 9  # size up to which Python numbers are faster than NumPy arrays
 ASK_TRUST = (
     "which may do anything on this computer; if you trust the model file, run it with --trust "
     "(in Python: read_model(path, trust=True))"
@@ -51,7 +51,7 @@ class JoustoWarning(UserWarning):
     Attributes
     ----------
     where : str
-        Name of the object or place in a file, with which the text begins; empty for none.
+        Name of the object or place in a file, the prefix of the text; empty for none.
     message : str
         The text without it.
     path : tuple of (str or int)
@@ -76,7 +76,7 @@ class Problem:
     where : str
         Name of the object or place in a file (``"body 'arm'"``, ``"boom.yaml:18: joints.0.b"``).
     message : str
-        What was found and what would be right.
+        What is wrong, and what is allowed.
     path : tuple of (str or int)
         The field of the object that it is about, and the item or field in it, from outside to
         inside: ``("limit",)``, ``("points", 3)``; empty where it is about no single one.
@@ -290,7 +290,7 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
 
 
 def warn(where: str, message: str, *path: str | int) -> None:
-    """Issue a JoustoWarning that reads like a Problem and points at the code that uses jousto."""
+    """Issue a JoustoWarning in the form of a Problem, at the line that calls jousto."""
     level = 2
     frame = sys._getframe(1)
     while frame.f_back and frame.f_globals.get("__name__", "").split(".")[0] == "jousto":

@@ -101,14 +101,14 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
         try:
             reduced = reduce(full.part, CraigBampton(names, frequency_limit=limit), **options)
         except MissingModesError:
-            pass  # one node held and no mode below the limit: look at the first few
+            pass  # one fixed node and no mode below the limit: use the first few modes
     for modes in TRIED if limit is None else TRIED[-3:]:
         if reduced is not None:
             break
         try:
             reduced = reduce(full.part, CraigBampton(names, modes=modes), **options)
         except MissingModesError:
-            if modes == TRIED[-1]:  # a small part has fewer
+            if modes == TRIED[-1]:  # a small part has fewer modes
                 raise
     assert reduced is not None
     modes_ = modes_of(full, reduced)

@@ -69,7 +69,7 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
         if problems.found:
             return
 
-        # values that are legal numbers but most likely in other units
+        # allowed values that are probably in another unit
         hints: dict[str, str] = {}
         if self.E < 1e9:
             unit = _likely_unit(self.E)

@@ -554,7 +554,7 @@ def warn_interfaces(mechanism: Members) -> None:
             if reduced is None or marker.site is None or not reduced.interfaces:
                 continue
             nodes = {n for name in reduced.interfaces for n in reduced.node_sets[name]}
-            # with most of the modes the difference is small
+            # a part with most of its modes represents loads at any node
             place = repr(marker.point) if marker.followed is None else "a node there"
             if marker.node not in nodes and reduced.n < 3 * len(reduced.nodes) - 6:
                 warn(

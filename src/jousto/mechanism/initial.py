@@ -56,8 +56,8 @@ class Initial(Declared, section="initial"):
             near = np.degrees(np.arctan2(np.sin(at), np.cos(at)))
             problems.add(
                 where,
-                f"value is {np.degrees(at):.6g} deg, must be within half a turn, from which angles "
-                f"are counted; give {near:.6g} deg",
+                f"value is {np.degrees(at):.6g} deg, must be within half a turn of the declared "
+                f"pose; give {near:.6g} deg",
                 "value",
             )
         if at is not None and isinstance(self.coordinate, Distance) and at <= 0.0:

@@ -176,7 +176,12 @@ def _spread(
     t = np.broadcast_to(known["force"] / area, part.nodes.shape)
     if np.any(known["moment"] != 0.0):
         if np.linalg.eigvalsh(J)[0] < 1e-10 * np.trace(J):
-            problems.add(label, "has a moment, but the faces lie on a line; pick a wider surface")
+            problems.add(
+                label,
+                "has a moment, but the faces lie on a line; pick a wider surface; "
+                "pick a wider "
+                "surface",
+            )
             return
         t = t + np.cross(np.linalg.solve(J, known["moment"]), r)
     total[:, :3] += times(A, t)
@@ -231,8 +236,8 @@ def _faces(
         name = f"'{on}'" if isinstance(on, str) else "the nodes picked"
         problems.add(
             label,
-            f"{name} ({len(nodes)} nodes) hold no whole face of the surface; pick all nodes of a"
-            " face, its mid nodes too, or use NodalForce",
+            f"{name} ({len(nodes)} nodes) contain no complete face of the surface; pick all nodes "
+            f"of a face including mid-side nodes, or use NodalForce",
             name,
         )
         return None

@@ -244,7 +244,7 @@ def _elastic(
         good = int(np.sum(frequencies <= frequency_limit))
     if modes is not None:
         if modes > good and frequency_limit is None:
-            message = f"{modes} modes are asked for, the superelement has {count(good, 'mode')}"
+            message = f"{modes} modes are requested, the superelement has {count(good, 'mode')}"
             raise InputError(Problem(where, message, path=("modes",)))
         good = min(good, modes)
     if not good:

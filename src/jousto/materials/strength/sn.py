@@ -136,13 +136,15 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         """Report inconsistent values."""
         if self.k2 is not None:
             if self.rule != "haibach":
-                problems.add(where, f'k2 goes with rule="haibach", not with {self.rule!r}', "k2")
+                problems.add(
+                    where, f'k2 is allowed with rule="haibach" only, not with {self.rule!r}', "k2"
+                )
             if self.k2 < self.k:
                 problems.add(where, f"k2 is {self.k2:g}, must be k = {self.k:g} or larger", "k2")
         if self.N_cut is not None:
             if self.rule == "original":
                 problems.add(
-                    where, 'rule="original" does no damage below the knee; leave N_cut out', "rule"
+                    where, 'rule="original" has no damage below the knee; leave N_cut out', "rule"
                 )
             if self.N_cut < self.N_D:
                 problems.add(where, f"N_cut is {self.N_cut:g} cycles, must be N_D or more", "N_cut")
@@ -150,7 +152,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
             problems.add(
                 where,
                 f"S_u = {self.S_u / 1e6:g} MPa is below the amplitude S_D ="
-                f" {self.S_D / 1e6:g} MPa at the knee; a part breaks at once there",
+                f" {self.S_D / 1e6:g} MPa at the knee, must be above it",
                 "S_u",
             )
 
@@ -304,8 +306,8 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
             raise InputError(
                 Problem(
                     "with_factors",
-                    f"factors {product:g} make a line through {pivot:g} cycles that does not fall,"
-                    " or too steeply; choose another pivot",
+                    f"factors {product:g} lead to a line through {pivot:g} cycles that does not "
+                    f"fall, or is too steep; choose another pivot",
                     path=("factors",),
                 )
             )
@@ -417,8 +419,8 @@ def check_unit(where: str, name: str, stress: float) -> None:
     elif stress > 2e10:
         warn(
             where,
-            f"{name} = {stress:g} Pa is stronger than any metal; was Pa taken for MPa and"
-            " multiplied by 1e6?",
+            f"{name} = {stress:g} Pa is stronger than any metal; was a value in Pa multiplied by "
+            f"1e6?",
             name,
         )
 

@@ -252,7 +252,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
             raise InputError(
                 Problem(
                     "uniform material law",
-                    f"S_u / E is {ratio:g}; the law ends at 0.011. Was S_u given in other units?",
+                    f"S_u / E is {ratio:g}; the law applies up to 0.011; check the units of S_u",
                     path=("S_u",),
                 )
             )

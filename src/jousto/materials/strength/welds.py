@@ -33,7 +33,7 @@ butt welds, butt welds ground flush, and base metal or attachments along the loa
 
 
 class Standard(Choice):
-    """Field of the standard of the classes."""
+    """Field of the standard that defines the FAT classes."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
         """Return the standard, or report an unknown one."""

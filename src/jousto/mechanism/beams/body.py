@@ -59,7 +59,8 @@ class BeamDamping(ProportionalDamping):
             warn(
                 where,
                 f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
-                f"{math.pi * self.stiffness:.3g}, and nothing vibrates any more; it is in s",
+                f"{math.pi * self.stiffness:.3g}, which no vibration survives; the coefficient is "
+                f"in s, check its unit",
                 "stiffness",
             )
 
@@ -267,7 +268,9 @@ class BeamBody(Posed, tag="beam"):
         share = inertia_share(problems, where, mass)
         if self.straight and reference is not None:
             problems.add(
-                where, "straight and reference both tell the unstressed shape; give one", "straight"
+                where,
+                "straight and reference both define the unstressed shape; give only one",
+                "straight",
             )
         if nodes is None:
             return

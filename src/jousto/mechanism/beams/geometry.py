@@ -48,7 +48,9 @@ def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: A
         return given
     if elements is None:
         problems.add(
-            where, "elements is missing: how many between the two ends of the beam?", "elements"
+            where,
+            "elements is missing; give the number of elements between the two ends",
+            "elements",
         )
         return None
     xi = np.linspace(0.0, 1.0, int(elements) + 1)[:, None]
@@ -61,7 +63,7 @@ def check_apart(problems: Problems, where: str, name: str, points: Array) -> boo
     extent = float(np.linalg.norm(np.ptp(points, axis=0)))
     for i in np.flatnonzero(steps <= 1e-9 * max(extent, 1e-300)):
         problems.add(
-            where, f"{name}[{i}] and {name}[{i + 1}] are at one place; leave one out", name, int(i)
+            where, f"{name}[{i}] and {name}[{i + 1}] coincide; leave one out", name, int(i)
         )
         return False
     return True
@@ -89,7 +91,10 @@ def checked_sections(
     if several:
         if nodes is not None and len(section) != n:
             problems.add(
-                where, f"{len(section)} sections for {n} elements; one each", "section", named=False
+                where,
+                f"{len(section)} sections for {n} elements; give one section, or one per element",
+                "section",
+                named=False,
             )
         return tuple(made[id(item)] for item in section)
     return (made[id(section)],) * n
@@ -139,8 +144,8 @@ def check_twist(problems: Problems, where: str, turns: Array) -> None:
     needed = int(np.ceil(len(steps) * steps[worst]))
     problems.add(
         where,
-        f"twist turns element {worst} by {steps[worst]:.3g} rad, of which its ends show less than "
-        f"half a turn; take {needed} elements, for a radian each{degrees}",
+        f"twist turns element {worst} by {steps[worst]:.3g} rad, but the frames of its ends "
+        f"represent less than half a turn; use {needed} elements, a radian each{degrees}",
         "twist",
     )
 
@@ -152,9 +157,9 @@ def check_share(problems: Problems, where: str, sections: Sequence[BeamSection])
         y, z = sections[off[0]].center
         problems.add(
             where,
-            f"the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off "
-            "the axis, and consistent inertia is that of a centre on it; take 'corrected' or "
-            "'lumped', or put the axis through the mass centre and use offset=",
+            f"the mass centre of element {off[0]} is {1e3 * y:.4g} mm, {1e3 * z:.4g} mm off the "
+            f"axis, which consistent inertia does not allow; use 'corrected' or 'lumped', or put "
+            f"the axis through the mass centre and use offset=",
             "mass",
             named=False,
         )
@@ -176,7 +181,9 @@ def inner_nodes(
     bad = [i for i in items if i not in good] + [i for i in good if i not in allowed]
     if bad:
         span = f"{allowed.start} to {allowed.stop - 1}" if len(allowed) else "none"
-        problems.add(where, f"{bad[0]!r} is no inner node; they are {span}", name, named=False)
+        problems.add(
+            where, f"{bad[0]!r} is no inner node; inner nodes are {span}", name, named=False
+        )
     return good
 
 
@@ -192,10 +199,15 @@ def named_nodes(problems: Problems, where: str, markers: Any, n: int) -> dict[st
     named: dict[str, int] = {}
     for point, place in markers.items():
         if point in ("start", "end") or str(point).removeprefix("node").isdecimal():
-            problems.add(where, f"marker {point!r}: the name is taken by a node", "markers", point)
+            problems.add(
+                where,
+                f"marker {point!r}: a node has this name already; choose another one",
+                "markers",
+                point,
+            )
         elif not isinstance(place, int | np.integer) or not 0 <= place <= n:
             problems.add(
-                where, f"marker {point!r}: no node {place!r}; they are 0 to {n}", "markers", point
+                where, f"marker {point!r}: no node {place!r}; nodes are 0 to {n}", "markers", point
             )
         else:
             named[str(point)] = int(place)
@@ -228,7 +240,11 @@ def placed_shape(
     along = tangents(nodes, corners)
     for i in np.flatnonzero(np.einsum("ij,ij->i", along[:-1, 1], along[1:, 0]) < -1 + 1e-9):
         problems.add(
-            where, f"points[{i + 1}]: the beam turns back on itself there", "points", int(i + 1)
+            where,
+            f"points[{i + 1}]: the beam reverses its direction there; leave the point out "
+            f"or move it",
+            "points",
+            int(i + 1),
         )
         return nodes, along, along
     ends = section_frames(along, up, twist)

@@ -127,7 +127,7 @@ class OffsetSection(Declared, section="beam sections", tag="offset"):
                     name,
                 )
         if material.rho == 0.0:
-            problems.add(where, "rho is 0: every piece of an exact beam needs mass", "material")
+            problems.add(where, "rho is 0: an exact beam needs mass; give the density", "material")
 
     @property
     def made(self) -> BeamSection:
@@ -338,8 +338,8 @@ def _warn_units(where: str, C: Array, mass: float) -> None:
     if speed > FASTEST_WAVE:
         warn(
             where,
-            f"EA = {C[0, 0]:g} N with {mass:g} kg/m carries waves at {speed:.3g} m/s, faster than "
-            "any solid; use SI units, N and kg/m",
+            f"EA = {C[0, 0]:g} N and {mass:g} kg/m mean axial waves of {speed:.3g} m/s, faster "
+            f"than in any solid; use SI units, N and kg/m",
             "EA",
         )
 
@@ -364,8 +364,8 @@ def _warn_moments(where: str, section: BeamSection) -> None:
     if (abs(ratio - 1.0) > MOMENTS) if alike else not 1.0 / POLAR < ratio < POLAR:
         warn(
             where,
-            f"polar is {section.polar:.4g} m2, that of the stiffness {expected:.4g} m2: it is "
-            "(Iy + Iz)/A about the shear centre, not Iy + Iz and not the torsion constant",
+            f"polar is {section.polar:.4g} m2, but the stiffness means {expected:.4g} m2: polar "
+            f"is (Iy + Iz)/A about the shear centre, not Iy + Iz and not the torsion constant",
             "polar",
         )
 

@@ -175,7 +175,7 @@ class Fmu(Declared, section="fmus"):
         elif name not in known:
             problems.add(
                 where,
-                f"{name!r} has causality {found.causality}, no {fit[0]}{suggest(name, known)}",
+                f"{name!r} has causality {found.causality}, must be {fit[0]}{suggest(name, known)}",
                 name,
             )
         elif not found.real:

@@ -108,12 +108,12 @@ class SiteSensor(Sensor):
         given = vars(self)["sites"]
         wanted: tuple[Any, ...] = labels if given is None else given
         if not wanted:
-            problems.add(where, "sites is empty; None takes all of them", "sites")
+            problems.add(where, "sites is empty; use None for all sites", "sites")
         elif all(isinstance(site, float | int) for site in wanted):
             problems.add(
                 where,
-                f"sites is {wanted!r}, must be labels such as {labels[0]!r}; that of the place "
-                f"nearest to a point is {body.name}.reduced.stress.nearest((x, y, z))",
+                f"sites is {wanted!r}, must be labels such as {labels[0]!r}; the site nearest to "
+                f"a point is {body.name}.reduced.stress.nearest((x, y, z))",
                 "sites",
             )
         else:

@@ -162,20 +162,22 @@ class DamageSensor(Sensor, tag="damage"):
             problems.add(
                 where,
                 f"sensor {sensor.name!r} measures {sensor.unit}, the S-N curve is in Pa; give "
-                "factor, the stress in Pa for a value of 1",
+                "factor, the stress in Pa per unit of the sensor",
                 "sensor",
             )
         if factor == 0.0:
             problems.add(
                 where,
-                "factor is 0, with which nothing is damaged; give the stress for a value of 1",
+                "factor is 0, so that there is no damage; give the stress in Pa per unit of the"
+                " sensor",
                 "factor",
             )
         if isinstance(sensor, VonMisesSensor) and not problems.found:
             warn(
                 where,
-                f"sensor {sensor.name!r} measures von Mises stress, which is never negative: of a"
-                " stress that changes sign it counts half the range; take components",
+                f"sensor {sensor.name!r} measures von Mises stress, which is never negative: half "
+                f"the range of an alternating stress is counted; use the components of a "
+                f"StressSensor",
                 "sensor",
             )
         values: tuple[str, ...] = ("damage", "cycles")

@@ -302,7 +302,7 @@ def outward(g: Gauge, given: Array | None = None) -> Array:
         raise InputError(
             Problem(
                 where,
-                "normal is missing: there are neither surface nor beams",
+                "normal is missing; give it, since the part has neither a surface nor beams",
                 path=("normal",),
             )
         )
@@ -378,12 +378,14 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
         problems.add(
             where,
             f"is {1e3 * foot.distance:.4g} mm off the surface of part '{reduced.name}', more "
-            f"than reach {1e3 * reach:.4g} mm; the nearest place of it is ({near}) m",
+            f"than reach {1e3 * reach:.4g} mm; the nearest point of the surface is ({near}) m",
             "at",
             named=False,
         )
     if g.direction is None:
-        problems.add(where, "direction is missing: on solids there is no natural one", "direction")
+        problems.add(
+            where, "direction is missing; give it, solids have no default direction", "direction"
+        )
         problems.raise_if_any()
     assert g.direction is not None
     normal = np.mean([f.normal for f in feet], axis=0)
@@ -391,8 +393,9 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
     if 1.0 - abs(float(g.direction @ normal)) < 1e-4:
         problems.add(
             where,
-            "direction stands across the surface, whose normal there is "
-            f"({', '.join(f'{v:.3g}' for v in normal.round(6) + 0.0)}); give one along it",
+            "direction is normal to the surface, whose normal there is "
+            f"({', '.join(f'{v:.3g}' for v in normal.round(6) + 0.0)}); give a direction along "
+            f"the surface",
             "direction",
         )
     problems.raise_if_any()
@@ -460,7 +463,7 @@ def _on_beam(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Array, 
             Problem(
                 where,
                 f"is {1e3 * fibre.distance:.4g} mm off the beams of part '{reduced.name}', "
-                f"more than reach {1e3 * reach:.4g} mm; the nearest place is ({near}) m on element "
+                f"more than reach {1e3 * reach:.4g} mm; the nearest point is ({near}) m on element "
                 f"{element.name}",
                 path=("at",),
                 named=False,

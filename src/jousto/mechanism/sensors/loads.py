@@ -68,8 +68,8 @@ class ReactionSensor(Sensor, tag="reaction"):
         if isinstance(self.joint, Coupler) and self.resolved_in != "world":
             problems.add(
                 where,
-                f"the reaction of {self.joint.name!r} is along its coordinates, "
-                "leave resolved_in out",
+                f"the reaction of {self.joint.name!r} acts along its coordinates, leave "
+                f"resolved_in out",
                 "resolved_in",
                 named=False,
             )
@@ -190,7 +190,7 @@ class ForceSensor(Sensor, tag="force"):
 
     @property
     def first(self) -> int:
-        """Place of the first component among those of force and moment."""
+        """Index of the first component among those of force and moment."""
         return 0 if "force" in self._measured else 3
 
     @property

@@ -33,7 +33,7 @@ class ElementType:
 
     @property
     def solid(self) -> bool:
-        """Whether it has stiffness and mass in a part of solids."""
+        """Whether the element has stiffness and mass in a part of solids."""
         return self.kind in SOLIDS
 
     def because(self, reason: str) -> ElementType:

@@ -311,8 +311,8 @@ def _sizes(
         least = (_PER_CUBE * volume / TOO_MANY) ** (1 / 3)
         problems.add(
             where,
-            f"size {size:g} m would make some {wanted:.0e} elements of a part {long:.3g} m across,"
-            f" at most {TOO_MANY:.0e} are sensible: take {least:.2g} m or more",
+            f"size {size:g} m would lead to about {wanted:.0e} elements in a part {long:.3g} m "
+            f"across, the limit is {TOO_MANY:.0e}: use {least:.2g} m or more",
             "size",
         )
     for face, length in refine.items():

@@ -85,7 +85,7 @@ def check_matrices(
     _check_definite(problems, where, "M", mass, dofs)
     _check_definite(problems, where, "K", stiff, dofs)
     if np.trace((R.T @ times(mass, R))[:3, :3]) <= 0.0:
-        problems.add(where, "M holds no mass: a rigid translation has no kinetic energy", "M")
+        problems.add(where, "M contains no mass: a rigid translation has no kinetic energy", "M")
     problems.raise_if_any()
     _check_free(where, stiff, mass, R, dofs)
     return mass, stiff, xyz, dofs
@@ -94,7 +94,7 @@ def check_matrices(
 def points_from_blocks(M: Sparse, nodes: Array, dofs: int) -> MassPoints | None:
     """Return the mass points of a mass matrix whose blocks are rigid masses on the nodes.
 
-    The result is None if M couples different nodes, or if a block is not of the form
+    The result is The result is None if M couples different nodes, or if a block is not of the form
     ``[[m E, -m c~], [m c~, J]]``.
     """
     nn, ndof = len(nodes), M.shape[0]
@@ -237,5 +237,8 @@ def _check_free(where: str, K: Sparse, M: Sparse, R: Array, dofs: int) -> None:
     other = R.reshape(-1, dofs, 6).transpose(1, 0, 2).reshape(R.shape)
     force = np.abs(times(K, other))
     if force.max() < 1e-6 * times(abs(K), np.abs(other)).max():
-        hint = "the rows run over x of all nodes, then y ...: put them node after node"
+        hint = (
+            "the rows are ordered by direction (x of all nodes, then y ...): order them node by"
+            " node"
+        )
     warn(where, f"K is not free: a rigid {some(hertz)} stores strain energy; {hint}", "K")

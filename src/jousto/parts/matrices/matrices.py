@@ -73,8 +73,8 @@ class Matrices:
             bad = dofs[(dofs[:, 1] < 0) | (dofs[:, 1] > 6)][0]
             problems.add(
                 where,
-                f"node {bad[0]} has the direction {bad[1]}, must be 1..6 (temperatures, pressures"
-                " and the like cannot be used)",
+                f"node {bad[0]} has the direction {bad[1]}, must be 1..6 (temperatures and "
+                f"pressures cannot be used)",
                 "node",
             )
         twice, times = np.unique(dofs, axis=0, return_counts=True)
@@ -260,8 +260,8 @@ def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
     if len(pairs) == nn * nn:
         warn(
             where,
-            "every node is coupled with every other: if these are condensed matrices, use"
-            " reduce_superelement: a Part would estimate its inertia from these few nodes",
+            "every node is coupled with every other: if these matrices are condensed, use "
+            "reduce_superelement; a Part would estimate its inertia from these few nodes",
             "every",
         )
 

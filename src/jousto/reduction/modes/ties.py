@@ -87,7 +87,7 @@ class Coordinates:
         return sp.csr_array(self.T.T @ (matrix @ self.T))
 
     def spread(self, z: Array) -> Array:
-        """Return ``T z``: all degrees of freedom."""
+        """Return ``T z``, the displacements of all degrees of freedom."""
         return z if self.T is None else np.asarray(self.T @ z)
 
     def gather(self, f: Array) -> Array:
