@@ -36,7 +36,10 @@ class Axes(Field[Any, Array]):
             )
         elif np.linalg.det(axes) < 0.0:
             problems.add(
-                where, "the columns must be right-handed; turn the sign of one", "axes", named=False
+                where,
+                "the columns must be right-handed; change the sign of one",
+                "axes",
+                named=False,
             )
         return axes
 

@@ -68,7 +68,9 @@ class Reduction(Declared, section="reductions", by_value=True):
     def consistent(self, problems: Problems, where: str) -> None:
         """Report a missing limit, and a frame that is not defined for modes of the mesh."""
         if isinstance(self.frame, AsGiven):
-            problems.add(where, "frame is AsGiven(), which only ShapeFunctions(...) have", "frame")
+            problems.add(
+                where, "frame is AsGiven(), which is allowed for ShapeFunctions(...) only", "frame"
+            )
         if all(getattr(self, key) is None for key in ("modes", "frequency_limit")):
             problems.add(where, "give modes=number or frequency_limit=Hz (or both)")
 

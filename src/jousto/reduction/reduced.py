@@ -193,7 +193,7 @@ class ReducedPart(Content):
             raise InputError(
                 Problem(
                     where,
-                    "keep needs the numbers of one mode or more",
+                    "keep needs the index of at least one mode",
                     path=("keep",),
                 )
             )
@@ -201,7 +201,7 @@ class ReducedPart(Content):
             raise InputError(
                 Problem(
                     where,
-                    "keep needs whole numbers of modes, from 0",
+                    "keep needs whole numbers, the indices of modes from 0",
                     path=("keep",),
                 )
             )
@@ -210,7 +210,7 @@ class ReducedPart(Content):
             outside = [int(i) for i in chosen if not 0 <= i < self.n]
             raise InputError(Problem(where, f"there are modes 0..{self.n - 1}, not {outside}"))
         if len(set(chosen.tolist())) != len(chosen):
-            raise InputError(Problem(where, "keep names a mode more than once", path=("keep",)))
+            raise InputError(Problem(where, "keep contains a mode more than once", path=("keep",)))
         return replace(
             self,
             modes=self.modes[:, :, chosen],

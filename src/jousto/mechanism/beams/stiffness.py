@@ -262,7 +262,7 @@ def as_beam_section(section: Any, material: Any) -> BeamSection:
             problems = Problems()
             problems.add(
                 "section",
-                "a BeamSection knows its stiffness and mass, leave it out",
+                "a BeamSection contains its stiffness and mass, leave material out",
                 "material",
                 named=False,
             )

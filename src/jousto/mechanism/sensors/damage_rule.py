@@ -95,7 +95,7 @@ def meter_rule(
     check_residue(problems, where, residue)
     if not isinstance(depth, int | np.integer) or isinstance(depth, bool) or depth < SHALLOWEST:
         problems.add(
-            where, f"depth is {depth!r}, must be a whole number from {SHALLOWEST} on", "depth"
+            where, f"depth is {depth!r}, must be a whole number of at least {SHALLOWEST}", "depth"
         )
         depth = SHALLOWEST
     width = number(problems, where, "resolution", resolution)

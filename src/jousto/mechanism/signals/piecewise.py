@@ -121,7 +121,11 @@ class Points(Signal):
         if len(t) == 0:
             problems.add(where, "times is empty, must have at least one point", "times")
         elif len(t) != len(y):
-            problems.add(where, f"{len(t)} times but {len(y)} values, must be as many", "values")
+            problems.add(
+                where,
+                f"{len(t)} times but {len(y)} values, both must have the same number",
+                "values",
+            )
         back = np.flatnonzero(np.diff(t) <= 0)
         if len(back):
             i = int(back[0])

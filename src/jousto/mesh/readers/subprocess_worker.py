@@ -28,7 +28,7 @@ def main(folder: Path) -> None:
         try:
             value = packed(getattr(import_module(module), name)(**arguments), arrays)
         except InputError as error:
-            problems = [[problem.where, problem.message] for problem in error.problems]
+            problems = [[problem.where, problem.sentence] for problem in error.problems]
     answer = {
         "value": value,
         "problems": problems,

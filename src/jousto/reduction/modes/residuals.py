@@ -106,7 +106,7 @@ def residual_loads(part: Part, residuals: tuple[Pattern | str, ...]) -> Array:
     if sites and part.stress is None:
         problems.add(
             where,
-            f"residuals name the stress site '{sites[0]}', but the part has no stress data",
+            f"residuals contain the stress site '{sites[0]}', but the part has no stress data",
             "residuals",
         )
     elif sites:

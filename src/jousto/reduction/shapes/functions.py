@@ -158,5 +158,5 @@ def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...
                 "function",
             )
     if not items:
-        problems.add(where, "functions is empty, must be one or more", "functions")
+        problems.add(where, "functions is empty, give at least one", "functions")
     return tuple(found)

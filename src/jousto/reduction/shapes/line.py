@@ -125,7 +125,11 @@ class LineFamily(Family):
     def consistent(self, problems: Problems, where: str) -> None:
         """Report bending along the axis itself, and a family without functions."""
         if self.across == self.axis:
-            problems.add(where, f"across is '{self.across}', which is the axis", "across")
+            problems.add(
+                where,
+                f"across is '{self.across}', the same as axis; give another direction",
+                "across",
+            )
         if not any(self.counts):
             problems.add(where, "has no function: give a number for bending, stretch or twist")
 

@@ -58,7 +58,7 @@ class Polynomials(Family, tag="polynomials"):
         """Report `across` without `along`, or the reverse."""
         if (self.across is None) != (self.along == "all"):
             problems.add(
-                where, 'along and across go together: give both, as in along="x", across=2', "along"
+                where, 'along and across must both be given, as in along="x", across=2', "along"
             )
 
     def columns(self, part: Part) -> Columns:
