@@ -135,7 +135,7 @@ def test_quantiles_are_finite_and_ascend(law):
     ("limit", "said"),
     [
         (lambda x: -1.0 + 0.0 * x["a"], "G1 fails at a = 0, and no design variable changes that"),
-        (lambda x: -20.0 - x["a"], "no design reaches the targets .* missed at a = -2: G1"),
+        (lambda x: -20.0 - x["a"], "no design reaches the targets; missed at a = -2: G1"),
     ],
 )
 def test_designs_that_always_fail(method, limit, said):

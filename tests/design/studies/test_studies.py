@@ -250,7 +250,7 @@ def test_all_mistakes_are_told_at_once() -> None:
         "the model file has no fatigue",
     ):
         assert part in text
-    with pytest.raises(jo.InputError, match="parameter 'x': nothing takes it"):
+    with pytest.raises(jo.InputError, match="parameter 'x': is unused"):
         jo.study(machines.pushed, (*FORCES, jo.Parameter("x", 1.0)), "m = mass")
     with pytest.raises(jo.InputError, match="no outcomes; an outcome is mass"):
         jo.study(machines.pushed, FORCES)
@@ -454,7 +454,7 @@ def test_what_cannot_be_compared_is_not_gone_on_with(tmp_path: Path) -> None:
     first, path = study(), tmp_path / "t.h5"
     y = first.run(X, path=path).y
     np.testing.assert_array_equal(first.run(X, path=path).y, y)
-    with pytest.raises(jo.InputError, match="outcomes cannot be compared, it holds a lock; name"):
+    with pytest.raises(jo.InputError, match="a lock in its outcomes cannot be compared; name"):
         study().run(X, path=path)
     np.testing.assert_array_equal(study().run(X, path=tmp_path / "u.h5").y, y)
 

@@ -14,8 +14,9 @@ EXACT, MOTION, RUN = "complex step", "complex motion", "complex run"
 DIFFERENCES, NONE = "differences", "none"
 WAYS = {
     EXACT: "Complex numbers all the way to the outcome",
-    MOTION: "Complex numbers up to the results of the run. What is said of these, at the same "
-    "place, at the same instant and by the same cycles, by differences of fourth order",
+    MOTION: "Complex numbers up to the results of the run. The outcome of these "
+    "results, at the same place, at the same instant and by the same cycles, by differences of "
+    "fourth order",
     RUN: "The model by differences of fourth order between models beside it, complex numbers from "
     "there on; the reason follows",
     DIFFERENCES: "Central differences of whole runs with real numbers; the reason follows",

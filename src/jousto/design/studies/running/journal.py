@@ -130,8 +130,8 @@ def check_same(path: Path, found: dict[str, Any], about: dict[str, Any]) -> None
     for name in changed:
         if what := incomparable(about[name]):
             message = (
-                f"may contain another study: its {name} has {what}, which cannot be compared; "
-                "name another file, or define it at the top level of a module"
+                f"may contain another study: {what} in its {name} cannot be compared; name "
+                "another file, or define that at the top level of a module"
             )
     raise InputError(Problem(str(path), message))
 
