@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from jousto.base.object_repr import described
 from jousto.mechanism.joints.coordinate import Along
 
 Unit: TypeAlias = str | Along | tuple[str, ...]
@@ -19,6 +20,7 @@ LAWS: dict[str, EngineLaw] = {}
 """The laws by their names."""
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class EngineLaw:
     """A law of the engine: which of its numbers have a unit, and what it does to a motion.
@@ -61,6 +63,9 @@ class EngineLaw:
     between: bool = False
     fast: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     side_by_side: bool = False
+
+    def _facts(self) -> str:
+        return ", ".join((*self.units, *self.states))
 
     def declared(self) -> EngineLaw:
         """Put it among the laws, and return it."""
