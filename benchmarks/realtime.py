@@ -26,7 +26,7 @@ from jousto.export.project import flat_files
 from jousto.export.realtime import NO_ALLOCATION, time_steps
 from jousto.export.toolchain import build, platforms
 from jousto.model.native.native import Engine
-from jousto.simulation.solvers.explicit import prepared
+from jousto.simulation.solvers.base import prepared
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PENDULUM = Case("spherical", 1, 10)

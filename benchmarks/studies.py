@@ -16,7 +16,7 @@ import numpy as np
 
 import jousto as jo
 from jousto.model.native.native import Engine
-from jousto.simulation.solvers.explicit import prepared
+from jousto.simulation.solvers.base import prepared
 
 MODEL = (Path(__file__).parent.parent / "examples" / "flexible_pendulum.yaml").read_text()
 SOLVER, STEPS, EVERY = jo.RK4(1e-3), 1000, 10

@@ -43,7 +43,7 @@ struct jo_data {
     jo_real *y, *w, *wd;    /* integrated quantities: q, v, a or, in joint coordinates, x, u, ud */
     int ny, nw;             /* number of positions and of velocities; the latter include the states of forces, which come last */
     jo_real *q0, *v0, *dq, *dv, *rate;
-    jo_real *acc;           /* (nw) accelerations of stage 1 of ROS2; residual of Newton's method */
+    jo_real *acc;           /* (nw) residual of Newton's method; what damping acts on in a stage of a Rosenbrock method, dv: stiffness */
 
     /* what the last evaluation has found */
     jo_work power;          /* rates, W */

@@ -47,13 +47,30 @@ typedef double jo_real;
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
     /* the last row */
 
+/* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
+ * the number of the method, JO_METHOD_name, and jo_step_name, one step of it, in the file of its family:
+ * runge_kutta: explicit, step_runge_kutta.c; a_ij (j < i) by rows, then b_i
+ * rosenbrock: W-method with implicit modes, beams and springs along joint coordinates, step_rosenbrock.c; g, a_ij (j < i) by rows,
+ *   g_ij (j < i) by rows, b_i. With order 2 its matrix contains the time derivative of the forces
+ * generalized_alpha: implicit, step_generalized_alpha.c; its parameters are in jo_solver
+ * dormand_prince: with error control, step_dormand_prince.c, which contains the tableau */
+#define JO_METHODS(ROW) \
+    ROW(rk4, runge_kutta, 4, 4, 0.5, 0.0, 0.5, 0.0, 0.0, 1.0, 1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0) \
+    ROW(ros2, rosenbrock, 2, 2, 1.0 - 0.70710678118654752440, 1.0, -2.0 * (1.0 - 0.70710678118654752440), 0.5, 0.5) \
+    ROW(alpha, generalized_alpha, 2, 0, 0.0) \
+    ROW(dopri, dormand_prince, 5, 0, 0.0) \
+    /* the last row */
+
+#define JO_METHOD_NUMBER(name, ...) JO_METHOD_##name,
+typedef enum { JO_METHOD_none, JO_METHODS(JO_METHOD_NUMBER) } jo_method;
+
 #define JO_FORCE_NUMBER(name, ...) JO_FORCE_##name,
 #define JO_FORCE_DATA(name, ...) typedef struct { jo_real __VA_ARGS__; } jo_##name##_data;
 typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 16 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 17 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -76,7 +93,6 @@ typedef enum { JO_OK = 0, JO_NOT_FINITE = 1, JO_SINGULAR_BODY = 2, JO_SINGULAR_J
                JO_ENDLESS = 10,           /* too many events within one step; error_index: event, or nevent + friction */
                JO_BENT = 11               /* rotation of about pi between the ends of a beam element; error_index: beam */
 } jo_status;
-typedef enum { JO_RK4 = 1, JO_ROS2 = 2, JO_ALPHA = 3, JO_DOPRI = 4 } jo_method;
 typedef enum { JO_SIGNAL_CONSTANT = 0, JO_SIGNAL_HARMONIC = 1, JO_SIGNAL_TABLE = 2, JO_SIGNAL_STEP = 3,
                JO_SIGNAL_PIECES = 4, JO_SIGNAL_SUM = 5, JO_SIGNAL_PRODUCT = 6, JO_SIGNAL_INPUT = 7,
                JO_SIGNAL_SWITCHED = 8, JO_SIGNAL_SPEED = 9 } jo_signal_type;
@@ -401,15 +417,23 @@ typedef struct {
     int projection;         /* whether positions and velocities are projected onto the constraints after every step */
     double step;            /* step length, s; jo_follow: time between rows */
     double alpha, beta;     /* Baumgarte, 1/s: C'' + 2 alpha C' + beta^2 C = 0; 0: off */
-    double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* ALPHA */
-    double tolerance;       /* ALPHA: relative size of the last increment, 0: fixed iterations; DOPRI: relative error of a step */
-    double absolute;        /* DOPRI: absolute error of a step, m and m/s; of rotations: this / size of the mechanism */
-    double largest;         /* DOPRI: largest step, s; 0: no limit */
-    double first;           /* DOPRI: first step, s; 0: automatic */
-    int iterations;         /* ALPHA: largest number of iterations of a step; DOPRI: of steps between two rows */
-    int modified;           /* ALPHA: modified Newton method, which keeps factors while the iteration converges */
-    int plain_inertia;      /* ALPHA: Newton's matrix without derivatives of inertia forces with respect to positions and velocities */
+    double alpha_m, alpha_f, newmark_beta, newmark_gamma;   /* alpha */
+    double tolerance;       /* alpha: relative size of the last increment, 0: fixed iterations; dopri: relative error of a step */
+    double absolute;        /* dopri: absolute error of a step, m and m/s; of rotations: this / size of the mechanism */
+    double largest;         /* dopri: largest step, s; 0: no limit */
+    double first;           /* dopri: first step, s; 0: automatic */
+    int iterations;         /* alpha: largest number of iterations of a step; dopri: of steps between two rows */
+    int modified;           /* alpha: modified Newton method, which keeps factors while the iteration converges */
+    int plain_inertia;      /* alpha: Newton's matrix without derivatives of inertia forces with respect to positions and velocities */
 } jo_solver;
+
+/* A row of JO_METHODS. */
+enum { JO_MOST_STAGES = 4 };
+typedef struct {
+    int implicit;           /* of a Rosenbrock method, with g and g_ij */
+    int order, stages;
+    const double *coefficient;
+} jo_tableau;
 
 typedef struct jo_data jo_data;
 
@@ -417,6 +441,7 @@ int jo_abi(void);
 int jo_model_size(void);                         /* size of a jo_model, bytes, for a check by the caller */
 int jo_machines(void);                           /* number of machines computed at once: lanes of a jo_real */
 int jo_cpu_level(void);                          /* x86-64 level of this processor (1, 3 or 4); 0 elsewhere */
+const jo_tableau *jo_method_tableau(int method);   /* of a jo_method; no stages: its family has no tableau */
 jo_data *jo_data_new(const jo_model *m);         /* NULL without memory */
 long long jo_data_bytes(const jo_model *m);      /* size of a jo_data and all its arrays, bytes */
 long long jo_data_room(const jo_model *m);       /* memory that jo_data_place needs, bytes, at any address */
@@ -489,7 +514,7 @@ typedef struct {
  * Returns early after a step with an event. */
 int jo_paced(const jo_model *m, jo_data *d, const jo_solver *s, jo_pace *p, int nsteps, int nedge, const double *edge,
              long long *late, long long every, long long *count, int *written, jo_real *rows);
-/* Error control (DOPRI): rows at start + k step, k = *count .. last, from steps of variable length. *count = 0 starts at the present
+/* Error control (dopri): rows at start + k step, k = *count .. last, from steps of variable length. *count = 0 starts at the present
  * state, which is the first row; later calls continue. Returns after `tries` steps or `room` rows at the latest. */
 int jo_follow(const jo_model *m, jo_data *d, const jo_solver *s, long long last, long long tries, int room,
               long long *count, int *written, jo_real *rows);

@@ -19,6 +19,13 @@
 #define jo_cos cos
 #endif
 
+/* a function compiled for the constants of its call */
+#if defined(__GNUC__)
+#define JO_INLINE static inline __attribute__((always_inline))
+#else
+#define JO_INLINE static inline
+#endif
+
 /* Comparisons and selections per lane. Builds with one machine: comparisons of real parts; lanes/lanes.h: several machines. */
 #ifndef JO_VECTOR
 enum { JO_MACHINES = 1 };

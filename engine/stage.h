@@ -14,9 +14,12 @@ typedef struct {
 
 /* Parameters of an evaluation. All 0: the accelerations at the present state. */
 typedef struct {
-    int set;                /* 1: stage of ROS2, with effective modal masses E + g h D + (g h)^2 K and stored stiffness of beams */
-    double gh;              /* g h of ROS2, s */
-    double lead;            /* time by which forces lead, s: time derivative of the forces in ROS2 */
+    int set;                /* 1: stage of a Rosenbrock method, with effective modal masses E + g h D + (g h)^2 K */
+    double gh;              /* its g h, s */
+    double lead;            /* time by which forces lead, s: time derivative of the forces in its matrix */
+    int earlier;            /* number of stages before; the matrix has the stiffness of beams and joint coordinates of the first */
+    const double *rate, *acceleration;   /* (earlier) -s_ij and -z_ij of step_rosenbrock.c */
+    const jo_real *rates[JO_MOST_STAGES], *accelerations[JO_MOST_STAGES];   /* (earlier) of increments and velocities, (nw) each */
     int second;             /* second stage of ROS2 with beams: solved for the change from the accelerations of stage 1, with its factors */
     int smooth;             /* without friction, for the assembly of the joints */
     double alpha, beta;     /* Baumgarte, 1/s, as in jo_solver */

@@ -302,7 +302,7 @@ static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const 
     if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
     if (stage->set) {   /* ROS2: K and V stored for [r_b - r_a, rotations of a and b], without weights */
-        for (int v = 0; v < (w->damped ? 2 : 1); v++) {
+        for (int v = 0; v < (w->damped ? 2 : 1) && !stage->earlier; v++) {
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);
             add_right(X, v ? V : K, right);

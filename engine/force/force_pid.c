@@ -107,7 +107,7 @@ static int apply(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_
         jo_real *rate = jo_state_rates(m, d) + f->state;
         rate[0] = x->integral * (p.r - p.y) + unwind * (force - u);
         rate[1] = cut_of(x) * (p.y - s[1]);
-        if (stage->set && stage->lead > 0.0) slopes(d, f, u, y);
+        if (stage->set && !stage->earlier) slopes(d, f, u, y);
     }
     const jo_real now = stage->lead != 0.0 ? limited(x, parts_at(m, d, f, s[1], d->time[0]).rest + s[0]) : force;
     d->power.forces += now * d->coordinate[f->coordinate].rate;

@@ -5,21 +5,75 @@
 #include "arena.h"
 #include "data.h"
 
+/* one step of length s->step of each method, jo_step_NAME, in the file of its family */
+#define JO_METHOD_STEP(name, ...) int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s);
+JO_METHODS(JO_METHOD_STEP)
+
+/* In the file of a family with tableaus: the step of a row, `step` compiled for its tableau. */
+#define JO_STEP_OF(implicit, name, order, stages, ...) \
+    int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s) \
+    { \
+        static const double coefficient[] = {__VA_ARGS__}; \
+        const jo_tableau t = {implicit, order, stages, coefficient}; \
+        return step(m, d, s, &t); \
+    }
+
+/* coefficients of a tableau: explicit ones of stage i, implicit ones of stage i (j < i), weights, node of stage i */
+static inline const double *jo_tableau_row(const jo_tableau *t, int i) { return t->coefficient + t->implicit + i * (i - 1) / 2; }
+static inline const double *jo_tableau_implicit(const jo_tableau *t, int i)
+{
+    return jo_tableau_row(t, i) + t->stages * (t->stages - 1) / 2;
+}
+static inline const double *jo_tableau_weights(const jo_tableau *t)
+{
+    return jo_tableau_row(t, t->stages) + t->implicit * t->stages * (t->stages - 1) / 2;
+}
+static inline double jo_tableau_node(const jo_tableau *t, int i)
+{
+    double c = 0.0;
+    for (int j = 0; j < i; j++) c += jo_tableau_row(t, i)[j];
+    return c;
+}
+
+/* stored rates of stage j: of the increments and of the velocities, (nw) each, padded to whole vectors */
+static inline jo_real *jo_kept_rates(const jo_data *d, int j)
+{
+    return d->adaptive.stages + 2 * j * ((d->nw + JO_WIDTH - 1) / JO_WIDTH * JO_WIDTH);
+}
+static inline jo_real *jo_kept_accelerations(const jo_data *d, int j)
+{
+    return d->adaptive.stages + (2 * j + 1) * ((d->nw + JO_WIDTH - 1) / JO_WIDTH * JO_WIDTH);
+}
+static inline void jo_keep_rates(const jo_data *d, int j, const jo_real *rate)
+{
+    jo_real *const r = jo_kept_rates(d, j), *const x = jo_kept_accelerations(d, j);
+    const jo_real *const wd = d->wd;
+    const int n = d->nw;
+    JO_EACH(i, n) {
+        JO_STORE(r + i) = JO_LOAD(rate + i);
+        JO_STORE(x + i) = JO_LOAD(wd + i);
+    }
+}
+
 /* result_row.c */
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 
 /* step_generalized_alpha.c */
-int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step, as jo_step_NAME of each method */
 
 /* step_dormand_prince.c */
-int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
+int jo_step_pair(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
 double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
 void jo_restore_stage(jo_data *d, int last);   /* accelerations and power of the first or last stage */
 void jo_interpolate(const jo_model *m, jo_data *d, double u);
 double jo_error_estimate(const jo_data *d, int i, int n);
 void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, jo_real *velocity);   /* (nv) each */
 
-/* step_explicit.c */
+/* step_closure.c */
+int jo_close_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage);
+
+/* method_table.c */
+int jo_takes_tree(const jo_model *m, const jo_solver *s);   /* whether the method runs in joint coordinates */
 int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
 /* events.c */

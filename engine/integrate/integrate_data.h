@@ -33,7 +33,7 @@ typedef struct {
 
 /* The adaptive method: stages of its step, and what its errors are measured against. */
 typedef struct {
-    jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in a step */
+    jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in a step; see also jo_kept_rates */
     jo_real *change;        /* (2 nw + 3) what the step changed */
     jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
     jo_real *defect[2];     /* (nv) estimated errors of increments and velocities of the bodies of a tree */

@@ -21,8 +21,7 @@ static void invalidate(jo_data *d)
 /* joint coordinates for models with trees and explicit methods; with error control only without bodies in maximal coordinates */
 static int select_coordinates(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    const int fits = s->method == JO_RK4 || s->method == JO_ROS2 || (s->method == JO_DOPRI && !jo_mixed(m));
-    return m->nlink && fits ? jo_tree_from_maximal(m, d) : JO_OK;
+    return jo_takes_tree(m, s) ? jo_tree_from_maximal(m, d) : JO_OK;
 }
 
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s)

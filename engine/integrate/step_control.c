@@ -305,7 +305,7 @@ static int try_step(const jo_model *m, jo_data *d, const jo_solver *s, double en
     if (status != JO_OK) return status;
     jo_sync_maximal_state(m, d, JO_SYNC_STATE);
     planned_step x = plan_step(m, d, s, end);
-    status = jo_step_dopri(m, d, s, x.h, x.seen);
+    status = jo_step_pair(m, d, s, x.h, x.seen);
     if (status != JO_OK) {
         c->status = status;
         reject_step(d, JO_FAILED_FACTOR * x.h);

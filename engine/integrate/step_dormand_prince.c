@@ -86,7 +86,7 @@ static void close_tree(const jo_model *m, jo_data *d, const jo_solver *s)
 }
 
 /* one step of length h; forces at its end are evaluated at time `seen`, just before a jump at the end */
-int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
+int jo_step_pair(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
 {
     const int nv = d->nw, nk = width(d);
     const jo_real t0 = d->time[0];
@@ -182,4 +182,9 @@ double jo_error_estimate(const jo_data *d, int i, int n)
         sum += e * e;
     }
     return fabs(d->control.length) * sqrt(sum);
+}
+
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    return jo_step_pair(m, d, s, s->step, JO_COMMON(d->time[0]) + s->step);
 }

@@ -381,7 +381,7 @@ static void predict(const jo_model *m, jo_data *d, const jo_solver *s)
     }
 }
 
-int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
+static int step(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     const double h = s->step, am = s->alpha_m, af = s->alpha_f, g = s->newmark_gamma, b = s->newmark_beta;
     const jo_weights old = d->alpha.weights;
@@ -437,4 +437,13 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     *d->alpha.end_time = d->time[0];
     jo_history_written(d);
     return JO_OK;
+}
+
+/* a and lam at its end are those of the step, unless multipliers of least norm are needed */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    const int status = step(m, d, s);
+    jo_state_changed(d);
+    jo_accelerations_found(d, status == JO_OK && m->redundant <= 0);
+    return status;
 }

@@ -50,6 +50,10 @@ jo_real jo_beam_kinetic(const jo_model *m, const jo_data *d)
     (void)m; (void)d;
     return jo_same(0.0);
 }
+void jo_coupled_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+{
+    (void)m; (void)d; (void)x; (void)z;
+}
 void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z)
 {
     (void)m; (void)d; (void)a; (void)x; (void)z;
@@ -163,9 +167,9 @@ int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s)
     (void)m; (void)d; (void)s;
     return JO_NO_CONVERGENCE;
 }
-int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen)
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s)
 {
-    (void)m; (void)d; (void)s; (void)h; (void)seen;
+    (void)m; (void)d; (void)s;
     return JO_NO_CONVERGENCE;
 }
 

@@ -25,7 +25,7 @@ int jo_couples(const jo_model *m, const jo_stage *stage)
 static void assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
-    const jo_stage masses = {.set = stage->set, .weights = {1.0, gh, gh * gh, 1.0, 0, 1}}, rows = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
+    const jo_stage masses = {.set = stage->set, .earlier = stage->earlier, .weights = {1.0, gh, gh * gh, 1.0, 0, 1}}, rows = {.weights = {1.0, 1.0, 0.0, 1.0, 0, 1}};
     jo_newton_outdated(d);
     for (int i = 0; i < m->nrow; i++) d->lam[i] = 0.0;
     jo_newton_masses(m, d, &masses);
@@ -157,7 +157,7 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
         status = jo_newton_factor(m, d, jo_schur_soft(d));
         d->counts.factorisations--;   /* part of an evaluation */
         if (status != JO_OK) return status;
-        if (stage->set) {   /* the first stage of ROS2 */
+        if (stage->set && !stage->earlier) {   /* first stage; see jo_coupled_lag for later ones */
             for (int i = 0; i < m->nv; i++) {
                 d->newton.sum[i] = -stage->gh * d->v[i];
                 d->newton.lag[i] = 0.0;
@@ -169,14 +169,17 @@ int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stag
     return JO_OK;
 }
 
+void jo_coupled_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z)
+{
+    for (int i = 0; i < m->nv; i++) d->newton.lag[i] = jo_same(0.0);
+    jo_beam_lag(m, d, x, z, d->newton.lag);
+}
+
 void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z)
 {
-    for (int i = 0; i < m->nv; i++) {
-        d->newton.base[i] = a[i];
-        d->newton.lag[i] = jo_same(0.0);
-    }
+    for (int i = 0; i < m->nv; i++) d->newton.base[i] = a[i];
     for (int i = 0; i < m->nrow; i++) d->newton.base_lam[i] = d->lam[i];
-    jo_beam_lag(m, d, x, z, d->newton.lag);
+    jo_coupled_lag(m, d, x, z);
 }
 
 /* joint[].x = the change of the multipliers due to the changes of force in y and yp of the bodies */

@@ -73,6 +73,8 @@ int jo_couples(const jo_model *m, const jo_stage *stage);   /* whether masses of
 int jo_coupled_accelerations(const jo_model *m, jo_data *d, const jo_stage *stage);   /* a and joint[].x */
 /* the accelerations that jo_coupled_accelerations starts from */
 static inline const jo_real *jo_coupled_base(const jo_data *d) { return d->newton.base; }
+/* later stages of a Rosenbrock step: beams lag by their stiffness times x and damping times z */
+void jo_coupled_lag(const jo_model *m, jo_data *d, const jo_real *x, const jo_real *z);
 /* the second stage of ROS2 starts from a and the present multipliers; beams lag by their stiffness times x and damping times z */
 void jo_coupled_second(const jo_model *m, jo_data *d, const jo_real *a, const jo_real *x, const jo_real *z);
 void jo_coupled_solve(const jo_model *m, jo_data *d, const jo_stage *stage);

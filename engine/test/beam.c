@@ -90,7 +90,7 @@ static double drift(const jo_model *m, double step)
     jo_energies e;
     jo_solver rk4;
     memset(&rk4, 0, sizeof rk4);
-    rk4.method = JO_RK4;
+    rk4.method = JO_METHOD_rk4;
     rk4.step = step;
     CHECK(d);
     place(m, d);

@@ -228,9 +228,9 @@ int main(void)
 
     jo_solver rk4, ros2;
     memset(&rk4, 0, sizeof rk4);
-    rk4.method = JO_RK4; rk4.projection = 1; rk4.step = 2e-3;
+    rk4.method = JO_METHOD_rk4; rk4.projection = 1; rk4.step = 2e-3;
     ros2 = rk4;
-    ros2.method = JO_ROS2;
+    ros2.method = JO_METHOD_ros2;
     double coarse = drift(&m, rk4), fine;
     rk4.step = 1e-3;
     fine = drift(&m, rk4);
@@ -244,7 +244,7 @@ int main(void)
     ros2.alpha = ros2.beta = 20.0;
     CHECK(drift(&m, ros2) < 1e-1);
     jo_solver dopri = rk4;
-    dopri.method = JO_DOPRI; dopri.step = 1e-2; dopri.iterations = 10000;
+    dopri.method = JO_METHOD_dopri; dopri.step = 1e-2; dopri.iterations = 10000;
     dopri.tolerance = 1e-5;
     coarse = followed(&m, dopri);
     dopri.tolerance = 1e-8;

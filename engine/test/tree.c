@@ -482,7 +482,7 @@ static void check_motion(const tree *t)
 {
     frame f[LINKS];
     double v[3][NV], a[NV], largest = 1.0;
-    const jo_solver s = steps_of(JO_RK4, 1e-4);
+    const jo_solver s = steps_of(JO_METHOD_rk4, 1e-4);
     jo_data *d = begin(t, f);
     CHECK(jo_tree_accelerations(&t->m, d) == JO_OK);
     memcpy(a, jo_data_a(d), sizeof a);
@@ -499,7 +499,7 @@ static void check_motion(const tree *t)
 static void check_rewinding(const tree *t)
 {
     frame f[LINKS];
-    const jo_solver s = steps_of(JO_ROS2, 1e-3);
+    const jo_solver s = steps_of(JO_METHOD_ros2, 1e-3);
     jo_data *d = begin(t, f), *other = begin(t, f);
     const size_t size = (size_t)jo_data_bytes(&t->m), joint = sizeof(double) * (size_t)(t->m.nx + t->m.nu);
     char *memory = malloc(size);
@@ -527,7 +527,7 @@ static void check_rewinding(const tree *t)
 static void check_rows(const tree *t)
 {
     frame f[LINKS];
-    const jo_solver s = steps_of(JO_RK4, 1e-3);
+    const jo_solver s = steps_of(JO_METHOD_rk4, 1e-3);
     jo_data *d = begin(t, f);
     const int width = jo_row_size(&t->m), joint = t->m.nx + t->m.nu;
     double *rows = malloc(sizeof(double) * 2 * (size_t)width);
@@ -546,7 +546,7 @@ static void check_rows(const tree *t)
 static int stepped(const tree *t, int at, double wrong)
 {
     frame f[LINKS];
-    const jo_solver s = steps_of(JO_RK4, 1e-3);
+    const jo_solver s = steps_of(JO_METHOD_rk4, 1e-3);
     jo_data *d = begin(t, f);
     *(at < 7 * BODIES ? jo_data_q(d) + at : jo_data_v(d) + at - 7 * BODIES) = wrong;
     const int status = jo_step(&t->m, d, &s);
@@ -600,8 +600,8 @@ int main(void)
         check_motion(&t);
         check_rewinding(&t);
         check_rows(&t);
-        check_order(&t, JO_RK4, 1e-2, 11.0);
-        check_order(&t, JO_ROS2, 2e-3, 3.3);
+        check_order(&t, JO_METHOD_rk4, 1e-2, 11.0);
+        check_order(&t, JO_METHOD_ros2, 2e-3, 3.3);
     }
     check_damage();
     printf("%d trees of %d bodies\n", 2 * KINDS, BODIES);

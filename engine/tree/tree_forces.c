@@ -1,6 +1,6 @@
 /* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and what ROS2 adds to both.
  *
- * ROS2, a W-method with the matrix 1 - g h A (step_explicit.c), has for q' = v, M v' = F with K = -dF/dq, D = -dF/dv the stages
+ * ROS2, a W-method with the matrix 1 - g h A (step_rosenbrock.c), has for q' = v, M v' = F with K = -dF/dq, D = -dF/dv the stages
  *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
  *   k_q2 = v1 - 2 g h a1 + g h a2, (M + g h D + (g h)^2 K) a2 = F1 + g h (K (2 v0 - v1 + 4 g h a1) + 2 D a1)
  * where k_q is eliminated from the second row. On a tree K and D are diagonal, of springs and dampers along joint coordinates: they
@@ -92,7 +92,8 @@ static const jo_link *implicit_link(const jo_model *m, const jo_data *d, const j
 }
 
 /* Condensation of the states x' = f(x, s, s') of a force F(x, s, s') out of the W-method, with decay = -df/dx, c = dF/dx / (1 + g h decay):
- *   stiffness K - g h c df/ds, damping D - g h c df/ds', force + g h c f in stage 1, + g h c (f - 2 k) in stage 2 (k: rate of stage 1). */
+ *   stiffness K - g h c df/ds, damping D - g h c df/ds', force + g h c (f + sum s_ij k_j) with the rates k_j of the
+ * stages before, see step_rosenbrock.c. */
 static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;
@@ -101,16 +102,16 @@ static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stag
         const jo_force *f = &m->force[i];
         const jo_link *k = implicit_link(m, d, f);
         if (!k) continue;
-        const jo_real *rate = jo_state_rates(m, d), *first = d->acc + d->nw - m->nstate;
+        const jo_real *rate = jo_state_rates(m, d), *before = d->acc + d->nw - m->nstate;
         jo_real K = d->force[i].stiffness, D = d->force[i].damping, F = jo_same(0.0);
         for (int j = f->state; j < f->state + f->states; j++) {
             const jo_slopes_of_state *s = jo_force_slopes(d, j);
             const jo_real c = s->force / (1.0 + gh * s->decay);
             K -= gh * c * s->value;
             D -= gh * c * s->rate;
-            F += gh * c * (stage->lead >= 0.0 ? rate[j] : rate[j] - 2.0 * first[j]);
+            F += gh * c * (stage->earlier ? rate[j] - before[j] : rate[j]);
         }
-        if (stage->lead >= 0.0) {
+        if (!stage->earlier) {
             t->stiffness[k->u] += K;
             t->damping[k->u] += D;
         }
@@ -119,32 +120,31 @@ static void eliminate_states(const jo_model *m, jo_data *d, const jo_stage *stag
 }
 
 /* Back substitution for the rates k of these states: (1 + g h decay) k = f + g h (df/ds k_s + df/ds' k_s'), where k_s, k_s' are the
- * rates of s, s' of the stage, in stage 2 minus twice those of stage 1: k_s = u1 - 2 g h a1 + g h a2 - 2 (u0 + g h a1), k_s' = a2 - 2 a1. */
+ * rates of s, s' of the stage plus s_ij times those of the stages before; so for k. */
 void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const double gh = stage->gh;
-    const int second = stage->lead < 0.0;
     for (int i = 0; i < m->nforce; i++) {
         const jo_force *f = &m->force[i];
         const jo_link *k = implicit_link(m, d, f);
         if (!k) continue;
-        const jo_real sign = jo_same(jo_link_sign(k)), *first = d->acc + d->nw - m->nstate;
+        const jo_real sign = jo_same(jo_link_sign(k)), *before = d->acc + d->nw - m->nstate;
         jo_real *rate = jo_state_rates(m, d), rate_s = d->u[k->u], a = d->ud[k->u];
-        if (second) {
-            const jo_real a1 = d->acc[k->u];
-            rate_s += gh * a - 4.0 * gh * a1 - 2.0 * d->v0[k->u];
-            a -= 2.0 * a1;
-        } else rate_s += gh * a;
+        jo_real more = gh * a;
+        for (int j = 0; j < stage->earlier; j++) more -= stage->acceleration[j] * gh * stage->accelerations[j][k->u];
+        for (int j = 0; j < stage->earlier; j++) more -= stage->rate[j] * stage->rates[j][k->u];
+        rate_s += more;
+        if (stage->earlier) a -= d->acc[k->u];
         for (int j = f->state; j < f->state + f->states; j++) {
             const jo_slopes_of_state *s = jo_force_slopes(d, j);
             jo_real y = rate[j] + gh * sign * (s->value * rate_s + s->rate * a);
-            if (second) y += 2.0 * gh * s->decay * first[j];
+            if (stage->earlier) y += gh * s->decay * before[j];
             rate[j] = y / (1.0 + gh * s->decay);
         }
     }
 }
 
-/* K and D of springs and dampers along joint coordinates for the matrix of ROS2, in stage 1; stage 2 uses the same matrix */
+/* K and D of springs and dampers along joint coordinates for the matrix of a Rosenbrock method, in stage 1; later stages use the same matrix */
 static void gather_stiffness(const jo_model *m, jo_data *d)
 {
     jo_tree *t = &d->tree;
@@ -163,18 +163,15 @@ static void gather_stiffness(const jo_model *m, jo_data *d)
     }
 }
 
-/* right-hand side of ROS2: tau -= g h K v in stage 1, tau += g h (K (2 v0 - v + 4 g h a1) + 2 D a1) in stage 2 */
+/* right-hand side of a Rosenbrock method: tau -= g h K v in stage 1; in later ones what K and D act on is in dv and acc */
 static void add_implicit(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     jo_tree *t = &d->tree;
     const double gh = stage->gh;
-    if (stage->lead >= 0.0) gather_stiffness(m, d);
+    if (!stage->earlier) gather_stiffness(m, d);
     if (m->nstate) eliminate_states(m, d, stage);
-    for (int i = 0; i < m->nu; i++) {
-        const jo_real K = t->stiffness[i], D = t->damping[i];
-        if (stage->lead >= 0.0) t->tau[i] -= gh * K * d->u[i];
-        else t->tau[i] += gh * (K * (2.0 * d->v0[i] - d->u[i] + 4.0 * gh * d->acc[i]) + 2.0 * D * d->acc[i]);
-    }
+    if (!stage->earlier) for (int i = 0; i < m->nu; i++) t->tau[i] -= gh * t->stiffness[i] * d->u[i];
+    else for (int i = 0; i < m->nu; i++) t->tau[i] += gh * (t->stiffness[i] * d->dv[i] + t->damping[i] * d->acc[i]);
 }
 
 /* minus the external force and moment on each body, about the origin of the link: -f^x of the backward pass */

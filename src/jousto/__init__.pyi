@@ -132,8 +132,9 @@ from .sections.section import Circle as Circle, Rectangle as Rectangle, Tube as 
 from .simulation.modes.linear import modes as modes
 from .simulation.results.solution import Solution as Solution, load as load
 from .simulation.running.simulate import simulate as simulate
-from .simulation.solvers.explicit import RK4 as RK4, ROS2 as ROS2
 from .simulation.solvers.implicit import GeneralizedAlpha as GeneralizedAlpha
+from .simulation.solvers.rosenbrock import ROS2 as ROS2
+from .simulation.solvers.runge_kutta import RK4 as RK4
 from .simulation.statics.equilibrium import equilibrium as equilibrium
 from .viewer.live.live import live as live
 from .viewer.view import view as view

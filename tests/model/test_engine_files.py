@@ -78,7 +78,7 @@ def test_no_file_calls_one_that_calls_it():
     """Not through others either, so that any file can be read after those it uses.
 
     A step that ends at an event is repeated by jo_event_step (events.c), which calls jo_one_step
-    (step_explicit.c); what calls jo_event_step is above both: run.c and step_control.c.
+    (method_table.c); what calls jo_event_step is above both: run.c and step_control.c.
     """
     graph = calls()
     assert {"state.c", "events.c", "step_dormand_prince.c"} <= graph["step_control.c"]

@@ -59,14 +59,12 @@ def run(
     file = read_model(model, rigid=rigid, trust=trust, progress=bar)
     settings = file.simulation
     from jousto.simulation.running.simulate import describe, simulate
-    from jousto.simulation.solvers.adaptive import DormandPrince
+    from jousto.simulation.solvers.default_solver import choose_adaptive
 
     compiled = compile_model(file.mechanism, core)
     given = settings.given(compiled) if settings is not None else {}
     if tolerance is not None:
-        solver = given.get("solver")
-        chosen = solver if isinstance(solver, DormandPrince) else DormandPrince()
-        given["solver"] = replace(chosen, tolerance=tolerance)
+        given["solver"] = replace(choose_adaptive(given.get("solver")), tolerance=tolerance)
     until = end or end_time(file, model)
     if width is not None:
         given["solver"] = stepping(compiled, until, given, width)
@@ -86,12 +84,11 @@ def run(
 
 def stepping(model: CompiledModel, t_end: float, given: dict[str, Any], step: float) -> Any:
     """Return the fixed-step solver of a run: from the model file, or chosen for the model."""
-    from jousto.simulation.solvers.adaptive import DormandPrince
     from jousto.simulation.solvers.default_solver import choose
 
     solver: Any = given.get("solver") or choose(model, t_end, given.get("output_step"), 0.0)[0]
-    if isinstance(solver, DormandPrince):
-        sentence = "DormandPrince chooses its steps itself; give --tolerance"
+    if solver.adaptive:
+        sentence = f"{type(solver).__name__} chooses its steps itself; give --tolerance"
         raise InputError(Problem("--step", sentence))
     return replace(solver, step=step)
 

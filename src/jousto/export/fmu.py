@@ -20,7 +20,7 @@ from jousto.export.program import Program, program
 from jousto.export.project import flat_files
 from jousto.export.toolchain import build, platforms
 from jousto.model.model import Model
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.state import State
 
 SHOWN = "documentation/model.png"

@@ -19,8 +19,8 @@ from jousto.model.model import Model
 from jousto.model.native.library import ffi
 from jousto.model.native.native import Engine
 from jousto.simulation.running.start_state import initial_state
+from jousto.simulation.solvers.base import Solver, prepared
 from jousto.simulation.solvers.default_solver import choose_fixed
-from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.state import State, put
 
 FIELDS = (
@@ -173,8 +173,8 @@ def program(
             )
         )
     refuse(model)
-    if chosen.method == "alpha":
-        model = replace(model, tree=())  # implicit methods work in q and v
+    if not chosen.joint_coordinates:
+        model = replace(model, tree=())
     engine = Engine(model)
     if (begun := initial_state(model, state)) is not None:
         put(engine, begun, "export")

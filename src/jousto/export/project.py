@@ -12,7 +12,7 @@ from jousto.export import sources
 from jousto.export.ports import Named
 from jousto.export.program import Program, program
 from jousto.model.model import Model
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.state import State
 
 LIMIT = "#define JO_NO_ALLOCATION\n#define JO_ONE_FILE\n"

@@ -18,7 +18,7 @@ from jousto.export.program import Program, program
 from jousto.export.project import flat_files
 from jousto.export.toolchain import build, here, platforms
 from jousto.model.model import Model
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.state import State
 
 NO_ALLOCATION = ("-DJO_NO_ALLOCATION",)

@@ -72,7 +72,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     mechanism : Mechanism
         A checked mechanism.
     core : str, optional
-        Coordinates of RK4, ROS2 and DormandPrince: "joint" for the joint coordinates of a tree of
+        Coordinates of all but implicit solvers: "joint" for the joint coordinates of a tree of
         rigid bodies (in mechanisms with flexible bodies, for rigid subtrees; not DormandPrince);
         "maximal" for the positions of all bodies, for any mechanism; "auto" for the faster of both.
         None for the core of the mechanism.

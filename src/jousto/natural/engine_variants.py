@@ -28,9 +28,10 @@ from jousto.reduction.reducer import reduce
 from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import RunFailed, simulate
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.solvers.default_solver import choose
-from jousto.simulation.solvers.explicit import ROS2, Solver
-from jousto.simulation.solvers.implicit import GeneralizedAlpha, Newton
+from jousto.simulation.solvers.implicit import GeneralizedAlpha
+from jousto.simulation.solvers.rosenbrock import ROS2
 from jousto.simulation.state import State
 
 CHEAP = 3000
@@ -137,7 +138,7 @@ def by_other_method(course: Course, model: Model) -> Way:
 
 def contrasting_method(solver: Solver, model: Model) -> Any:
     """Return a method that differs from this one as much as possible."""
-    if not isinstance(solver, Newton):
+    if not solver.needs_tangent:
         return GeneralizedAlpha()
     if model.beams:  # index 3 or projection, the opposite, with more numerical damping
         index = not solver.projection
@@ -148,9 +149,9 @@ def contrasting_method(solver: Solver, model: Model) -> Any:
 def method_name(solver: Any) -> str:
     """Return the name of a method in the report."""
     name = type(solver).__name__
-    if not isinstance(solver, Newton):
+    if not solver.needs_tangent:
         return name
-    return name if solver.projection else f"{name}, index 3"  # type: ignore[attr-defined]
+    return name if solver.projection else f"{name}, index 3"
 
 
 def others(course: Course, beside: Mapping[str, Mechanism]) -> Iterator[Way]:

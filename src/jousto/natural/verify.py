@@ -34,8 +34,8 @@ from jousto.simulation.results.dataframes import component_units
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.simulate import RunFailed, simulate
 from jousto.simulation.running.start_state import initial_state
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.solvers.default_solver import choose
-from jousto.simulation.solvers.explicit import Solver
 from jousto.simulation.state import MEMORY, State, put
 
 OUTPUTS, EVERY = 200, 10
@@ -75,7 +75,7 @@ def verify(
         End of the runs, s.
     step : float
         Longer step of the moving frame and, without `solver`, of the engine, s.
-    solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
+    solver : Solver, optional
         Method of the engine and its longer step; None is the choice of `simulate`, with `step` if
         that is shorter.
     begin : callable, optional

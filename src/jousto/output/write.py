@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.dataframes import Names
     from jousto.simulation.results.solution import Solution
-    from jousto.simulation.solvers.explicit import Solver
+    from jousto.simulation.solvers.base import Solver
     from jousto.simulation.state import State
     from jousto.simulation.statics.load_path_result import LoadPath
 

@@ -14,7 +14,7 @@ class SolverField(Nested[Any, Any]):
     """A solver; `simulate` checks it."""
 
     section = "solvers"
-    room = "jousto.simulation.solvers.explicit"
+    room = "jousto.simulation.solvers"
     noun = "Solver"
 
 

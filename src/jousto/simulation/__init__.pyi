@@ -10,7 +10,7 @@ from .results.events import Happening as Happening
 from .running.simulate import RunFailed as RunFailed, RunInterrupted as RunInterrupted
 from .running.simulator import Simulator as Simulator
 from .solvers.adaptive import DormandPrince as DormandPrince
-from .solvers.explicit import Baumgarte as Baumgarte
+from .solvers.base import Baumgarte as Baumgarte
 from .solvers.implicit import Newmark as Newmark
 from .state import State as State
 from .statics.buckling import Buckling as Buckling, buckling as buckling

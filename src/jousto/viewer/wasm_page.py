@@ -19,7 +19,7 @@ from jousto.scene.machine import measures_of
 from jousto.scene.scene import Body, Scene
 from jousto.simulation.live.machine import INTERVAL
 from jousto.simulation.live.ranges import InputRange, input_ranges
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.state import State
 from jousto.viewer.bundle import standalone_page
 from jousto.viewer.container import pack

@@ -17,16 +17,28 @@ MODULE = "declared"  # name of the module beside the libraries
 
 
 def declarations(header: Path) -> str:
-    """Return the C declarations of jousto.h for cffi: its rows of forces, and BEGIN to END.
+    """Return the C declarations of jousto.h for cffi: its tables and all from BEGIN to END.
 
     They use ``jo_real`` only behind pointers, so that they fit all builds.
     """
     head, body = header.read_text(encoding="utf-8").split("/* END */")[0].split("/* BEGIN */")
-    rows = re.findall(r"^    ROW\((\w+), (.+)\) \\$", head, flags=re.MULTILINE)
-    names = ", ".join(f"JO_FORCE_{name}" for name, _ in rows)
-    data = [f"typedef struct {{ jo_real {numbers}; }} jo_{name}_data;" for name, numbers in rows]
-    forces = "\n".join([f"typedef enum {{ {names} }} jo_force_type;", *data])
-    return f"typedef double jo_real;\n{forces}" + re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+    kinds = _rows(head, "JO_FORCES")
+    names = ", ".join(f"JO_FORCE_{name}" for name, _ in kinds)
+    data = [f"typedef struct {{ jo_real {numbers}; }} jo_{name}_data;" for name, numbers in kinds]
+    rows = [("none", ""), *_rows(head, "JO_METHODS")]
+    methods = ", ".join(f"JO_METHOD_{name}" for name, _ in rows)
+    enums = [
+        f"typedef enum {{ {names} }} jo_force_type;",
+        f"typedef enum {{ {methods} }} jo_method;",
+    ]
+    tables = "\n".join(enums + data)
+    return f"typedef double jo_real;\n{tables}" + re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+
+
+def _rows(head: str, table: str) -> list[tuple[str, str]]:
+    """Return the rows of a table of the header: their names and what follows these."""
+    text = head.split(f"#define {table}(ROW)")[1].split("/* the last row */")[0]
+    return re.findall(r"ROW\((\w+), ([^()]*(?:\([^()]*\)[^()]*)*)\)", text.replace("\\\n", ""))
 
 
 def parsed(text: str) -> Any:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from jousto.export.ports import Named
     from jousto.measurement.monitor.monitor import Monitor
     from jousto.model.model import Model
-    from jousto.simulation.solvers.explicit import Solver
+    from jousto.simulation.solvers.base import Solver
     from jousto.simulation.state import State
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from jousto.base.errors import ASK_TRUST, InputError, Problems
 from jousto.model.model import Model
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State
 

@@ -34,8 +34,8 @@ from jousto.simulation.live.real_time_clock import Pace
 from jousto.simulation.results.events import Chronicle
 from jousto.simulation.running.simulate import failure_ending
 from jousto.simulation.running.start_state import initial_state
+from jousto.simulation.solvers.base import Solver, prepared
 from jousto.simulation.solvers.default_solver import choose
-from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule
 from jousto.simulation.state import State, put, take
 

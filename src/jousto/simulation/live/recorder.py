@@ -19,7 +19,7 @@ from jousto.simulation.live.machine import LiveMachine
 from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 
 LONGEST = 4 * 3600.0  # longest simulated time in a file, s
 SHARE = 0.5  # largest size of a file over the free disk space

@@ -24,15 +24,12 @@ from jousto.simulation.results.solution import Solution
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.simulate import simulate
 from jousto.simulation.running.start_state import initial_state
+from jousto.simulation.solvers.base import prepared
 from jousto.simulation.solvers.default_solver import choose
-from jousto.simulation.solvers.explicit import prepared
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.state import State, put
 
 Started = tuple[Engine, Any, Callable[[], None]]
-
-FIXED_WORK = ("rk4", "ros2")
-"""Methods whose steps take the same operations in every state."""
 
 
 class Repeated:
@@ -153,7 +150,7 @@ class Repeated:
     def alike(self) -> Hashable:
         """Key that is equal for runs which can share vector lanes; None if this run cannot."""
         kind = ""
-        if self._plain and not self._stepped and self._solver.method in FIXED_WORK:
+        if self._plain and not self._stepped and self._solver.lanes:
             kind = structure(self.model)
         return (kind, repr(self._solver), self.plan) if kind else None
 

@@ -34,9 +34,9 @@ from jousto.simulation.running.inputs import Feed, InputFailed, connect
 from jousto.simulation.running.run_checks import Contradiction, RunWatch
 from jousto.simulation.running.start_state import initial_state
 from jousto.simulation.solvers.adaptive import LONGEST, follow, too_many_steps
+from jousto.simulation.solvers.base import Solver, prepared
 from jousto.simulation.solvers.beam_checks import warn_bent
 from jousto.simulation.solvers.default_solver import choose
-from jousto.simulation.solvers.explicit import Solver, prepared
 from jousto.simulation.solvers.schedule import Schedule, cautions, schedule
 from jousto.simulation.solvers.stability import stability_warning
 from jousto.simulation.state import State, put
@@ -106,7 +106,7 @@ def simulate(
         From `compile`.
     t_end : float
         End of the run, s.
-    solver : RK4, ROS2, GeneralizedAlpha, Newmark or DormandPrince, optional
+    solver : Solver, optional
         Method and step. None chooses them: ``ROS2(step=1e-3)``, with a shorter step for steep
         friction and dampers and for impacts on stops; ``GeneralizedAlpha(step=1e-3)`` for exact
         beams and machines too stiff for ROS2.

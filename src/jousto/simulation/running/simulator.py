@@ -22,7 +22,8 @@ from jousto.simulation.results.memory import Keeper
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.results.writer import free_bytes
 from jousto.simulation.running.start_state import initial_state
-from jousto.simulation.solvers.explicit import ROS2, SOLVERS, Solver, prepared
+from jousto.simulation.solvers.base import Solver, known, prepared
+from jousto.simulation.solvers.rosenbrock import ROS2
 from jousto.simulation.state import State, put, take
 
 ROWS = 256  # rows of a results file per call of the engine
@@ -92,9 +93,8 @@ class Simulator:
         problems = Problems()
         if not isinstance(given, Model):
             problems.add("Simulator", f"model is a {type(model).__name__}, must be a Model")
-        if not isinstance(chosen, SOLVERS):
-            known = ", ".join(s.__name__ for s in SOLVERS)
-            problems.add("Simulator", f"solver is {solver!r}, must be one of {known}")
+        if not isinstance(chosen, Solver):
+            problems.add("Simulator", f"solver is {solver!r}, must be one of {known()}")
         elif chosen.adaptive:
             problems.add(
                 "Simulator",

@@ -9,17 +9,17 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.declare import Declared
 from jousto.base.fields import field
 from jousto.base.numbers import Duration, Number, OptionalDuration, OptionalNumber
 from jousto.model.native.native import Engine
 from jousto.simulation.progress import Report
+from jousto.simulation.solvers.base import Solver
 
 WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
 LONGEST = 0.1  # of the run: largest step unless told
 
 
-class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=True):
+class DormandPrince(Solver, tag="DormandPrince"):
     """Runge-Kutta pair of orders 5 and 4 that chooses its steps by the error it makes.
 
     Dormand and Prince (J. Comp. Appl. Math. 6, 1980) with the step control and the dense output
@@ -37,8 +37,6 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
     """
 
     method: ClassVar[str] = "dopri"
-    order: ClassVar[int] = 5
-    evaluations: ClassVar[int] = 6
     adaptive: ClassVar[bool] = True
     most: ClassVar[int] = 100_000  # steps between two outputs
     tolerance: Number = field(
@@ -76,6 +74,11 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
     )
 
     @property
+    def evaluations(self) -> int:
+        """Six, since the last stage of a step is the first of the next."""
+        return 6
+
+    @property
     def projection(self) -> bool:
         """Positions and velocities are projected onto the constraints after every step."""
         return True
@@ -99,10 +102,6 @@ class DormandPrince(Declared, section="solvers", tag="DormandPrince", by_value=T
             "largest": self.max_step or 0.0,
             "iterations": self.most,
         }
-
-    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return False everywhere: a step that lets errors grow is not accepted."""
-        return np.zeros(len(eigenvalues), dtype=bool)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Return the growth ``|1 + z + ... + z^5/120 + z^6/600|`` of a step."""

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from jousto.mechanism.forces.law import LAWS
 from jousto.model.force_numbers import numbers_of
 from jousto.model.model import ForceModel, Model
 from jousto.simulation.controllers import fastest_tracking
-from jousto.simulation.solvers.explicit import ROS2, Solver
+from jousto.simulation.solvers.adaptive import DormandPrince
+from jousto.simulation.solvers.base import Solver
 from jousto.simulation.solvers.explicit_growth import excess
 from jousto.simulation.solvers.impact_time import shortest_blow
 from jousto.simulation.solvers.implicit import GeneralizedAlpha
+from jousto.simulation.solvers.rosenbrock import ROS2
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.solvers.stability import damper_warning, friction_warning
 
@@ -48,7 +51,7 @@ def choose(
     if chosen.step <= time:
         return chosen, reason
     step = next((step for step in (*STEPS, *SHORTER) if step <= time), SHORTEST)
-    shorter: Solver = replace(chosen, step=step)  # type: ignore[type-var]
+    shorter: Solver = replace(chosen, step=step)  # type: ignore[call-arg]
     return shorter, f"since PID '{name}' comes back from its limit in {time:.2g} s"
 
 
@@ -64,8 +67,9 @@ def _without_tracking(
     chosen = plain
     while excess(model, chosen, step(chosen)) * (t_end - start) > ALLOWED:
         if chosen.step < 2.0 * SHORT:
-            return implicit, f"since it has {fast(model)} that are too fast for ROS2"
-        chosen = ROS2(step=0.5 * chosen.step)
+            reason = f"since it has {fast(model)} that are too fast for {type(plain).__name__}"
+            return implicit, reason
+        chosen = replace(chosen, step=0.5 * chosen.step)
     if chosen is not plain:
         reason = f"since it has {fast(model)} that are fast for a step of 1 ms"
         return _for_friction(model, _for_stops(model, chosen), step), reason
@@ -104,18 +108,23 @@ def choose_fixed(model: Model) -> Solver:
     return choose(model, UNBOUNDED, None)[0]
 
 
+def choose_adaptive(solver: Solver | None) -> Any:
+    """Return the method that controls its error: this one if it does, else the default one."""
+    return solver if solver is not None and solver.adaptive else DormandPrince()
+
+
 def _for_stops(model: Model, chosen: ROS2) -> ROS2:
     """Return the method with a step that sees blows on stops."""
     longest = shortest_blow(model) / BLOW * (1.0 + 1e-6)
     if chosen.step <= max(longest, SHORT):
         return chosen
-    return ROS2(step=next((step for step in STEPS if step <= longest), SHORT))
+    return replace(chosen, step=next((step for step in STEPS if step <= longest), SHORT))
 
 
 def _for_friction(model: Model, chosen: ROS2, step: Callable[[Solver], float]) -> ROS2:
     """Return the method with a step that follows friction and damper tables."""
     while _steep(model, chosen, step(chosen)) and chosen.step > SHORTEST:
-        chosen = ROS2(step=max(SHORTEST, 0.5 * chosen.step))
+        chosen = replace(chosen, step=max(SHORTEST, 0.5 * chosen.step))
     return chosen
 
 

@@ -12,7 +12,7 @@ from jousto.model.model import Model
 from jousto.model.native.native import Engine, displaced
 from jousto.model.scales import velocity_metres
 from jousto.simulation.controllers import state_sizes
-from jousto.simulation.solvers.explicit import Solver, prepared
+from jousto.simulation.solvers.base import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 

@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from jousto.base.declare import Declared
 from jousto.base.fields import Choice, Flag, field
 from jousto.base.numbers import Duration, Number, OptionalNumber, Whole
+from jousto.simulation.solvers.base import Solver
 
 STEP: Any = field("Step size", default=1e-3)
 TOLERANCE: Any = field(
@@ -46,13 +46,17 @@ INERTIA: Any = field(
 )
 
 
-class Newton(Declared, section="solvers", by_value=True):
+class Newton(Solver):
     """What the implicit methods share."""
 
     method: ClassVar[str] = "alpha"
-    order: ClassVar[int] = 2
-    evaluations: ClassVar[int] = 3
-    adaptive: ClassVar[bool] = False
+    needs_tangent: ClassVar[bool] = True
+    joint_coordinates: ClassVar[bool] = False
+
+    @property
+    def evaluations(self) -> int:
+        """About three, one an iteration."""
+        return 3
 
     @property
     def baumgarte(self) -> None:
@@ -81,10 +85,6 @@ class Newton(Declared, section="solvers", by_value=True):
         if (alpha_m, alpha_f) != (0.0, 0.0) or 2.0 * beta >= gamma:
             return np.zeros(len(eigenvalues), dtype=bool)
         return np.asarray(spectral_radius(self, step * eigenvalues) > 1.0 + 1e-9)
-
-    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return 0: nothing is explicit."""
-        return np.zeros(len(z))
 
 
 class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
@@ -165,9 +165,6 @@ class Newmark(Newton, tag="Newmark"):
     def coefficients(self) -> tuple[float, float, float, float]:
         """alpha_m = 0, alpha_f = 0, beta and gamma."""
         return 0.0, 0.0, self.beta, self.gamma
-
-
-Implicit = GeneralizedAlpha | Newmark
 
 
 def spectral_radius(solver: Newton, z: NDArray[np.complex128]) -> NDArray[np.float64]:

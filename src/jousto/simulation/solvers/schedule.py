@@ -13,8 +13,8 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.simulation.controllers import tracking_warning
+from jousto.simulation.solvers.base import Solver, known
 from jousto.simulation.solvers.beam_checks import beam_steps_warning
-from jousto.simulation.solvers.explicit import SOLVERS, Solver
 from jousto.simulation.solvers.stability import (
     damper_warning,
     friction_warning,
@@ -67,11 +67,9 @@ def schedule(
             "; compile it first: simulate(compile(mechanism), ...)" if kind == "Mechanism" else ""
         )
         problems.add(where, f"model is a {kind}, must be a Model{hint}")
-    if not isinstance(solver, SOLVERS):
-        known = ", ".join(s.__name__ for s in SOLVERS)
-        problems.add(
-            where, f"solver is {solver!r}, must be one of {known}, e.g. ROS2(step=1e-3)", "solver"
-        )
+    if not isinstance(solver, Solver):
+        one_of = f"must be one of {known()}, e.g. ROS2(step=1e-3)"
+        problems.add(where, f"solver is {solver!r}, {one_of}", "solver")
     times = [("t_end", t_end)] + ([] if output_step is None else [("output_step", output_step)])
     for name, value in times:
         if problems.array(where, name, value, ()) is not None:

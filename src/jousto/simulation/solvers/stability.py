@@ -13,7 +13,7 @@ from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.scales import velocity_metres
-from jousto.simulation.solvers.explicit import Solver
+from jousto.simulation.solvers.base import Solver
 
 Eigenvalues = NDArray[np.complex128]
 DENSE = 300  # states up to which all eigenvalues are computed

@@ -1,0 +1,53 @@
+/* method_table.c - the methods of integration: the rows of JO_METHODS in jousto.h with what their families do; one step of them. */
+#include "valid.h"
+#include "maximal/maximal.h"
+#include "beam/beam.h"
+#include "tree/tree.h"
+#include "integrate/integrate.h"
+
+/* what a family integrates of a tree: its joint coordinates always, unless bodies run by rows beside it, or never */
+enum { JO_NO_TREE, JO_WHOLE_TREE, JO_ANY_TREE };
+
+enum { tree_of_runge_kutta = JO_ANY_TREE, tree_of_rosenbrock = JO_ANY_TREE, tree_of_generalized_alpha = JO_NO_TREE,
+       tree_of_dormand_prince = JO_WHOLE_TREE };
+enum { implicit_runge_kutta = 0, implicit_rosenbrock = 1, implicit_generalized_alpha = 0, implicit_dormand_prince = 0 };
+
+typedef struct {
+    int (*step)(const jo_model *m, jo_data *d, const jo_solver *s);
+    int tree;
+    jo_tableau tableau;
+} jo_method_row;
+
+#define JO_METHOD_FITS(name, family, order, stages, ...) typedef char name##_fits[(stages) <= JO_MOST_STAGES ? 1 : -1];
+#define JO_METHOD_COEFFICIENTS(name, family, order, stages, ...) static const double name##_coefficients[] = {__VA_ARGS__};
+#define JO_METHOD_ROW(name, family, order, stages, ...) \
+    {jo_step_##name, tree_of_##family, {implicit_##family, order, stages, name##_coefficients}},
+JO_METHODS(JO_METHOD_FITS)
+JO_METHODS(JO_METHOD_COEFFICIENTS)
+static const jo_method_row table[] = {{0, JO_NO_TREE, {0, 0, 0, 0}}, JO_METHODS(JO_METHOD_ROW)};
+
+const jo_tableau *jo_method_tableau(int method) { return &table[method].tableau; }
+
+/* whether a method integrates this model in joint coordinates */
+int jo_takes_tree(const jo_model *m, const jo_solver *s)
+{
+    const int tree = table[s->method].tree;
+    return m->nlink && (tree == JO_ANY_TREE || (tree == JO_WHOLE_TREE && !jo_mixed(m)));
+}
+
+int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    d->counts.steps++;
+    jo_stage_forgotten(d);
+    d->control.length = s->step;
+    const int status = table[s->method].step(m, d, s);
+    if (status != JO_OK) return status;
+    if (jo_tree_active(d)) {
+        if (m->nturn) jo_tree_count_turns(m, d);
+    } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+        if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
+        jo_count_turns(m, d);
+    }
+    if (m->nbeam) jo_beam_accept(m, d);
+    return jo_check(m, d);
+}

@@ -1,0 +1,194 @@
+/* step_rosenbrock.c - one step of a Rosenbrock W-method, whose tableau is a row of JO_METHODS in jousto.h.
+ *
+ *   k_i = f(y + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j,   y + h sum_i b_i k_i
+ * (Hairer, Wanner, Solving Ordinary Differential Equations II (1996), IV.7). A is not the Jacobian: of positions x and velocities v
+ *   x' + g h A_x v',  M v' = Q - g h (K x' + D v')
+ * it has the stiffness K and damping D of modes, of beams and of what acts along joint coordinates, at the mass M of the stage. So
+ * the masses M + g h D + (g h)^2 K replace M. With the weights s_ij = g_ij / g, r_j the rates of the increments and v_j' of the
+ * velocities in stage j
+ *   (M + g h D + (g h)^2 K) v_i' = Q + g h K (-r_i - sum s_ij r_j - g h sum z_ij v_j') - g h D sum s_ij v_j',
+ *   z_ij = 2 s_ij + sum_j<l<i s_il s_lj
+ */
+#include "valid.h"
+#include "maximal/maximal.h"
+#include "newton/newton.h"
+#include "integrate/integrate.h"
+
+/* the tableau in the terms that a step needs */
+typedef struct {
+    double rate[JO_MOST_STAGES][JO_MOST_STAGES];           /* -s_ij */
+    double acceleration[JO_MOST_STAGES][JO_MOST_STAGES];   /* -z_ij */
+    double lead[JO_MOST_STAGES];                           /* sum_j g_ij over g */
+} weights;
+
+JO_INLINE void weigh(const jo_tableau *t, weights *w)
+{
+    for (int i = 0; i < t->stages; i++) {
+        const double *g = jo_tableau_implicit(t, i);
+        w->lead[i] = 1.0;
+        for (int j = i - 1; j >= 0; j--) {
+            w->rate[i][j] = -g[j] / t->coefficient[0];
+            w->lead[i] -= w->rate[i][j];
+            w->acceleration[i][j] = 2.0 * w->rate[i][j];
+            for (int l = j + 1; l < i; l++) w->acceleration[i][j] -= w->rate[i][l] * w->rate[l][j];
+        }
+    }
+}
+
+/* the move of sum_j a_j k_j over the first `count` stages: increments h (sum a_j r_j + g h sum e_j v_j') and velocities h sum a_j v_j',
+ * e_j = a_j + sum_l>j a_l s_lj */
+JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, const double *a, const int count, double gh)
+{
+    const double h = d->control.length;
+    double e[JO_MOST_STAGES];
+    for (int j = 0; j < count; j++) {
+        e[j] = a[j];
+        for (int l = j + 1; l < count; l++) e[j] -= a[l] * w->rate[l][j];
+    }
+    const int n = d->nw;
+    JO_EACH(i, n) {
+        const jo_lanes v = JO_LOAD(jo_kept_accelerations(d, 0) + i);
+        jo_lanes r = a[0] * JO_LOAD(jo_kept_rates(d, 0) + i), x = a[0] * v, y = e[0] * v;
+        for (int j = 1; j < count; j++) {
+            const jo_lanes next = JO_LOAD(jo_kept_accelerations(d, j) + i);
+            r += a[j] * JO_LOAD(jo_kept_rates(d, j) + i);
+            x += a[j] * next;
+            y += e[j] * next;
+        }
+        JO_STORE(d->dq + i) = h * (r + gh * y);
+        JO_STORE(d->w + i) = JO_LOAD(d->v0 + i) + h * x;
+    }
+    jo_integrate_positions(m, d, d->dq);
+}
+
+/* What stiffness and damping act on in stage k, over g h: x = -r_k - sum s_kj r_j - g h sum z_kj v_j' with the rates r_k in `own`, and
+ * y = -sum s_kj v_j'; the weights of the first stage are smaller by `less`. */
+JO_INLINE void carry(const jo_data *d, const weights *w, const int k, const jo_stage *stage, double less, const jo_real *own, jo_real *x,
+                     jo_real *y)
+{
+    const int n = d->nw;
+    const double gh = stage->gh;
+    const jo_real *const *r = stage->rates, *const *v = stage->accelerations;
+    JO_EACH(i, n) {
+        jo_lanes a = w->rate[k][0] * JO_LOAD(r[0] + i) - JO_LOAD(own + i), b = (w->rate[k][0] - less) * JO_LOAD(v[0] + i);
+        for (int j = 1; j < k; j++) a += w->rate[k][j] * JO_LOAD(r[j] + i);
+        a += (w->acceleration[k][0] - less) * gh * JO_LOAD(v[0] + i);
+        for (int j = 1; j < k; j++) {
+            a += w->acceleration[k][j] * gh * JO_LOAD(v[j] + i);
+            b += w->rate[k][j] * JO_LOAD(v[j] + i);
+        }
+        JO_STORE(x + i) = a;
+        JO_STORE(y + i) = b;
+    }
+}
+
+/* implicit part of the modal forces */
+static void push_modes(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const jo_real *v = d->w + d->body[i].modes, *x = d->dv + d->body[i].modes, *y = d->acc + d->body[i].modes;
+        jo_real *extra = d->body[i].extra;
+        if (!stage->earlier) for (int j = 0; j < b->n; j++) extra[j] = -gh * b->K[j] * v[j];
+        else for (int j = 0; j < b->n; j++) extra[j] = gh * (b->K[j] * x[j] + b->D[j] * y[j]);
+    }
+}
+
+static void leave_modes(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++)
+        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
+}
+
+/* The same of beams. A stage that keeps the factors of the first one starts from its accelerations: (g h D + (g h)^2 K) v_1' is gone
+ * already. */
+JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
+{
+    jo_increment_rate(m, d->rate, d->dq, d->v);
+    carry(d, w, k, stage, stage->second ? 1.0 : 0.0, d->rate, d->rate, d->dv);
+    for (int i = 0; i < m->nv; i++) {
+        d->rate[i] *= stage->gh;
+        d->dv[i] *= stage->gh;
+    }
+    if (stage->second) jo_coupled_second(m, d, stage->accelerations[0], d->rate, d->dv);
+    else jo_coupled_lag(m, d, d->rate, d->dv);
+}
+
+/* The work of a stage. To order 2 that of damping and loads is the trapezoidal rule over the ends of the step: the stages say little
+ * about modes that the step does not resolve. */
+JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
+{
+    const double h = d->control.length, share = jo_tableau_weights(t)[k] * h;
+    if (t->order > 2) {
+        jo_add_work(&d->work, share, &d->power);
+        return;
+    }
+    if (!k) {
+        jo_add_step_work(d);
+        d->waiting = h;
+        d->power0 = d->power;
+        d->power0.forces -= d->drive;
+    }
+    d->work.friction += share * d->power.friction;
+    d->work.forces += share * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
+}
+
+/* stage k: where it is, its rates, its work */
+JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const weights *w, const int k, jo_real t0, jo_stage *stage)
+{
+    if (k) {
+        move(m, d, w, jo_tableau_row(t, k), k, stage->gh);
+        d->time[0] = t0 + jo_tableau_node(t, k) * d->control.length;
+    }
+    stage->earlier = k;
+    stage->rate = w->rate[k];
+    stage->acceleration = w->acceleration[k];
+    stage->lead = t->order > 2 ? 0.0 : w->lead[k] * stage->gh;   /* A knows the time derivative of the forces, to order 2 */
+    stage->second = k && t->order <= 2 && m->nbeam > 0;
+    if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* else nothing reads it */
+    push_modes(m, d, stage);
+    if (k && m->nbeam) push_beams(m, d, w, k, stage);
+    const int status = jo_evaluate(m, d, stage);
+    if (status != JO_OK) {
+        leave_modes(m, d);
+        jo_state_changed(d);
+        return status;
+    }
+    if (k) jo_position_rate(m, d, d->rate, d->dq);
+    else {   /* what is prescribed at the start stands since the evaluation */
+        JO_EACH(i, d->ny) JO_STORE(d->q0 + i) = JO_LOAD(d->y + i);
+        JO_EACH(i, d->nw) JO_STORE(d->v0 + i) = JO_LOAD(d->w + i);
+    }
+    jo_keep_rates(d, k, k ? d->rate : d->w);
+    stage->rates[k] = jo_kept_rates(d, k);
+    stage->accelerations[k] = jo_kept_accelerations(d, k);
+    add_work(d, t, k);
+    return JO_OK;
+}
+
+/* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
+JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
+{
+    const jo_real t0 = d->time[0];
+    weights w;
+    weigh(t, &w);
+    jo_stage stage = {.alpha = s->alpha, .beta = s->beta, .set = 1, .gh = t->coefficient[0] * s->step};
+    jo_use_step(m, d, stage.gh);
+    int status = stage_of(m, d, t, &w, 0, t0, &stage);
+    if (t->stages > 1 && status == JO_OK) status = stage_of(m, d, t, &w, 1, t0, &stage);
+    if (t->stages > 2 && status == JO_OK) status = stage_of(m, d, t, &w, 2, t0, &stage);
+    if (t->stages > 3 && status == JO_OK) status = stage_of(m, d, t, &w, 3, t0, &stage);
+    if (status != JO_OK) return status;
+    leave_modes(m, d);
+    move(m, d, &w, jo_tableau_weights(t), t->stages, stage.gh);
+    return jo_close_step(m, d, s, &stage);
+}
+
+/* of the rows of this family */
+#define STEP_rosenbrock(...) JO_STEP_OF(1, __VA_ARGS__)
+#define STEP_runge_kutta(...)
+#define STEP_generalized_alpha(...)
+#define STEP_dormand_prince(...)
+#define STEP(name, family, ...) STEP_##family(name, __VA_ARGS__)
+JO_METHODS(STEP)

@@ -1,0 +1,137 @@
+"""What a solver is: its step, what it can do, and how it treats linear oscillations."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.base.declare import Declared, kinds
+from jousto.base.fields import Flag, OptionalItem, field
+from jousto.base.numbers import Duration, Number
+from jousto.model.native.tableau import Tableau, tableau
+
+if TYPE_CHECKING:
+    from jousto.model.native.native import Engine
+
+ROOM = "jousto.simulation.solvers"
+
+
+class Solver(Declared, section="solvers", by_value=True):
+    """A method of integration with its own step; what it can do are attributes of its class."""
+
+    method: ClassVar[str]
+    """Its row of JO_METHODS in jousto.h."""
+    adaptive: ClassVar[bool] = False
+    """Whether it chooses its steps by their error; ``step`` is then the time between outputs."""
+    needs_tangent: ClassVar[bool] = False
+    """Whether it iterates with the derivatives of all forces and joints."""
+    fixed_work: ClassVar[bool] = False
+    """Whether its steps take the same operations whatever the state is."""
+    lanes: ClassVar[bool] = False
+    """Whether it steps machines of one structure side by side."""
+    joint_coordinates: ClassVar[bool] = True
+    """Whether it integrates trees in joint coordinates."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def step(self) -> Any:
+            """Step size, s; of an adaptive method the time between outputs."""
+
+        @property
+        def projection(self) -> Any:
+            """Whether positions and velocities are projected after every step."""
+
+        @property
+        def baumgarte(self) -> Any:
+            """Stabilisation of the acceleration equations, a `Baumgarte` or None."""
+
+    @property
+    def order(self) -> int:
+        """Order of the method."""
+        return tableau(self.method).order
+
+    @property
+    def evaluations(self) -> int:
+        """Evaluations of the accelerations in a step, of an iteration an estimate."""
+        return tableau(self.method).stages
+
+    @property
+    def options(self) -> dict[str, float | int]:
+        """Further fields of the engine's jo_solver."""
+        return {}
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return which linear oscillations ``y' = lambda y`` grow at this step."""
+        return np.zeros(len(eigenvalues), dtype=bool)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return the growth in a step of terms that are treated explicitly, z = step * lambda."""
+        return np.zeros(len(z))
+
+
+def solvers() -> tuple[type[Solver], ...]:
+    """Return the classes of all solvers."""
+    return tuple(cls for cls in kinds("solvers", ROOM).values() if issubclass(cls, Solver))
+
+
+def known() -> str:
+    """Return the names of all solvers, for messages."""
+    return ", ".join(cls.__name__ for cls in solvers())
+
+
+def prepared(engine: Engine, solver: Solver, step: float) -> Any:
+    """Return the engine's own form of a method with a step in s."""
+    terms = solver.baumgarte
+    alpha, beta = (terms.alpha, terms.beta) if terms else (0.0, 0.0)
+    return engine.native_solver(
+        solver.method, step, solver.projection, alpha, beta, **solver.options
+    )
+
+
+class Baumgarte(Declared, by_value=True):
+    """Constraint stabilisation ``C'' + 2 alpha C' + beta^2 C = 0``.
+
+    ``alpha = beta`` is critically damped. A good size is 1 / (10 step).
+    """
+
+    alpha: Number = field(
+        "Of the velocities", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+    )
+    beta: Number = field(
+        "Of the positions", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+    )
+
+
+class Staged(Solver):
+    """A method of fixed work, whose tableau is a row of JO_METHODS in jousto.h."""
+
+    fixed_work: ClassVar[bool] = True
+    lanes: ClassVar[bool] = True
+    step: Duration = field("Step size", default=1e-3)
+    projection: Flag = field(
+        "Project positions and velocities onto the constraints after every step", default=True
+    )
+    baumgarte: OptionalItem[Baumgarte] = field(
+        "Stabilisation instead of, or besides, projection",
+        wanted="Baumgarte(alpha, beta)",
+        default=None,
+    )
+
+    @property
+    def tableau(self) -> Tableau:
+        """Coefficients of the method."""
+        return tableau(self.method)
+
+    def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
+        """Return ``|1 + z b^T (E - z A)^-1 1|`` with the explicit coefficients A and weights b."""
+        table = self.tableau
+        rates, sums = np.ones(table.stages), np.ones(np.shape(z), np.complex128)
+        power = np.ones(np.shape(z), np.complex128)
+        for _ in range(table.stages):
+            power = power * z
+            sums += power * (table.b @ rates)
+            rates = table.A @ rates
+        return np.asarray(np.abs(sums))

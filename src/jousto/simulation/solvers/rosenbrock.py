@@ -1,0 +1,26 @@
+"""Rosenbrock W-methods: linearly implicit, without iteration."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from jousto.simulation.solvers.base import Staged
+
+
+class Rosenbrock(Staged):
+    """Modes, exact beams and what acts along joint coordinates are implicit, without iteration.
+
+    The methods are A-stable, so that no mode of a body limits the step.
+    """
+
+
+class ROS2(Rosenbrock, tag="ROS2"):
+    """Linearly implicit W-method of order 2 with the modal stiffness and damping implicit.
+
+    ROS2 of Verwer, Spee, Blom and Hundsdorfer (SIAM J. Sci. Comput. 20, 1999) with
+    gamma = 1 - 1/sqrt 2. Two evaluations a step and no iteration but the projection, which is one
+    correction, rarely more and never more than four: the work of a step is bounded. High modal
+    frequencies do not limit the step; modes that the step cannot resolve are damped.
+    """
+
+    method: ClassVar[str] = "ros2"

@@ -1,0 +1,33 @@
+"""Explicit Runge-Kutta methods."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jousto.simulation.solvers.base import Staged
+
+
+class RungeKutta(Staged):
+    """Explicit methods: stable where `explicit_growth` of ``step * lambda`` is below 1."""
+
+    def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Return where the explicit growth exceeds 1, z = step * eigenvalue."""
+        return np.asarray(self.explicit_growth(step * eigenvalues) > 1.0 + 1e-12)
+
+
+class RK4(RungeKutta, tag="RK4"):
+    """Classical Runge-Kutta of order 4 (Rantalainen 2007, chapter 4).
+
+    Four evaluations a step. Stable only while ``step * omega`` stays below 2.83 for the highest
+    modal frequency omega.
+
+    Examples
+    --------
+    >>> RK4(step=1e-3)
+    RK4(step=0.001, projection=True, baumgarte=None)
+    """
+
+    method: ClassVar[str] = "rk4"
