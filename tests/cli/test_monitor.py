@@ -154,7 +154,7 @@ def test_bad_input_has_code_2(case, tmp_path):
     ("old", "new", "sentence"),
     [
         ("[e1.a.top, e2.a.bottom]", "3", "hot spots are found in a reference run"),
-        ("stress: 60 MPa", "stress: 60", "was MPa meant"),
+        ("stress: 60 MPa", "stress: 60", "was it meant in MPa"),
         ("limits:", "gauges: [g9]\n  limits:", "no gauge 'g9'"),
         ("k: 5", "k: 0.5", "k"),
         ("limits:", "noise: 1 mm\n  limits:", "expects a number"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -31,3 +33,15 @@ def test_another_header_is_parsed_anew(tmp_path):
     changed.write_text(text.replace("/* END */", "typedef int jo_new;\n/* END */"), "utf-8")
     assert jd.view(changed, tmp_path).sizeof("jo_new") == 4
     assert type(jd.view(HEADER, tmp_path / "nowhere")) is type(jd.parsed("int f(void);"))
+
+
+def test_a_header_that_is_parsed_anew_serves_as_well(tmp_path):
+    """Without the file that the build writes, as where cffi was missing then."""
+    code = (
+        "from pathlib import Path; from jousto.model.native import declarations as d, library as l;"
+        f"view = d.view; l.view = lambda header, _: view(header, Path({str(tmp_path)!r}));"
+        "from jousto.recovery.fields.field import LANES; import jousto as jo;"
+        "print(type(l.ffi()).__module__, LANES)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert found.stdout.split() == ["cffi.api", "8"], found.stderr

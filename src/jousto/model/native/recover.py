@@ -13,7 +13,7 @@ from jousto.model.native import library
 
 Longs = NDArray[np.int64]
 
-LANES: int = library.ffi().integer_const("JO_LANES")
+LANES: int = library.real_library().JO_LANES
 
 
 def tiles(rows: Array) -> Array:
