@@ -91,7 +91,7 @@ def main(folder: Path) -> None:
     )
     with warnings.catch_warnings():
         # six gauges do not see all of ten modes: the reference run says how large the others are
-        warnings.filterwarnings("ignore", message=".*the prior alone decides")
+        warnings.filterwarnings("ignore", message=".*the prior alone determines")
         monitor = file.monitor.monitor(reference)
     with tempfile.TemporaryDirectory() as scratch:
         data = Path(scratch) / "monitor.csv"

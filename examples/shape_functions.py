@@ -65,8 +65,7 @@ def motion(case: str, reduced: jo.ReducedPart) -> tuple[np.ndarray, np.ndarray]:
     with warnings.catch_warnings():
         # jousto says which functions leave out most of a load: that is what is measured here
         warnings.simplefilter("ignore", jo.JoustoWarning)
-        model = jo.compile(machine(case, reduced))
-    run = jo.simulate(model, TIME, output_step=5e-4)
+        run = jo.simulate(jo.compile(machine(case, reduced)), TIME, output_step=5e-4)
     return run["bend"][:, 1], run["stress"][:, 0]
 
 

@@ -247,7 +247,10 @@ def test_tables_of_pages_have_every_declared_kind(tables: ModuleType) -> None:
             assert {*shown} | {"name", "a", "b", "as_placed"} >= {
                 key for key, field in cls.fields.items() if field.file
             }
-    assert "| `gear` | Two angles turn in a ratio: `b - b0 = ratio (a - a0)`;" in page
+    assert (
+        "| `gear` | Gear pair with a constant ratio of two angles: `b - b0 = ratio (a - a0)`."
+        in page
+    )
     assert "| `cylindrical` | " in page and "| *`axis`* | `angle`, `displacement` |" in page
     assert (
         "| `pitch` | `screw` | Displacement in one turn; negative for a left-hand thread, m |"

@@ -110,7 +110,7 @@ def test_kinematics_follows_the_drive(model):
 def test_kinematics_of_a_free_motion_is_refused(model):
     result = CliRunner().invoke(app, ["kinematics", str(model)])
     assert result.exit_code == 2
-    assert "1 free motion" in result.stderr
+    assert "has 1 motion without a drive" in result.stderr
 
 
 BEAM = """\

@@ -92,7 +92,7 @@ def test_all_mistakes_are_told_before_the_run(model: Path, tmp_path: Path) -> No
         *("--vary mass", "outcome 'maxx(way)'"),
     ]
     code, out = jousto("study", model, "--vary", "mass=1..2", "--outcome", "max(wy)")
-    assert code == 2 and "--samples: say how many" in out
+    assert code == 2 and "--samples: give the number of samples" in out
     code, out = jousto("study", model, "--vary", "mass=1,2", "--outcome", "max(wy)")
     assert code == 2 and "no sensor 'wy'; did you mean 'way'?" in out
     code, out = jousto("study", model, "--outcome", "mass")

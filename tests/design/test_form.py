@@ -49,7 +49,7 @@ def test_ten_limit_states_of_openturns_and_pystra(name):
 
 
 def test_the_page_has_the_calls():
-    page = Path(__file__).parents[2] / "docs" / "reliability.md"
+    page = Path(__file__).parents[2] / "docs" / "benchmarks-design.md"
     rows = re.findall(
         r"^\| (.+?) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \| (\d+) \|$", page.read_text("utf-8"), re.M
     )

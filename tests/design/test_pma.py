@@ -159,7 +159,7 @@ def test_ria_says_whether_the_target_is_reached():
     ("named", "said"),
     [
         ({"beta": -1.0}, "beta is -1"),
-        ({"beta": 50.0}, "beyond 38"),
+        ({"beta": 50.0}, "at most 38"),
         ({"method": "newton"}, "method is 'newton', must be one of sqp, hmv"),
         ({"tolerance": 0.0}, "tolerance is 0"),
     ],

@@ -211,7 +211,7 @@ def test_mistakes_are_told_at_once() -> None:
         jo.fatigue.local_cycles([0.0, 1e6], m)  # type: ignore[call-arg]
     with pytest.warns(jo.JoustoWarning, match="percent"):
         m.cycles(2.0)
-    with pytest.raises(jo.InputError, match="other units"):
+    with pytest.raises(jo.InputError, match="check the units"):
         jo.fatigue.StrainLife.uniform(500e6, 206e6)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from natural.gallery import FOLDER, MACHINES, motion
 
-PAGE = Path(__file__).parents[2] / "docs" / "verify.md"
+PAGE = Path(__file__).parents[2] / "docs" / "verify-gallery.md"
 STICKS, BEAMS = "does not know StickSlip", "does not know exact beams"
 UNKNOWN = {
     "belt_friction.yaml": STICKS,

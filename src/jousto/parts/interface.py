@@ -60,7 +60,7 @@ class Interface(Declared):
     from it in one of two ways:
 
     * rigid (RBE2): the nodes follow it, ``u_i = u + theta x s_i``. This stiffens the surface; use
-    it for bolted flanges, pressed pins, and neighbours much stiffer than the part.
+      it for bolted flanges, pressed pins, and neighbours much stiffer than the part.
     * average (RBE3): it follows the nodes, ``q = (sum w_i R_i^T R_i)^-1 sum w_i R_i^T u_i`` with
       ``R_i = [E, -s_i~]``. This adds no stiffness, and forces become a constant plus linear
       traction; use it for bores with clearance, soft bushings and loads.

@@ -167,7 +167,9 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         b : float
             Fatigue strength exponent, negative.
         N_D : float
-            Number of cycles of the knee. **others Other fields of the class.
+            Number of cycles of the knee.
+        **others
+            Other fields of the class.
 
         Raises
         ------

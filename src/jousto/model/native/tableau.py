@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.object_repr import described
 from jousto.model.native.header import kinds
 from jousto.model.native.library import real_library
 
 
+@described
 @dataclass(frozen=True, eq=False)
 class Tableau:
     """A row of JO_METHODS in jousto.h.

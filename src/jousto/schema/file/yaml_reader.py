@@ -33,7 +33,7 @@ try:
 except ImportError as error:
     raise ImportError(
         "model files are read by libyaml, without which this PyYAML was built: "
-        "pip install --force-reinstall --only-binary :all: pyyaml"
+        "pip install pyyaml --force-reinstall --only-binary :all:"
     ) from error
 
 # entries of a file with its aliases written out
