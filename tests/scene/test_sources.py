@@ -162,7 +162,7 @@ def test_no_instant_is_a_sentence(tmp_path):
     path = run.save(tmp_path / "run.h5")
     with h5py.File(path, "r+") as file:
         file["rows"][()] = 0
-    with pytest.raises(InputError, match="no instant is stored"):
+    with pytest.raises(InputError, match="contains no instant"):
         make_scene(jo.load(path))
 
 
