@@ -9,13 +9,13 @@
 #define JO_METHOD_STEP(name, ...) int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s);
 JO_METHODS(JO_METHOD_STEP)
 
-/* In the file of a family with tableaus: the step of a row, `step` compiled for its tableau. */
-#define JO_STEP_OF(implicit, name, order, stages, ...) \
+/* In the file of a family with tableaus: the step of a row, `family_step` compiled for its tableau. */
+#define JO_STEP_OF(family_step, implicit, name, order, stages, ...) \
     int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s) \
     { \
         static const double coefficient[] = {__VA_ARGS__}; \
         const jo_tableau t = {implicit, order, stages, coefficient}; \
-        return step(m, d, s, &t); \
+        return family_step(m, d, s, &t); \
     }
 
 /* coefficients of a tableau: explicit ones of stage i, implicit ones of stage i (j < i), weights, node of stage i */

@@ -168,7 +168,7 @@ JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const
 }
 
 /* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
-JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
+JO_INLINE int rosenbrock_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
     weights w;
@@ -186,7 +186,7 @@ JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_t
 }
 
 /* of the rows of this family */
-#define STEP_rosenbrock(...) JO_STEP_OF(1, __VA_ARGS__)
+#define STEP_rosenbrock(...) JO_STEP_OF(rosenbrock_step, 1, __VA_ARGS__)
 #define STEP_runge_kutta(...)
 #define STEP_generalized_alpha(...)
 #define STEP_dormand_prince(...)

@@ -67,7 +67,7 @@ JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const
 }
 
 /* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
-JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
+JO_INLINE int runge_kutta_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
     const jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
@@ -84,7 +84,7 @@ JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_t
 }
 
 /* of the rows of this family */
-#define STEP_runge_kutta(...) JO_STEP_OF(0, __VA_ARGS__)
+#define STEP_runge_kutta(...) JO_STEP_OF(runge_kutta_step, 0, __VA_ARGS__)
 #define STEP_rosenbrock(...)
 #define STEP_generalized_alpha(...)
 #define STEP_dormand_prince(...)
