@@ -37,6 +37,7 @@ class DormandPrince(Solver, tag="DormandPrince"):
     """
 
     method: ClassVar[str] = "dopri"
+    evaluations: ClassVar[int] = 6
     adaptive: ClassVar[bool] = True
     most: ClassVar[int] = 100_000  # steps between two outputs
     tolerance: Number = field(
@@ -72,11 +73,6 @@ class DormandPrince(Solver, tag="DormandPrince"):
     output: Duration = field(
         "Time between stored instants, unless `simulate` is given an `output_step`", default=1e-2
     )
-
-    @property
-    def evaluations(self) -> int:
-        """Six, since the last stage of a step is the first of the next."""
-        return 6
 
     @property
     def projection(self) -> bool:

@@ -18,6 +18,16 @@ if TYPE_CHECKING:
 ROOM = "jousto.simulation.solvers"
 
 
+class _OfTableau:
+    """A number of the tableau of a method, read when it is asked for: of a class or an object."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __get__(self, solver: Any, cls: Any) -> int:
+        return int(getattr(tableau(cls.method), self.name))
+
+
 class Solver(Declared, section="solvers", by_value=True):
     """A method of integration with its own step; what it can do are attributes of its class."""
 
@@ -48,15 +58,13 @@ class Solver(Declared, section="solvers", by_value=True):
         def baumgarte(self) -> Any:
             """Stabilisation of the acceleration equations, a `Baumgarte` or None."""
 
-    @property
-    def order(self) -> int:
-        """Order of the method."""
-        return tableau(self.method).order
-
-    @property
-    def evaluations(self) -> int:
-        """Evaluations of the accelerations in a step, of an iteration an estimate."""
-        return tableau(self.method).stages
+    if TYPE_CHECKING:
+        order: ClassVar[int]
+        evaluations: ClassVar[int]
+    else:
+        order = _OfTableau("order")
+        evaluations = _OfTableau("stages")
+        """Evaluations of the accelerations in a step, as far as they are known beforehand."""
 
     @property
     def options(self) -> dict[str, float | int]:

@@ -50,13 +50,9 @@ class Newton(Solver):
     """What the implicit methods share."""
 
     method: ClassVar[str] = "alpha"
+    evaluations: ClassVar[int] = 3
     needs_tangent: ClassVar[bool] = True
     joint_coordinates: ClassVar[bool] = False
-
-    @property
-    def evaluations(self) -> int:
-        """About three, one an iteration."""
-        return 3
 
     @property
     def baumgarte(self) -> None:
