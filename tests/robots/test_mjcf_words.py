@@ -343,7 +343,7 @@ def test_faces_turned_differently_are_told_and_exact_refuses_them(tmp_path: Path
     body = '<body name="b"><freejoint/><geom type="mesh" mesh="m"/></body>'
     path = write(tmp_path, model(body, f"<asset>{CUP.format('')}</asset>"))
     # the pyramids over all faces of both, none negative, from one apex
-    assert "the mesh 'm' has" in told(path) and "inside out" in told(path)
+    assert "the mesh 'm' has" in told(path) and "face inwards" in told(path)
     path = write(
         tmp_path,
         model(body, f"<asset>{CUP.format('inertia=' + chr(34) + 'exact' + chr(34))}</asset>"),

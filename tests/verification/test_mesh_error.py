@@ -121,7 +121,7 @@ def test_the_error_is_found_where_it_is() -> None:
 
 def test_refusals() -> None:
     beam = jo.Part.beam(1.0, jo.Circle(0.01), 2, st.STEEL)
-    with pytest.raises(InputError, match="only parts of solids"):
+    with pytest.raises(InputError, match="for parts of solids only"):
         jo.parts.mesh_error(beam, np.zeros(beam.K.shape[0]))
     part = jo.Part.solid(grid("tetra", (1, 1, 1)), st.STEEL)
     with pytest.raises(InputError, match=r"must be \(24, n\)"):
