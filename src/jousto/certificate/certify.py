@@ -93,7 +93,7 @@ def certify(
     >>> certificate.passed
     True
     >>> print(certificate["static loads"].sentence)
-    every one of 12 interface loads bends the reduced part as the full model
+    each of 12 interface loads deforms the reduced part like the full model
     """
     _check_arguments(part, reduced)
     if reduced is not None:

@@ -20,9 +20,9 @@ class Request:
 
     Examples
     --------
-    >>> Asked({"body": 2}).whole("body", 5)
+    >>> Request({"body": 2}).whole("body", 5)
     2
-    >>> Asked({"body": 7}).whole("body", 5)
+    >>> Request({"body": 7}).whole("body", 5)
     Traceback (most recent call last):
     ...
     jousto.base.errors.InputError: request: body is 7, must be a whole number from 0 to 4

@@ -222,7 +222,7 @@ def number_titles(titles: Sequence[str]) -> list[str]:
 
     Examples
     --------
-    >>> distinct(["crane", "crane", "arm"])
+    >>> number_titles(["crane", "crane", "arm"])
     ['crane 1', 'crane 2', 'arm']
     """
     number: dict[str, int] = {}

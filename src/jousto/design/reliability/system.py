@@ -175,7 +175,7 @@ def ditlevsen_bounds(beta: Array, R: Array, kind: str) -> tuple[float, float]:
 
     Examples
     --------
-    >>> low, _ = bounds_of(np.array([2.0, 2.0]), np.ones((2, 2)), "parallel")
+    >>> low, _ = ditlevsen_bounds(np.array([2.0, 2.0]), np.ones((2, 2)), "parallel")
     >>> bool(low <= float(ndtr(-2.0)) * (1 + 1e-9))
     True
     """
