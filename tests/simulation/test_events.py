@@ -15,7 +15,9 @@ from verification.test_friction import block_on_a_belt
 pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
 
 G = 9.81
-SOLVERS = [jo.RK4(0.01), jo.ROS2(0.01)]
+SOLVERS = [
+    jo.RK4(0.01), jo.ROS2(0.01), jo.simulation.SSPRK3(0.01), jo.simulation.ROS3A(0.01)
+]  # fmt: skip
 
 
 def slewing(stop=True, *, law=None):
@@ -274,7 +276,7 @@ def test_a_simulator_names_what_it_does_not_know():
         sim.set("u", np.nan)
     with pytest.raises(jo.InputError, match="no sensor 'y'"):
         sim.read("y")
-    with pytest.raises(jo.InputError, match="solver is 3, must be one of RK4"):
+    with pytest.raises(jo.InputError, match="solver is 3, must be one of .*RK4"):
         jo.simulation.Simulator(cart(), 3)
     with pytest.raises(jo.InputError, match="DormandPrince chooses its steps itself"):
         jo.simulation.Simulator(cart(), jo.simulation.DormandPrince())
