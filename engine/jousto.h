@@ -48,7 +48,7 @@ typedef double jo_real;
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
- * the number of the method, JO_METHOD_name, and jo_step_name, one step of it, in the file of its family:
+ * the number of the method, JO_METHOD_name; the file of its family makes a step of it, compiled for these coefficients:
  * runge_kutta: explicit, step_runge_kutta.c; a_ij (j < i) by rows, then b_i
  * rosenbrock: W-method with implicit modes, beams and springs along joint coordinates, step_rosenbrock.c; g, a_ij (j < i) by rows,
  *   g_ij (j < i) by rows, b_i. With order 2 its matrix contains the time derivative of the forces
@@ -59,6 +59,11 @@ typedef double jo_real;
     ROW(ros2, rosenbrock, 2, 2, 1.0 - 0.70710678118654752440, 1.0, -2.0 * (1.0 - 0.70710678118654752440), 0.5, 0.5) \
     ROW(alpha, generalized_alpha, 2, 0, 0.0) \
     ROW(dopri, dormand_prince, 5, 0, 0.0) \
+    ROW(ssprk3, runge_kutta, 3, 3, 1.0, 0.25, 0.25, 1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0) \
+    ROW(ros3a, rosenbrock, 3, 4, 0.435866521508458999, \
+        0.435866521508458999, 1.243893189483364390, -0.525959928729134891, 0.630412558152872662, 0.786580740199147478, -0.416993298352020141, \
+        -0.435866521508458999, -1.243893189483364390, 0.808026667974905391, -0.630412558152872662, 0.421915908976862592, -0.227369872332448929, \
+        0.0, 1.208496649176010070, -0.644363170684469070, 0.435866521508458999) \
     /* the last row */
 
 #define JO_METHOD_NUMBER(name, ...) JO_METHOD_##name,

@@ -21,9 +21,9 @@
 
 /* a function compiled for the constants of its call */
 #if defined(__GNUC__)
-#define JO_INLINE static inline __attribute__((always_inline))
+#define JO_INLINE inline __attribute__((always_inline))
 #else
-#define JO_INLINE static inline
+#define JO_INLINE inline
 #endif
 
 /* Comparisons and selections per lane. Builds with one machine: comparisons of real parts; lanes/lanes.h: several machines. */

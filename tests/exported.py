@@ -135,7 +135,12 @@ def expected(model: jo.Model, run: jo.Solution) -> np.ndarray:
 
 
 def engine_rows(
-    folder: Path, end: float, rows: int, machine: str = "swinging_arm", core: str = "auto"
+    folder: Path,
+    end: float,
+    rows: int,
+    machine: str = "swinging_arm",
+    core: str = "auto",
+    solver: str = "ROS2",
 ) -> np.ndarray:
     """Return time and sensors of a run in the baseline engine, in a process of its own."""
     code = (
@@ -144,11 +149,12 @@ def engine_rows(
         "import exported as t\n"
         "m = jo.compile(getattr(t, sys.argv[5])(), core=sys.argv[6])\n"
         "end, rows = float(sys.argv[2]), int(sys.argv[3])\n"
-        "run = jo.simulate(m, end, solver=jo.ROS2(step=t.STEP), output_step=end / rows)\n"
+        "made = getattr(jo.simulation, sys.argv[7], None) or getattr(jo, sys.argv[7])\n"
+        "run = jo.simulate(m, end, solver=made(step=t.STEP), output_step=end / rows)\n"
         "np.save(sys.argv[4], t.expected(m, run))\n"
     )
     out = folder / "rows.npy"
-    given = [str(Path(__file__).parent), repr(end), str(rows), str(out), machine, core]
+    given = [str(Path(__file__).parent), repr(end), str(rows), str(out), machine, core, solver]
     environment = {**os.environ, "JOUSTO_CPU": "baseline"}
     subprocess.run([sys.executable, "-c", code, *given], env=environment, check=True)
     found: np.ndarray = np.load(out)

@@ -5,19 +5,6 @@
 #include "arena.h"
 #include "data.h"
 
-/* one step of length s->step of each method, jo_step_NAME, in the file of its family */
-#define JO_METHOD_STEP(name, ...) int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s);
-JO_METHODS(JO_METHOD_STEP)
-
-/* In the file of a family with tableaus: the step of a row, `family_step` compiled for its tableau. */
-#define JO_STEP_OF(family_step, implicit, name, order, stages, ...) \
-    int jo_step_##name(const jo_model *m, jo_data *d, const jo_solver *s) \
-    { \
-        static const double coefficient[] = {__VA_ARGS__}; \
-        const jo_tableau t = {implicit, order, stages, coefficient}; \
-        return family_step(m, d, s, &t); \
-    }
-
 /* coefficients of a tableau: explicit ones of stage i, implicit ones of stage i (j < i), weights, node of stage i */
 static inline const double *jo_tableau_row(const jo_tableau *t, int i) { return t->coefficient + t->implicit + i * (i - 1) / 2; }
 static inline const double *jo_tableau_implicit(const jo_tableau *t, int i)
@@ -59,10 +46,11 @@ static inline void jo_keep_rates(const jo_data *d, int j, const jo_real *rate)
 int jo_write_row(const jo_model *m, jo_data *d, jo_real *row);
 
 /* step_generalized_alpha.c */
-int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step, as jo_step_NAME of each method */
+int jo_step_alpha(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 
 /* step_dormand_prince.c */
 int jo_step_pair(const jo_model *m, jo_data *d, const jo_solver *s, double h, double seen);
+int jo_step_dopri(const jo_model *m, jo_data *d, const jo_solver *s);   /* one step of length s->step */
 double jo_increment_between(const jo_model *m, jo_real *x, const jo_real *q0, const jo_real *q);
 void jo_restore_stage(jo_data *d, int last);   /* accelerations and power of the first or last stage */
 void jo_interpolate(const jo_model *m, jo_data *d, double u);
@@ -71,6 +59,12 @@ void jo_tree_error_estimate(const jo_model *m, jo_data *d, jo_real *increment, j
 
 /* step_closure.c */
 int jo_close_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_stage *stage);
+
+/* step_runge_kutta.c */
+int jo_step_runge_kutta(const jo_model *m, jo_data *d, const jo_solver *s);
+
+/* step_rosenbrock.c */
+int jo_step_rosenbrock(const jo_model *m, jo_data *d, const jo_solver *s);
 
 /* method_table.c */
 int jo_takes_tree(const jo_model *m, const jo_solver *s);   /* whether the method runs in joint coordinates */

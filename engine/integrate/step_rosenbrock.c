@@ -21,7 +21,7 @@ typedef struct {
     double lead[JO_MOST_STAGES];                           /* sum_j g_ij over g */
 } weights;
 
-JO_INLINE void weigh(const jo_tableau *t, weights *w)
+static JO_INLINE void weigh(const jo_tableau *t, weights *w)
 {
     for (int i = 0; i < t->stages; i++) {
         const double *g = jo_tableau_implicit(t, i);
@@ -37,7 +37,7 @@ JO_INLINE void weigh(const jo_tableau *t, weights *w)
 
 /* the move of sum_j a_j k_j over the first `count` stages: increments h (sum a_j r_j + g h sum e_j v_j') and velocities h sum a_j v_j',
  * e_j = a_j + sum_l>j a_l s_lj */
-JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, const double *a, const int count, double gh)
+static JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, const double *a, const int count, double gh)
 {
     const double h = d->control.length;
     double e[JO_MOST_STAGES];
@@ -63,7 +63,7 @@ JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, const doubl
 
 /* What stiffness and damping act on in stage k, over g h: x = -r_k - sum s_kj r_j - g h sum z_kj v_j' with the rates r_k in `own`, and
  * y = -sum s_kj v_j'; the weights of the first stage are smaller by `less`. */
-JO_INLINE void carry(const jo_data *d, const weights *w, const int k, const jo_stage *stage, double less, const jo_real *own, jo_real *x,
+static JO_INLINE void carry(const jo_data *d, const weights *w, const int k, const jo_stage *stage, double less, const jo_real *own, jo_real *x,
                      jo_real *y)
 {
     const int n = d->nw;
@@ -103,7 +103,7 @@ static void leave_modes(const jo_model *m, jo_data *d)
 
 /* The same of beams. A stage that keeps the factors of the first one starts from its accelerations: (g h D + (g h)^2 K) v_1' is gone
  * already. */
-JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
+static JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
     carry(d, w, k, stage, stage->second ? 1.0 : 0.0, d->rate, d->rate, d->dv);
@@ -117,7 +117,7 @@ JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const
 
 /* The work of a stage. To order 2 that of damping and loads is the trapezoidal rule over the ends of the step: the stages say little
  * about modes that the step does not resolve. */
-JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
+static JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
 {
     const double h = d->control.length, share = jo_tableau_weights(t)[k] * h;
     if (t->order > 2) {
@@ -135,7 +135,7 @@ JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
 }
 
 /* stage k: where it is, its rates, its work */
-JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const weights *w, const int k, jo_real t0, jo_stage *stage)
+static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const weights *w, const int k, jo_real t0, jo_stage *stage)
 {
     if (k) {
         move(m, d, w, jo_tableau_row(t, k), k, stage->gh);
@@ -168,7 +168,7 @@ JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const
 }
 
 /* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
-JO_INLINE int rosenbrock_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
+static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
     weights w;
@@ -182,13 +182,26 @@ JO_INLINE int rosenbrock_step(const jo_model *m, jo_data *d, const jo_solver *s,
     if (status != JO_OK) return status;
     leave_modes(m, d);
     move(m, d, &w, jo_tableau_weights(t), t->stages, stage.gh);
+    d->time[0] = t0 + s->step;
     return jo_close_step(m, d, s, &stage);
 }
 
-/* of the rows of this family */
-#define STEP_rosenbrock(...) JO_STEP_OF(rosenbrock_step, 1, __VA_ARGS__)
-#define STEP_runge_kutta(...)
-#define STEP_generalized_alpha(...)
-#define STEP_dormand_prince(...)
-#define STEP(name, family, ...) STEP_##family(name, __VA_ARGS__)
-JO_METHODS(STEP)
+/* the rows of this family */
+#define JO_ROS_rosenbrock(name, order, stages, ...) \
+    case JO_METHOD_##name: { \
+        static const double coefficient[] = {__VA_ARGS__}; \
+        const jo_tableau t = {1, order, stages, coefficient}; \
+        return step(m, d, s, &t); \
+    }
+#define JO_ROS_runge_kutta(...)
+#define JO_ROS_generalized_alpha(...)
+#define JO_ROS_dormand_prince(...)
+#define JO_ROS_ROW(name, family, ...) JO_ROS_##family(name, __VA_ARGS__)
+
+int jo_step_rosenbrock(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    switch (s->method) {
+    JO_METHODS(JO_ROS_ROW)
+    default: return JO_NO_CONVERGENCE;   /* of another family */
+    }
+}

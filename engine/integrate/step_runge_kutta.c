@@ -9,7 +9,7 @@
 #include "integrate/integrate.h"
 
 /* whether the rates of stage k are still needed after the stage that follows it */
-JO_INLINE int lasting(const jo_tableau *t, const int k)
+static JO_INLINE int lasting(const jo_tableau *t, const int k)
 {
     int needed = 0;
     for (int i = k + 2; i < t->stages; i++) needed |= jo_tableau_row(t, i)[k] != 0.0;
@@ -18,7 +18,7 @@ JO_INLINE int lasting(const jo_tableau *t, const int k)
 
 /* Stage k joins the sums of increments and velocities with its weight, and both move on to the next stage. Where nothing has moved
  * yet increments grow by the velocities. */
-JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, double h)
+static JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, double h)
 {
     jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
     const int n = d->nw, last = k == t->stages - 1;
@@ -44,7 +44,7 @@ JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, double h)
 }
 
 /* stage k: where it is, its accelerations, the sums */
-JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const int k, double h, jo_real t0, const jo_stage *stage)
+static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const int k, double h, jo_real t0, const jo_stage *stage)
 {
     const int baumgarte = jo_stabilised(stage);
     if (k) {
@@ -67,7 +67,7 @@ JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const
 }
 
 /* compiled for each tableau: JO_MOST_STAGES calls, so that its coefficients are constants of the code */
-JO_INLINE int runge_kutta_step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
+static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, const jo_tableau *t)
 {
     const jo_real t0 = d->time[0];
     const jo_stage stage = {.alpha = s->alpha, .beta = s->beta};
@@ -80,13 +80,26 @@ JO_INLINE int runge_kutta_step(const jo_model *m, jo_data *d, const jo_solver *s
     if (status != JO_OK) return status;
     jo_integrate_positions(m, d, d->dq);
     JO_EACH(i, d->nw) JO_STORE(d->w + i) = JO_LOAD(d->v0 + i) + JO_LOAD(d->dv + i);
+    d->time[0] = t0 + s->step;
     return jo_close_step(m, d, s, &stage);
 }
 
-/* of the rows of this family */
-#define STEP_runge_kutta(...) JO_STEP_OF(runge_kutta_step, 0, __VA_ARGS__)
-#define STEP_rosenbrock(...)
-#define STEP_generalized_alpha(...)
-#define STEP_dormand_prince(...)
-#define STEP(name, family, ...) STEP_##family(name, __VA_ARGS__)
-JO_METHODS(STEP)
+/* the rows of this family */
+#define JO_RK_runge_kutta(name, order, stages, ...) \
+    case JO_METHOD_##name: { \
+        static const double coefficient[] = {__VA_ARGS__}; \
+        const jo_tableau t = {0, order, stages, coefficient}; \
+        return step(m, d, s, &t); \
+    }
+#define JO_RK_rosenbrock(...)
+#define JO_RK_generalized_alpha(...)
+#define JO_RK_dormand_prince(...)
+#define JO_RK_ROW(name, family, ...) JO_RK_##family(name, __VA_ARGS__)
+
+int jo_step_runge_kutta(const jo_model *m, jo_data *d, const jo_solver *s)
+{
+    switch (s->method) {
+    JO_METHODS(JO_RK_ROW)
+    default: return JO_NO_CONVERGENCE;   /* of another family */
+    }
+}

@@ -69,6 +69,16 @@ def test_fmpy_finds_nothing_wrong_in_the_description(unit: Path) -> None:
     assert about.modelExchange is None  # it has an event, stick-slip and damage
 
 
+def test_co_simulation_has_a_method_of_order_3(arm: jo.Model, tmp_path: Path) -> None:
+    out = tmp_path / "arm.fmu"
+    write_fmu(arm, out, jo.simulation.ROS3A(step=STEP), version=2, stop=0.2)
+    found = fmpy.simulate_fmu(
+        str(out), stop_time=0.2, output_interval=0.04, fmi_type="CoSimulation"
+    )
+    rows = engine_rows(tmp_path, 0.2, 5, solver="ROS3A")
+    assert np.array_equal(values(found)[:, 1:], rows[:, 1:])
+
+
 def test_co_simulation_computes_the_bits_of_the_engine(unit: Path, rows: np.ndarray) -> None:
     found = fmpy.simulate_fmu(
         str(unit), stop_time=0.4, output_interval=0.04, fmi_type="CoSimulation"

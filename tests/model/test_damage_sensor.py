@@ -10,7 +10,10 @@ from jousto.mechanism.bodies.body import FlexibleBody
 
 STEEL = jo.SN(S_D=1e6, N_D=1e6, k=5, rule="haibach")
 SITE = "e1.a.top:s11"
-SOLVERS = (jo.RK4(2e-4), jo.ROS2(1e-3), jo.GeneralizedAlpha(1e-3))
+SOLVERS = (
+    *(jo.RK4(2e-4), jo.ROS2(1e-3), jo.GeneralizedAlpha(1e-3)),
+    *(jo.simulation.SSPRK3(1e-4), jo.simulation.ROS3A(1e-3)),
+)
 
 
 @pytest.fixture(scope="module")

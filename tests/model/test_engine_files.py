@@ -17,7 +17,8 @@ pytestmark = pytest.mark.skipif(not ENGINE.exists(), reason="an installed packag
 
 # functions and constants start at the left edge, and a function ends there unless it is one line
 FUNCTION = re.compile(
-    r"^(static )?[a-z][\w *]*?(\w+)\([^;{}]*\)\s*\{(?:[^\n]*\}$|.*?^\}$)", re.MULTILINE | re.DOTALL
+    r"^(static (?:JO_INLINE )?)?[a-z][\w *]*?(\w+)\([^;{}]*\)\s*\{(?:[^\n]*\}$|.*?^\}$)",
+    re.MULTILINE | re.DOTALL,
 )
 CONSTANT = re.compile(r"^const \w+ (\w+) =", re.MULTILINE)
 PROTOTYPE = re.compile(r"^(?:extern [^;{}]*|[a-z][\w *]*\w\([^;{}]*\));", re.MULTILINE)

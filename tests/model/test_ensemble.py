@@ -17,6 +17,7 @@ from jousto.model.native.ensemble import Ensemble, structure
 from jousto.model.native.native import Engine
 from jousto.simulation.running.batched_runs import run_in_lanes as side_by_side
 from jousto.simulation.running.repeated_runs import Repeated
+from jousto.simulation.solvers.runge_kutta import RungeKutta
 from model import test_forces, test_joints, test_sensors
 
 STEP, STEPS, EVERY = 1e-3, 60, 10
@@ -27,6 +28,8 @@ EVALUATIONS, DIAGNOSTICS = (
 SOLVERS = {
     "rk4": jo.RK4(step=STEP),
     "ros2": jo.ROS2(step=STEP),
+    "ssprk3": jo.simulation.SSPRK3(step=STEP),
+    "ros3a": jo.simulation.ROS3A(step=STEP),
     "ros2, free": jo.ROS2(
         step=STEP, projection=False, baumgarte=jo.simulation.Baumgarte(50.0, 50.0)
     ),
@@ -161,7 +164,7 @@ def test_every_joint(name, flexible):
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_every_method(solver):
-    flexible = solver != "rk4"  # whose step would have to be shorter
+    flexible = not isinstance(SOLVERS[solver], RungeKutta)  # whose step would have to be shorter
     assert_lanes(test_joints.build("Universal", flexible), SOLVERS[solver])
 
 

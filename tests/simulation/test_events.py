@@ -15,7 +15,9 @@ from verification.test_friction import block_on_a_belt
 pytestmark = pytest.mark.filterwarnings("ignore:.*nothing will move")
 
 G = 9.81
-SOLVERS = [jo.RK4(0.01), jo.ROS2(0.01)]
+SOLVERS = [
+    jo.RK4(0.01), jo.ROS2(0.01), jo.simulation.SSPRK3(0.01), jo.simulation.ROS3A(0.01)
+]  # fmt: skip
 
 
 def slewing(stop=True, *, law=None):

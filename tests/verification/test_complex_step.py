@@ -16,7 +16,7 @@ import jousto as jo
 from verification.mechanisms import SECTION, SOFT, chain, loop, march
 
 H = 1e-30
-METHODS = [jo.RK4, jo.ROS2]
+METHODS = [jo.RK4, jo.ROS2, jo.simulation.SSPRK3, jo.simulation.ROS3A]
 
 
 def end_state(model, solver, steps, *, override=None, v0=None, complex_scalars=False):
@@ -161,10 +161,33 @@ def rod_part():
     return jo.Part.beam(1.0, SECTION, 6, SOFT, theory=jo.parts.EulerBernoulli())
 
 
+def by_tableau(method, h, K, D):
+    """One step of the method on y' = B y as a matrix and its derivative with respect to K:
+
+    ``(1 - g h B) k_i = B (1 + h sum_j<i (a_ij + g_ij) k_j)``, ``R = 1 + h sum_i b_i k_i``.
+    """
+    x, one = method().tableau, np.eye(2)
+    B, dB = np.array([[0, 1], [-K, -D]]), np.array([[0.0, 0.0], [-1.0, 0.0]])
+    R, dR, k, dk = one.copy(), np.zeros((2, 2)), [], []
+    for i in range(x.stages):
+        g = x.Gamma[i, i] * h
+        W = np.linalg.inv(one - g * B)
+        dW = W @ (g * dB) @ W
+        weights = h * (x.A + x.Gamma)[i, :i]
+        y = one + sum(w * z for w, z in zip(weights, k, strict=True))
+        dy = sum((w * z for w, z in zip(weights, dk, strict=True)), np.zeros((2, 2)))
+        k.append(W @ B @ y)
+        dk.append(dW @ B @ y + W @ dB @ y + W @ B @ dy)
+        R, dR = R + h * x.b[i] * k[-1], dR + h * x.b[i] * dk[-1]
+    return R, dR
+
+
 def amplification(method, h, K, D):
     """One step of the method on y' = B y as a matrix, from its published definition."""
     one = np.eye(2)
     B = np.array([[0, 1], [-K, -D]])
+    if method not in (jo.RK4, jo.ROS2):
+        return by_tableau(method, h, K, D)[0]
     if method is jo.RK4:
         Z = h * B
         return one + Z @ (one + Z / 2 @ (one + Z / 3 @ (one + Z / 4)))
@@ -180,6 +203,8 @@ def d_amplification(method, h, K, D):
     """Derivative of the same with respect to K, by the product rule."""
     one = np.eye(2)
     B, dB = np.array([[0, 1], [-K, -D]]), np.array([[0.0, 0.0], [-1.0, 0.0]])
+    if method not in (jo.RK4, jo.ROS2):
+        return by_tableau(method, h, K, D)[1]
     if method is jo.RK4:
         powers = [np.linalg.matrix_power(B, i) for i in range(4)]
         total = np.zeros((2, 2))

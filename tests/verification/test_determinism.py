@@ -24,6 +24,8 @@ STEP = 2.0**-12  # s; a power of two, so that every output step gives the same s
 SOLVERS = {
     "RK4": jo.RK4(step=STEP),
     "ROS2": jo.ROS2(step=STEP),
+    "SSPRK3": jo.simulation.SSPRK3(step=STEP),
+    "ROS3A": jo.simulation.ROS3A(step=STEP),
     "RK4, not projected": jo.RK4(step=STEP, projection=False),
     "ROS2, not projected": jo.ROS2(step=STEP, projection=False),
     "RK4, Baumgarte": jo.RK4(

@@ -39,6 +39,8 @@ class Fixed:
 METHODS = {
     "RK4": (jo.RK4, (100, 200, 400, 800)),
     "ROS2": (jo.ROS2, (100, 200, 400, 800)),
+    "SSPRK3": (jo.simulation.SSPRK3, (100, 200, 400, 800)),
+    "ROS3A": (jo.simulation.ROS3A, (100, 200, 400, 800)),
     "GeneralizedAlpha": (jo.GeneralizedAlpha, (100, 200, 400, 800)),
     "Newmark": (jo.simulation.Newmark, (100, 200, 400, 800)),
     "DormandPrince": (Fixed, (75, 150, 300, 600)),

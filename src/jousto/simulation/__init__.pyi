@@ -12,6 +12,8 @@ from .running.simulator import Simulator as Simulator
 from .solvers.adaptive import DormandPrince as DormandPrince
 from .solvers.base import Baumgarte as Baumgarte
 from .solvers.implicit import Newmark as Newmark
+from .solvers.rosenbrock import ROS3A as ROS3A
+from .solvers.runge_kutta import SSPRK3 as SSPRK3
 from .state import State as State
 from .statics.buckling import Buckling as Buckling, buckling as buckling
 from .statics.load_path import load_path as load_path

@@ -24,3 +24,17 @@ class ROS2(Rosenbrock, tag="ROS2"):
     """
 
     method: ClassVar[str] = "ros2"
+
+
+class ROS3A(Rosenbrock, tag="ROS3A"):
+    """Linearly implicit W-method of order 3, stiffly accurate and L-stable.
+
+    Four evaluations a step, without iteration. The stages are those of the method of Alexander
+    (SIAM J. Numer. Anal. 14, 1977) with gamma = 0.43587; all rows of the implicit coefficients but
+    the first sum up to 0. So the method keeps its order whatever the matrix leaves out
+    (W-method), and also though its masses are those of each stage: that takes
+    ``sum b_i c_i g_i = 0`` besides the conditions of order 3, which ROS34PW2 of Rang and Angermann
+    (BIT 45, 2005) does not meet. What is explicit is stable as in `RK4`.
+    """
+
+    method: ClassVar[str] = "ros3a"

@@ -31,3 +31,14 @@ class RK4(RungeKutta, tag="RK4"):
     """
 
     method: ClassVar[str] = "rk4"
+
+
+class SSPRK3(RungeKutta, tag="SSPRK3"):
+    """Strong stability preserving Runge-Kutta method of order 3.
+
+    Shu and Osher (J. Comput. Phys. 77, 1988), eq. 2.18: averages of steps of Euler's method. Three
+    evaluations a step. Stable only while ``step * omega`` stays below 1.73 for the highest modal
+    frequency omega.
+    """
+
+    method: ClassVar[str] = "ssprk3"
