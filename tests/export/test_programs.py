@@ -58,7 +58,7 @@ def test_a_program_of_one_file_computes_the_bits_of_the_engine(
     ids=["SSPRK3", "ROS3A"],
 )
 def test_a_program_has_each_method(solver: type, make: Callable, tmp_path: Path) -> None:
-    """Within round-off; the explicit one for rigid bodies: it would need shorter steps for modes."""
+    """Within round-off; the explicit one for rigid bodies: modes need shorter steps."""
     machine = jo.compile(make(), core="maximal")
     write_program(machine, tmp_path / "arm.c", solver(step=STEP))
     program = compiled(tmp_path, "arm.c", flags=(*FLAGS, "-DMAIN"))
