@@ -35,7 +35,17 @@ PLAIN = re.compile(
 # values that keep the form of their constructor although they hold others or short vectors
 VALUES = {
     *("Harmonic", "Constant", "ConstantSpeed", "Input", "Sum", "Product"),
-    *("RK4", "ROS2", "InertiaRelief", "InBox", "InCylinder", "InSphere", "Nearest"),
+    *(
+        "RK4",
+        "ROS2",
+        "SSPRK3",
+        "ROS3A",
+        "InertiaRelief",
+        "InBox",
+        "InCylinder",
+        "InSphere",
+        "Nearest",
+    ),
 }
 BASES = {"MeanStress", "Outcome"}  # their kinds show themselves
 NOT_MADE = {"Matrices", "FourierLoads", "Histories"}  # of other programs, and of moving twins
