@@ -81,8 +81,9 @@ class Solver(Declared, section="solvers", by_value=True):
 
 
 def solvers() -> tuple[type[Solver], ...]:
-    """Return the classes of all solvers."""
-    return tuple(cls for cls in kinds("solvers", ROOM).values() if issubclass(cls, Solver))
+    """Return the classes of all solvers, by their names."""
+    found = [cls for cls in kinds("solvers", ROOM).values() if issubclass(cls, Solver)]
+    return tuple(sorted(found, key=lambda cls: cls.__name__))
 
 
 def known() -> str:
