@@ -45,18 +45,24 @@ static JO_INLINE void move(const jo_model *m, jo_data *d, const weights *w, cons
         e[j] = a[j];
         for (int l = j + 1; l < count; l++) e[j] -= a[l] * w->rate[l][j];
     }
+    const jo_real *rates[JO_MOST_STAGES], *accelerations[JO_MOST_STAGES], *const v0 = d->v0;
+    for (int j = 0; j < count; j++) {
+        rates[j] = jo_kept_rates(d, j);
+        accelerations[j] = jo_kept_accelerations(d, j);
+    }
+    jo_real *const dq = d->dq, *const w_next = d->w;
     const int n = d->nw;
     JO_EACH(i, n) {
-        const jo_lanes v = JO_LOAD(jo_kept_accelerations(d, 0) + i);
-        jo_lanes r = a[0] * JO_LOAD(jo_kept_rates(d, 0) + i), x = a[0] * v, y = e[0] * v;
+        const jo_lanes v = JO_LOAD(accelerations[0] + i);
+        jo_lanes r = a[0] * JO_LOAD(rates[0] + i), x = a[0] * v, y = e[0] * v;
         for (int j = 1; j < count; j++) {
-            const jo_lanes next = JO_LOAD(jo_kept_accelerations(d, j) + i);
-            r += a[j] * JO_LOAD(jo_kept_rates(d, j) + i);
+            const jo_lanes next = JO_LOAD(accelerations[j] + i);
+            r += a[j] * JO_LOAD(rates[j] + i);
             x += a[j] * next;
             y += e[j] * next;
         }
-        JO_STORE(d->dq + i) = h * (r + gh * y);
-        JO_STORE(d->w + i) = JO_LOAD(d->v0 + i) + h * x;
+        JO_STORE(dq + i) = h * (r + gh * y);
+        JO_STORE(w_next + i) = JO_LOAD(v0 + i) + h * x;
     }
     jo_integrate_positions(m, d, d->dq);
 }
@@ -157,8 +163,10 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     }
     if (k) jo_position_rate(m, d, d->rate, d->dq);
     else {   /* what is prescribed at the start stands since the evaluation */
-        JO_EACH(i, d->ny) JO_STORE(d->q0 + i) = JO_LOAD(d->y + i);
-        JO_EACH(i, d->nw) JO_STORE(d->v0 + i) = JO_LOAD(d->w + i);
+        jo_real *const q0 = d->q0, *const v0 = d->v0, *const y = d->y, *const v = d->w;
+        const int ny = d->ny, nw = d->nw;
+        JO_EACH(i, ny) JO_STORE(q0 + i) = JO_LOAD(y + i);
+        JO_EACH(i, nw) JO_STORE(v0 + i) = JO_LOAD(v + i);
     }
     jo_keep_rates(d, k, k ? d->rate : d->w);
     stage->rates[k] = jo_kept_rates(d, k);
