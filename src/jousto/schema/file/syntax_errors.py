@@ -96,11 +96,13 @@ def unclosed(lines: list[str]) -> tuple[str, int] | None:
     """
     text = "\n".join(lines)
     opened: list[tuple[str, int]] = []
+    line, counted = 1, 0
     for found in SIGNS.finditer(text):
-        sign, line = found[0], text.count("\n", 0, found.start()) + 1
+        sign, place = found[0], found.start()
+        line, counted = line + text.count("\n", counted, place), place
         if sign in ("[", "{"):
             # in plain text of a block a bracket is a letter
-            if opened or text[: found.start()].rstrip(" ")[-1:] in ("", "\n", ":", "-"):
+            if opened or _before_blanks(text, place) in ("", "\n", ":", "-"):
                 opened.append((f"'{sign}'", line))
         elif sign in PAIRS:
             if opened and opened[-1][0] == f"'{PAIRS[sign]}'":
@@ -108,6 +110,13 @@ def unclosed(lines: list[str]) -> tuple[str, int] | None:
         elif sign[0] in "'\"" and (len(sign) == 1 or sign[-1] != sign[0]):
             opened.append(("quote", line))
     return opened[-1] if opened else None
+
+
+def _before_blanks(text: str, place: int) -> str:
+    """Return the sign before a place and the blanks in front of it, "" at the begin."""
+    while place and text[place - 1] == " ":
+        place -= 1
+    return text[max(place - 1, 0) : place]
 
 
 # what a text of YAML cannot contain
