@@ -28,6 +28,8 @@ REMEDY = (
     "interface where the load acts"
 )
 
+# hash of a reduction, which each run of a model needs
+_DIGESTS: WeakKeyDictionary[ReducedPart, bytes] = WeakKeyDictionary()
 # static work of unit loads in a part and in its modes, by a hash of modes and load
 _WORK: WeakKeyDictionary[Part, dict[Any, tuple[float, float] | None]] = WeakKeyDictionary()
 MOST_KEPT = 1000
@@ -119,10 +121,12 @@ def _percent(share: float) -> str:
 
 def _digest(reduced: ReducedPart) -> bytes:
     """Return a hash that differs between reductions of one part."""
-    found = hashlib.blake2b(repr(reduced.interfaces).encode(), digest_size=20)
-    for array in (reduced.frequencies, reduced.modes):
-        found.update(np.ascontiguousarray(array).data)
-    return found.digest()
+    if reduced not in _DIGESTS:
+        found = hashlib.blake2b(repr(reduced.interfaces).encode(), digest_size=20)
+        for array in (reduced.frequencies, reduced.modes):
+            found.update(np.ascontiguousarray(array).data)
+        _DIGESTS[reduced] = found.digest()
+    return _DIGESTS[reduced]
 
 
 def _on_part(reach: Reach, load: Array) -> Array:
