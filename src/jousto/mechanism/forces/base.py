@@ -136,3 +136,12 @@ class ForceElement(Declared, section="forces"):
     def turning(self) -> tuple[tuple[str, Marker], ...]:
         """The markers whose orientation matters, with the name of the argument."""
         return tuple((key, value) for key, value in vars(self).items() if isinstance(value, Marker))
+
+
+class Actuator(ForceElement):
+    """A force along a coordinate that a motor or a cylinder exerts."""
+
+    @property
+    def symbol(self) -> str:
+        """A motor about an axis, or an actuator along one."""
+        return "motor" if self.turns else "actuator"

@@ -8,7 +8,7 @@ from typing import Any
 from jousto.base.errors import Problems
 from jousto.base.fields import field
 from jousto.base.numbers import Number, OptionalNumber
-from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.base import Actuator, Push
 from jousto.mechanism.forces.law import NEVER, EngineLaw, Unit
 from jousto.mechanism.joints.coordinate import (
     DAMPING,
@@ -70,7 +70,7 @@ _OF_RATE = replace(
 )
 
 
-class _Controller(ForceElement):
+class _Controller(Actuator):
     """What controllers of a coordinate and of its rate share; their gains have other units."""
 
     speed = False
@@ -139,11 +139,6 @@ class _Controller(ForceElement):
         elif self.lower is not None and self.limit is not None and self.lower >= self.limit:
             low, high = f"{self.lower:g}", f"{self.limit:g}"
             problems.add(where, f"lower is {low}, must be below the limit of {high}", "lower")
-
-    @property
-    def symbol(self) -> str:
-        """What moves."""
-        return "motor" if self.turns else "actuator"
 
     @property
     def filter_time(self) -> float:

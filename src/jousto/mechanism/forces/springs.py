@@ -15,7 +15,7 @@ from jousto.base.numbers import Number, OptionalNumber
 from jousto.mechanism.bodies.body import ground
 from jousto.mechanism.bodies.body_field import FlexibleField
 from jousto.mechanism.bodies.marker import Marker, MarkerField
-from jousto.mechanism.forces.base import ForceElement, Push
+from jousto.mechanism.forces.base import Actuator, ForceElement, Push
 from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.joints.coordinate import (
     DAMPING,
@@ -221,17 +221,12 @@ class Bushing(ForceElement, tag="bushing"):
         return (Push("bushing", data, a=self.a, b=self.b),)
 
 
-class JointForce(ForceElement, tag="joint-force"):
+class JointForce(Actuator, tag="joint-force"):
     """A force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
 
     kind = "joint force"
     coordinate: CoordinateField = field("It acts along +s on the body of marker b")
     signal: SignalField = field("Force as a function of time", unit=FORCE)
-
-    @property
-    def symbol(self) -> str:
-        """What moves."""
-        return "motor" if self.turns else "actuator"
 
     @property
     def pushes(self) -> tuple[Push, ...]:
@@ -240,7 +235,7 @@ class JointForce(ForceElement, tag="joint-force"):
         return (Push("along", along(preload=1.0), coordinate=s, active=True, signal=f),)
 
 
-class Servo(ForceElement, tag="servo"):
+class Servo(Actuator, tag="servo"):
     """A controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``."""
 
     kind = "servo"
@@ -255,11 +250,6 @@ class Servo(ForceElement, tag="servo"):
         remedy="None is no limit",
         default=None,
     )
-
-    @property
-    def symbol(self) -> str:
-        """What moves."""
-        return "motor" if self.turns else "actuator"
 
     @property
     def pushes(self) -> tuple[Push, ...]:
