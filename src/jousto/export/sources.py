@@ -106,7 +106,7 @@ def complex_build(files: dict[str, str], plant: str) -> dict[str, str]:
 
 FOLDER = re.compile(r'^#include "\w+/', flags=re.MULTILINE)
 INCLUDE = re.compile(r'^#include "([^"]+)".*$', flags=re.MULTILINE)
-STATIC = re.compile(r"^(?:static|JO_INLINE) [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
+STATIC = re.compile(r"^static [\w *]*?\b(\w+)(?:\(|\[| =)", flags=re.MULTILINE)
 TYPE = re.compile(r"^(?:\} (\w+);|typedef struct \{[^{}]*\} (\w+);)", flags=re.MULTILINE)
 ENUM = re.compile(r"^enum \{ ([^}]*) \};", flags=re.MULTILINE)
 DEFINE = re.compile(r"^#define (\w+)", flags=re.MULTILINE)

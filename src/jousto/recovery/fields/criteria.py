@@ -33,8 +33,8 @@ TENSOR_SHEARS = ("e12", "e23", "e13")
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 SUM_ROUNDING = 1e-7
-"""Sum of the extreme principal values over their difference, below which the sum is zero, as in the
-engine (recover.c): in pure shear they are opposite, and round-off would determine the sign."""
+"""Sum of the extreme principal values over their difference, below which the sum is zero, as in
+stress_recovery.c: in pure shear they are opposite, and round-off would determine the sign."""
 
 
 @dataclass(frozen=True)
