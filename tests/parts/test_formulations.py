@@ -243,7 +243,7 @@ def test_wrong_formulations_are_refused() -> None:
     [
         ("full", "warn", "too stiff in bending"),
         ("bbar", "warn", "too stiff in bending"),
-        ("incompatible", "ok", "correct bending stiffness"),
+        ("incompatible", "ok", "accurate in bending"),
         ("reduced", "warn", "too soft in bending"),
     ],
 )
