@@ -34,7 +34,9 @@ class Seal:
     start : int
         Offset of the end of HDF5.
     columns : list of (offset, bytes of a row)
-        Positions of the columns. rows : int Largest number of rows.
+        Positions of the columns.
+    rows : int
+        Largest number of rows.
     """
 
     def __init__(self, start: int, columns: list[tuple[int, int]], rows: int) -> None:

@@ -112,7 +112,8 @@ class SteppedText(str):
     Parameters
     ----------
     text : str
-        Quantity. slope : float
+        Quantity.
+    slope : float
         Derivative of the number in the text, times `STEP`.
     """
 

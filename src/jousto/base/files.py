@@ -232,7 +232,9 @@ def create(path: Path) -> BinaryIO:
     Raises
     ------
     InputError
-        If the path exists and is no file. OSError If the file cannot be created.
+        If the path exists and is no file.
+    OSError
+        If the file cannot be created.
     """
     check_file(path)
     path.unlink(missing_ok=True)

@@ -68,8 +68,11 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
     ----------
     path : Path
     mark : str
-        Required value of its attribute ``format``. what : str Kind of the file, for messages: ``"a
-        results file"``. remedy : str Remedy for damage.
+        Required value of its attribute ``format``.
+    what : str
+        Kind of the file, for messages: ``"a results file"``.
+    remedy : str
+        Remedy for damage.
 
     Raises
     ------

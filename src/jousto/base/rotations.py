@@ -318,7 +318,8 @@ def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> 
     Parameters
     ----------
     problems : Problems
-        Collected problems. where, name : str
+        Collected problems.
+    where, name : str
         Object and argument for the message.
     value : None, Rotate, (4,) or (3, 3) array_like, scipy Rotation
         None is no rotation; four numbers are Euler parameters, scalar first; columns of a (3, 3)

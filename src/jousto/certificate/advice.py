@@ -47,8 +47,13 @@ class Advice:
     Parameters
     ----------
     method : CraigBampton or FreeFree
-        Method for `reduce`. table : Table Accuracy for each number of modes. explanation : tuple of
-        str Reasons, as sentences. reached : bool Whether the requested accuracy is reached.
+        Method for `reduce`.
+    table : Table
+        Accuracy for each number of modes.
+    explanation : tuple of str
+        Reasons, as sentences.
+    reached : bool
+        Whether the requested accuracy is reached.
     """
 
     method: Method

@@ -34,8 +34,13 @@ class Check:
         ``"ok"``, ``"note"`` (information), ``"warn"`` (probable mistake) or ``"fail"`` (results are
         unreliable).
     value : str
-        Result with unit. limit : str Limit of the value; empty if there is none. sentence : str
-        Meaning of the result. remedy : str What to do; empty if nothing.
+        Result with unit.
+    limit : str
+        Limit of the value; empty if there is none.
+    sentence : str
+        Meaning of the result.
+    remedy : str
+        What to do; empty if nothing.
     """
 
     topic: str

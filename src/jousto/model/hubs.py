@@ -69,7 +69,8 @@ def closing(ends: Sequence[set[int]], held: set[int]) -> set[int]:
     Parameters
     ----------
     ends : sequence of set of int
-        Bodies of each joint. held : set of int
+        Bodies of each joint.
+    held : set of int
         Hubs and ground.
 
     Examples

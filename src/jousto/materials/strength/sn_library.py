@@ -69,7 +69,8 @@ def estimate_sn(strength: float | str, kind: str = "steel", *, rule: str = "elem
     kind : str
         "steel", "stainless-steel", "forging-steel", "cast-steel", "nodular-iron",
         "malleable-iron", "grey-iron", "aluminium", "cast-aluminium"; known for named materials.
-        rule : str Rule below the knee, see `SN`.
+    rule : str
+        Rule below the knee, see `SN`.
 
     Raises
     ------
@@ -121,8 +122,9 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
     name : str
         One of `sn_curves`; a weld class ``fat71`` (IIW), ``fat71-en``, ``fat80-shear``,
         ``fat100-shear-en``; or a material with known strength such as ``S355`` (an estimate).
-        Capital letters, blanks, dots and hyphens are ignored. rule : str, optional Rule below the
-        knee; None for the rule of the curve.
+        Capital letters, blanks, dots and hyphens are ignored.
+    rule : str, optional
+        Rule below the knee; None for the rule of the curve.
 
     Raises
     ------

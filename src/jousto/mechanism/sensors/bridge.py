@@ -262,7 +262,10 @@ class Bridge(Sensor, tag="bridge"):
 
         Parameters
         ----------
-        resistor : float Shunt resistance, ohm. arm : int Number of the arm, 1 to 4.
+        resistor : float
+            Shunt resistance, ohm.
+        arm : int
+            Number of the arm, 1 to 4.
         """
         problems = Problems()
         where = f"bridge {self.name!r}"

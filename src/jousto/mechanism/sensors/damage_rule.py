@@ -76,7 +76,8 @@ def meter_rule(
         Collected problems, and prefix of messages.
     sn : SN
         S-N curve.
-    residue, mean, depth, resolution See `DamageMeter`.
+    residue, mean, depth, resolution
+        See `DamageMeter`.
     """
     curve = getattr(sn, "numbers", None)
     if not isinstance(curve, tuple) or len(curve) != 5:

@@ -205,8 +205,9 @@ def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -
     Parameters
     ----------
     code : int
-        Number of the type, such as 185. kind : str Kind of the shape of its nodes: bricks may be
-        wedges, pyramids and tetrahedra.
+        Number of the type, such as 185.
+    kind : str
+        Kind of the shape of its nodes: bricks may be wedges, pyramids and tetrahedra.
     options : iterable of (int, int)
         KEYOPTs, number and value; 0 if missing.
     """

@@ -24,7 +24,9 @@ class Instance:
     blocks : list of Block
         Blocks of its part and of the instance.
     move : (3,) ndarray
-        Translation t, applied first. turn : (3, 3) ndarray Rotation R, applied second.
+        Translation t, applied first.
+    turn : (3, 3) ndarray
+        Rotation R, applied second.
     about : (3,) ndarray
         Point a of the axis of rotation.
     shift : int

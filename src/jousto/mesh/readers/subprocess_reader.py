@@ -32,7 +32,9 @@ def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
         ``"package.module:function"``. It returns nested lists and mappings of arrays and plain
         values.
     remedy : str
-        Remedy for a crash of the process. **arguments Plain values.
+        Remedy for a crash of the process.
+    **arguments
+        Plain values.
 
     Raises
     ------

@@ -208,9 +208,12 @@ class Engine:
         Returns
         -------
         status : str
-            See `run`. written : int Number of rows written. pace : dict The fields of ``jo_pace``;
-            "done" is the number of finished steps. The call returns early at an event, or if the
-            steps are too far behind.
+            See `run`.
+        written : int
+            Number of rows written.
+        pace : dict
+            The fields of ``jo_pace``; "done" is the number of finished steps. The call returns
+            early at an event, or if the steps are too far behind.
         """
         self._fits(steps, every, rows)
         written = self._ffi.new("int *", 0)

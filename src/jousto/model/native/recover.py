@@ -62,7 +62,8 @@ class Recovery:
         ----------
         p : (nt, k) array
         w : (nt, r) array, optional
-            Weights for "WEIGHTED". out : (nt, ns) array, optional
+            Weights for "WEIGHTED".
+        out : (nt, ns) array, optional
             Array that is filled and returned.
         """
         p = np.ascontiguousarray(p, dtype=np.float64)

@@ -38,7 +38,9 @@ class Builder:
     Parameters
     ----------
     bodies : dict of int to int
-        Index of every moving body by id. events : sequence of Event All events.
+        Index of every moving body by id.
+    events : sequence of Event
+        All events.
     """
 
     def __init__(self, bodies: dict[int, int], events: Sequence[Event] = ()) -> None:

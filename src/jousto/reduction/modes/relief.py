@@ -151,7 +151,9 @@ def with_residuals(
     loads : (ndof, m) array
         Any loads.
     elastic : Flexibility
-        The part without its rigid motions. rigid : RigidBasis Rigid motions.
+        The part without its rigid motions.
+    rigid : RigidBasis
+        Rigid motions.
     K : (ndof, ndof) sparse array
         Stiffness.
     """

@@ -104,7 +104,11 @@ def eigenfunction(ends: str, k: int, x: Array, order: int = 0) -> Array:
     ends : str
         Ends, such as ``"clamped-free"``.
     k : int
-        Number, from 1. x : array Position / length. order : int Order of the derivative.
+        Number, from 1.
+    x : array
+        Position / length.
+    order : int
+        Order of the derivative.
     """
     return np.asarray(_coefficients(ends, k) @ _terms(root(ends, k), np.atleast_1d(x), order))
 

@@ -29,7 +29,8 @@ class Front:
     Parameters
     ----------
     start, stop : int
-        Range of the unknowns of the block. border : (m,) array
+        Range of the unknowns of the block.
+    border : (m,) array
         Later unknowns, ascending.
     parent : int
         Front to which the remainder U is added; -1 for none.
