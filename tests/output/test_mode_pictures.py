@@ -9,8 +9,9 @@ import pytest
 from PIL import Image
 
 import jousto as jo
-from jousto.output.figures.modes import in_mode
+from jousto.output.figures.modes import in_mode, plot_modes
 from jousto.recovery.shape import positions
+from jousto.scene.modes import machine_modes
 
 
 def crank() -> jo.simulation.MechanismModes:
@@ -90,3 +91,50 @@ def test_what_cannot_be_drawn():
     messages = [problem.message for problem in caught.value.problems]
     assert messages[0].startswith("no mode 99; they are 0 to ")
     assert messages[1].startswith("scale is -1")
+
+
+def post(direction: float) -> jo.simulation.MechanismModes:
+    """A body in a ball joint, its centre 0.7 m above or below, in slanting gravity."""
+    pull = np.array([0.1, -9.81, 0.37])
+    z = direction * pull / np.linalg.norm(pull)
+    body = jo.RigidBody("body", 3.0, (0.2, 0.2, 0.2), center=0.7 * z)
+    eye = jo.Spherical("eye", jo.ground["origin"], body["origin"])
+    return jo.modes(jo.compile(jo.Mechanism(body, eye, jo.Gravity(tuple(pull)), name="post")))
+
+
+def titles(found: jo.simulation.MechanismModes) -> list[str]:
+    pictures = [plot_modes(found, k) for k in range(len(found.frequencies))]
+    return [" ".join(t.get_text() for t in x.figure.texts) for x in pictures]
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_free_spin_is_drawn_as_a_free_motion(direction: float):
+    """Nothing holds the turn about the vertical: neither its rounding error is a rate."""
+    found = post(direction)
+    assert found.free.tolist() == [True, False, False]
+    assert (found.eigenvalues[0], found.frequencies[0], found.damping[0]) == (0.0, 0.0, 0.0)
+    free, *others = titles(found)
+    assert "mode 1: free motion, 0 Hz" in free
+    assert all(("unstable, grows" in x) == (direction < 0) for x in others)
+    notes = [mode.note for mode in machine_modes(found).modes]
+    assert notes == ["free motion", *(["grows"] * 2 if direction < 0 else [""] * 2)]
+
+
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("elements", [10, 150])
+def test_the_spin_of_a_stiff_beam_is_free(elements: int, damped: bool):
+    """Its fibres ring 1e7 times faster than it swings, which costs its zero 7 digits.
+
+    The pendulum's swing, ``omega^2 = 3 g / 2 l``, is no free motion.
+    """
+    steel = jo.Material(E=210e9, nu=0.3, rho=7850.0)
+    ends = [(0, 0, 0), (0, -2, 0)]
+    beam = jo.BeamBody("beam", ends, jo.Rectangle(0.02, 0.01), steel, elements=elements)
+    eye = jo.Spherical("eye", jo.ground["origin"], beam["start"])
+    model = jo.compile(jo.Mechanism(beam, eye, jo.Gravity((0, -9.81, 0)), name="beam"))
+    found = jo.modes(model, jo.equilibrium(model), damped=damped, count=6)
+    text = [found.describe_mode(k) for k in range(6)]
+    assert text[0] == "free motion, 0 Hz"
+    assert not any("grows" in x or "decays" in x for x in text)
+    swing = 2 * np.pi * found.frequencies[~found.free][:2]
+    np.testing.assert_allclose(swing, (3 * 9.81 / 4) ** 0.5, rtol=5e-3)

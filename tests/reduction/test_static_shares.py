@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from jousto.materials.material import Material
+from jousto.parts.part import Part
 from jousto.reduction.methods import CraigBampton, FreeFree
 from jousto.reduction.reducer import reduce
 from jousto.schema.summary import content_facts
+from jousto.sections.section import Rectangle
 from reduction.bodies import bent
 
 BOTH = ("start", "end")
@@ -58,3 +61,18 @@ def test_the_summary_labels_corrections() -> None:
     }
     with_loads = dict(content_facts(reduce(bent(), FreeFree(modes=5, interfaces=BOTH))))
     assert "vibration" not in with_loads["mode 1"]  # its basis does not say which is which
+
+
+def test_a_correction_may_be_near_a_natural_frequency() -> None:
+    """The steel rod of the page of the command line; weak axis, strong axis, weak axis: free-free.
+
+    Frequencies of the full part bound those of the reduced one from below, whatever the share.
+    """
+    steel = Material(E=210e9, nu=0.3, rho=7850.0)
+    part = Part.beam(1.0, Rectangle(0.02, 0.01), 10, steel)
+    r = reduce(part, CraigBampton(BOTH, modes=2))
+    natural = reduce(part, FreeFree(modes=8)).frequencies
+    assert (r.static_shares[:3] > 0.5).all()
+    np.testing.assert_allclose(natural[:3], (53.15, 106.18, 146.44), rtol=1e-4)
+    np.testing.assert_allclose(r.frequencies[:3], (53.34, 106.57, 217.67), rtol=1e-4)
+    assert (r.frequencies >= natural[:8] * (1 - 1e-9)).all()

@@ -31,8 +31,6 @@ MATRICES = (".npz", ".mat")
 IN_LINE = 6  # longest list of components in one unit that is printed as one row
 ROWS = 20
 
-FREE = 1e-6  # 1/s, rates of free motion: below this magnitude an eigenvalue is rounding error
-
 
 Input = Annotated[
     str | None,
@@ -119,14 +117,9 @@ def modes(
     compiled = compiled_model(model, trust)
     found = natural(compiled, None if initial else rest(compiled))
     rows = []
-    for k, value in enumerate(found.eigenvalues[:count]):
-        text = f"{found.frequencies[k]:.6g} Hz"
-        if value.real > abs(value.imag):
-            text = f"unstable, grows with {value.real:.6g} 1/s"
-        if abs(value) < FREE:
-            text = "free motion, 0 Hz"
+    for k in range(min(count, len(found.eigenvalues))):
         moves = most_at({name: shapes[k] for name, shapes in found.shapes.items()})
-        rows.append((f"mode {k + 1}", f"{text}, most at {moves}"))
+        rows.append((f"mode {k + 1}", f"{found.describe_mode(k)}, most at {moves}"))
     place = "its initial pose" if initial else "rest"
     facts(rows or [("modes", "none: nothing is free to move")], f"{model.name} about {place}")
     if picture is not None:

@@ -144,10 +144,13 @@ class ReducedPart(Content):
         A mode is the sum of a static shape, caused by loads on the interfaces that produce the
         interface motion of the mode (constraint or attachment modes), and of a vibration with fixed
         interfaces; their strain energies add. Modes with a static part above one half describe the
-        deformation of the interfaces; their frequencies have no physical meaning. With U the motion
-        of the interfaces in the modes without rigid motion, and the singular vectors V of ``U
-        diag(1/omega)``, the parts are the sums of squares of the rows of V. Their total is the
-        number of independent deformations of the interfaces, 6 (i - 1) for i interface nodes.
+        deformation of the interfaces. Their frequencies bound natural frequencies of the free part
+        from above like those of the others; the share says nothing of the distance.
+
+        With U the motion of the interfaces in the modes without rigid motion, and the singular
+        vectors V of ``U diag(1/omega)``, the parts are the sums of squares of the rows of V. Their
+        total is the number of independent deformations of the interfaces, 6 (i - 1) for i interface
+        nodes.
         """
         length = length_scale(self.nodes)
         moved, rigid = [np.zeros((0, self.n))], [np.zeros((0, 6))]

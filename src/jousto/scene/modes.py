@@ -89,7 +89,7 @@ def machine_modes(found: MechanismModes) -> Scene:
     scene = model_scene(found.model)
     box = bounding_box(scene.bodies, scene.symbols, base[None])
     modes = []
-    for j, value in enumerate(np.asarray(found.eigenvalues)):
+    for j in range(len(found.eigenvalues)):
         change = _change(found, j, q[0])
         largest = max((_largest(body, change, q[0]) for body in scene.bodies), default=0.0)
         amplitude = _scale(box, largest)
@@ -98,8 +98,10 @@ def machine_modes(found: MechanismModes) -> Scene:
             whole[len(change) :] = _slopes(rows, q, v, change, STEP * amplitude)
         imag = whole.imag if np.any(whole.imag) else None
         note = "" if found.frequencies[j] else "does not oscillate"
-        if value.real > 0.0:
+        if found.grows[j]:
             note = "grows"
+        if found.free[j]:
+            note = "free motion"
         damping = float(found.damping[j])
         frequency = float(found.frequencies[j])
         modes.append(Mode(f"mode {j + 1}", frequency, damping, whole.real, imag, amplitude, note))

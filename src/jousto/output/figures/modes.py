@@ -71,12 +71,8 @@ def plot_modes(
     problems.raise_if_any()
     run = in_mode(data, int(mode), scale)
     stage = make_stage(run, np.array([0.0, 1.0]), scale=1.0, view=view, trail=None)
-    found = f"{data.frequencies[mode]:.5g} Hz"
-    value = data.eigenvalues[mode]
-    if value.real > abs(value.imag):
-        found = f"unstable, grows with {value.real:.5g} 1/s"
-    name = data.model.name
-    figure, ax = new_picture(stage, f"{name}, mode {mode + 1}: {found}", "")
+    title = f"{data.model.name}, mode {mode + 1}: {data.describe_mode(mode, 5)}"
+    figure, ax = new_picture(stage, title, "")
     overlay(ax, stage)
     figure.text(
         ax.get_position().x1,

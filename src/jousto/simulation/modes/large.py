@@ -17,14 +17,18 @@ from jousto.simulation.modes.spectrum import lowest_modes, newton_sparse, saddle
 from jousto.simulation.state import State, put
 
 MANY = 600  # number of velocities and rows above which matrices are sparse
+# rounding error of omega^2 over the largest stiffness over mass, after iterative refinement
+ROUND_OFF = 10 * float(np.finfo(float).eps)
 USUAL = 20  # default number of modes of large mechanisms
 NOISE = 1e-13  # omega^2 over the largest stiffness over mass, below which it is round-off
 
 
 def large_modes(
     model: Model, state: State, damped: bool, count: int
-) -> tuple[NDArray[np.complex128], NDArray[Any]]:
-    """Return eigenvalues (k,) in 1/s and increments (nv, k) in body frames, lowest first.
+) -> tuple[NDArray[np.complex128], NDArray[Any], float]:
+    """Return eigenvalues (k,), 1/s, increments (nv, k), and the rounding error of omega^2.
+
+    The modes are sorted, the lowest first; their increments are in body frames.
 
     With increments x in body frames: ``dq = T x``, ``dv = T (x' + W x)``; ``da`` of translations
     is ``T (x'' + 2 W x' + (W' + W W) x)``, of rotations ``T (x'' + W x' + W' x)``, with the spin W
@@ -52,11 +56,17 @@ def large_modes(
     G = T.T @ (M @ T @ twice + D @ T)
     M = T.T @ M @ T
     C = A[:nv, nv:].T @ T
+    round_off = ROUND_OFF * _ratio(K, M)
     if not damped:
         found = lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), count)
         roots = np.sqrt(-found.squares.astype(np.complex128))
-        return np.where(roots.imag < 0.0, -roots, roots), found.shapes
-    return _quadratic(K, G, M, C, count)
+        return np.where(roots.imag < 0.0, -roots, roots), found.shapes, round_off
+    return *_quadratic(K, G, M, C, count), round_off
+
+
+def _ratio(K: Any, M: Any) -> float:
+    """Return the largest stiffness over mass, (rad/s)^2."""
+    return float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
 
 
 def _spins(model: Model, engine: Engine) -> tuple[Any, Any, Any]:
@@ -82,7 +92,7 @@ def _quadratic(
     The method is shift-invert Arnoldi.
     """
     n = K.shape[0]
-    ratio = float(np.max(np.abs(K.diagonal()) / np.maximum(M.diagonal(), 1e-300)))
+    ratio = _ratio(K, M)
     still = np.sort(np.abs(lowest_modes(K.tocsc(), M.tocsc(), C.tocsc(), 8).squares))
     firm = still[still > NOISE * ratio]
     # a free rigid motion has the eigenvalue 0: shift away from it

@@ -22,7 +22,10 @@ from jousto.simulation.state import State, put
 
 Eigenvalues = NDArray[np.complex128]
 NOTICED = 1e-3  # spin over the lowest frequency, above which modes at rest warn of it
+GROWTH = 1e-6  # rate over |eigenvalue|, above which a mode grows; below, it is rounding error
 NOISE = 1e-6  # frequency over the highest one, below which a motion does not oscillate
+# rounding error of eigenvalues (rad/s)^2 over the norm of stiffness over mass
+ROUND_OFF = 10 * float(np.finfo(float).eps)
 RANK = 1e-10  # singular value of the scaled constraint matrix over the largest, below it a null
 
 
@@ -85,6 +88,8 @@ class MechanismModes:
         The mechanism.
     state : State
         State of the linearisation.
+    free : (k,) bool array
+        Whether a mode is a free motion, which nothing holds or drives: its eigenvalue is 0.
     """
 
     frequencies: Array
@@ -94,10 +99,35 @@ class MechanismModes:
     shapes: dict[str, NDArray[Any]]
     model: Model
     state: State
+    free: NDArray[np.bool_]
 
     def __repr__(self) -> str:
         found = ", ".join(f"{f:.5g}" for f in self.frequencies[:6])
         return f"<MechanismModes: {found}{', ...' if len(self.frequencies) > 6 else ''} Hz>"
+
+    @property
+    def grows(self) -> NDArray[np.bool_]:
+        """Whether each mode is unstable, (k,): it grows, with or without oscillation."""
+        return np.asarray(self.eigenvalues.real > GROWTH * np.abs(self.eigenvalues))
+
+    def describe_mode(self, mode: int, digits: int = 6) -> str:
+        """Return the frequency of a mode as text, with the rate of one that grows or decays.
+
+        Parameters
+        ----------
+        mode : int
+            Index of the mode, from 0.
+        digits : int
+            Number of digits.
+        """
+        value, frequency = self.eigenvalues[mode], f"{self.frequencies[mode]:.{digits}g} Hz"
+        if self.free[mode]:
+            return "free motion, 0 Hz"
+        rate = f"{abs(value.real):.{digits}g} 1/s"
+        if self.grows[mode]:
+            swing = "" if value.real > abs(value.imag) else f"{frequency}, "
+            return f"{swing}unstable, grows with {rate}"
+        return frequency if self.frequencies[mode] else f"does not oscillate, decays with {rate}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +275,8 @@ class Rest:
 
     The free motions ``dq = N y`` are orthonormal with respect to the mass, ``N^T M N = E``, and
     ``y'' = -K y`` about the state. Neither N nor K contains a division by an inertia, which would
-    lose digits where it is tiny, as about the axis of a slender body.
+    lose digits where it is tiny, as about the axis of a slender body. `round_off` is the rounding
+    error of the eigenvalues of K, (rad/s)^2.
     """
 
     N: Array
@@ -253,6 +284,7 @@ class Rest:
     M: Array
     a: Array
     lam: Array
+    round_off: float
 
 
 def at_rest(model: Model, state: State) -> Rest:
@@ -292,7 +324,10 @@ def at_rest(model: Model, state: State) -> Rest:
     root = np.linalg.cholesky(scale[:, None] * M * scale)
     lift = scale[:, None] * np.linalg.inv(root).T
     N, pseudo = (lift @ x for x in free_motions(by_q[0] @ lift))
-    return Rest(N, N.T @ (by_q[1] - M @ pseudo @ by_q[2]) @ N, M, T.T @ a, lam)
+    K = by_q[1] - M @ pseudo @ by_q[2]
+    # joints may hold what is stiffest: the rounding errors have the size of K before they do
+    round_off = ROUND_OFF * float(np.linalg.norm(lift.T @ K @ lift))
+    return Rest(N, N.T @ K @ N, M, T.T @ a, lam, round_off)
 
 
 def _columns(rows: Sequence[Array]) -> Array:
@@ -423,25 +458,27 @@ def modes(
     if model.nv + model.nrow > MANY:
         if damped:
             _warn_held(model)
-        found, x = large_modes(hold_controllers(loaded), state, damped, count or USUAL)
+        found, x, round_off = large_modes(hold_controllers(loaded), state, damped, count or USUAL)
         if not damped:
             _warn_turning(model, state, found)
-        return _modes(model, state, found, x)
+        return _modes(model, state, found, x, round_off)
     if damped:
         t = tangent(loaded, state)
         N, f = t.N, t.N.shape[1]
         values, vectors = np.linalg.eig(system_matrix(t))
         keep = values.imag >= 0.0
         eigenvalues, free = values[keep].astype(np.complex128), vectors[:f, keep]
+        # a double eigenvalue 0 splits by the root of the rounding errors
+        round_off = ROUND_OFF * len(values) * float(np.abs(values).max(initial=0.0)) ** 2
     else:
         rest = at_rest(hold_controllers(loaded), state)
-        N, (squares, free) = rest.N, stiffness_modes(rest)
+        N, (squares, free), round_off = rest.N, stiffness_modes(rest), rest.round_off
         roots = np.sqrt(-squares.astype(np.complex128))
         eigenvalues = np.where(roots.imag < 0.0, -roots, roots)
     order = np.argsort(np.abs(eigenvalues), kind="stable")[:count]
     if not damped:
         _warn_turning(model, state, eigenvalues)
-    return _modes(model, state, eigenvalues[order], N @ free[:, order])
+    return _modes(model, state, eigenvalues[order], N @ free[:, order], round_off)
 
 
 def _warn_held(model: Model) -> None:
@@ -471,8 +508,15 @@ def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
 
 
 def _modes(
-    model: Model, state: State, eigenvalues: Eigenvalues, increments: NDArray[Any]
+    model: Model,
+    state: State,
+    eigenvalues: Eigenvalues,
+    increments: NDArray[Any],
+    round_off: float,
 ) -> MechanismModes:
+    """Return the modes; eigenvalues whose square is below the rounding error become 0."""
+    free = np.abs(eigenvalues) ** 2 <= round_off
+    eigenvalues = np.where(free, 0.0, eigenvalues)
     size = np.abs(eigenvalues)
     damping = np.divide(-eigenvalues.real, size, out=np.zeros_like(size), where=size > 0.0)
     return MechanismModes(
@@ -483,6 +527,7 @@ def _modes(
         normalised_shapes(model, state.q, increments),
         model,
         state,
+        free,
     )
 
 
