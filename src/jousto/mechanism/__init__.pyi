@@ -1,4 +1,5 @@
 # names of jo.mechanism; they are loaded from here when they are first used
+from ..base.rotation_rates import rate_matrix as rate_matrix, velocity_matrix as velocity_matrix
 from .beams.body import BeamDamping as BeamDamping
 from .beams.stiffness import BeamSection as BeamSection
 from .bodies.marker import Marker as Marker
