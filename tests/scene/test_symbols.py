@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import jousto as jo
 from jousto.mechanism.sensors.scalar import EnergySensor, SignalSensor
+from jousto.output.scenes.symbols import KINDS
 from jousto.recovery.shape import rotation_matrices
 from jousto.scene.make import make_scene
 from jousto.scene.scene import Scene, Side, Symbol
@@ -15,6 +18,9 @@ from scene.machines import COUPLINGS, FORCES, JOINTS, SENSORS, Z, ball, everythi
 pytestmark = pytest.mark.filterwarnings("ignore::jousto.base.errors.JoustoWarning")
 
 NOWHERE = {EnergySensor.tag, SignalSensor.tag}
+NO_ENDS = {"parallel-axes", "perpendicular", "constant-orientation"}
+"""Joints that pictures leave out: they hold directions and have no point."""
+PAGE = Path(__file__).parents[2] / "frontend/src/render/symbols/kinds.ts"
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +55,12 @@ def test_every_joint_has_a_symbol_of_its_kind_with_its_axis(tag):
     np.testing.assert_allclose(symbol.axis, joint.axis_world, rtol=0, atol=1e-14)
     for side, marker in zip(symbol.sides, joint.frames, strict=True):
         np.testing.assert_allclose(side.u, marker.position_local, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("tag", JOINTS)
+def test_the_page_and_pictures_draw_every_joint(tag):
+    assert f'"{tag}"' in PAGE.read_text(encoding="utf-8")
+    assert (tag in KINDS) != (tag in NO_ENDS)
 
 
 def test_the_machine_has_every_kind():

@@ -9,12 +9,11 @@ import numpy as np
 from jousto.base.errors import count
 from jousto.certificate.certificate import Check, Status, Table, number
 from jousto.certificate.part_checks import hangs_together
+from jousto.mesh.quality import POOR
 
 if TYPE_CHECKING:
     from jousto.parts.part import Part
 
-POOR = 0.05
-"""Scaled Jacobian below which an element causes large local errors."""
 
 VOLUME_DOUBTFUL, VOLUME_WRONG = 0.01, 0.05
 """Relative difference of mesh and CAD volume for a warning, and for an error."""

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array, Index
 from jousto.base.object_repr import described
+from jousto.base.voigt import STRESS_COMPONENTS
 from jousto.simulation.results.solution import Solution
 
-VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
-MEASURES = ("von-mises", "signed-von-mises", "principal-max", "principal-min", *VOIGT)
+MEASURES = ("von-mises", "signed-von-mises", "principal-max", "principal-min", *STRESS_COMPONENTS)
 WORLD = (1.0, 0.0, 0.0, 0.0)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from jousto.base.voigt import STRESS_COMPONENTS
+
 CRITERIA = {
     "von-mises": "von-mises",
     "signed-von-mises": "signed-von-mises",
     "principal-max": "principal-1",
     "principal-min": "principal-3",
-    **{name: name for name in ("s11", "s22", "s33", "s12", "s23", "s13")},
+    **{name: name for name in STRESS_COMPONENTS},
 }
 """Stress criteria by their names on the page."""
 SHIFTS = ("ux", "uy", "uz")

@@ -11,10 +11,8 @@ from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
+from jousto.mechanism.sensors.damage_rule import RESIDUES
 from jousto.model.native.damage_meter import count_cycles
-
-RESIDUES = ("half", "repeat", "ignore")
-"""Rules for the residue: the cycles that are open at the end of a history."""
 
 _EXPLAIN = (
     'give the rule for cycles open at the end of the history: "half" (half cycles, ASTM E1049),'

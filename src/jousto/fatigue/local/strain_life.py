@@ -23,11 +23,11 @@ from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.fatigue.cycles.rainflow import count_turning, turning_points
 from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
+from jousto.mechanism.sensors.damage_rule import RESIDUES
 
 Rule = Literal["neuber", "glinka", "elastic"]
 RULES = ("neuber", "glinka", "elastic")
 Residue = Literal["half", "repeat", "ignore"]
-RESIDUES = ("half", "repeat", "ignore")
 
 
 @explained

@@ -17,6 +17,7 @@ from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.base.rounding import SHARE
+from jousto.base.voigt import PAIRS
 from jousto.fatigue.cycles.duty import DutyCycle, check_duty, count_duty
 from jousto.fatigue.cycles.rainflow import Cycles, check_residue
 from jousto.fatigue.miner.damage import (
@@ -33,6 +34,7 @@ from jousto.materials.strength.mean_stress import MeanStress
 from jousto.materials.strength.sn import SN
 from jousto.recovery.fields.criteria import Criterion, Plane, check_criterion
 from jousto.recovery.fields.field import StressField
+from jousto.recovery.fields.planes import half_sphere
 from jousto.recovery.hotspots.bounds import prepare
 from jousto.recovery.hotspots.exhaustive_beams import largest
 from jousto.recovery.hotspots.measures import measure
@@ -230,18 +232,6 @@ class DamageField(Tabular):
             strict=True,
         )
         return head, rows
-
-
-def half_sphere(count: int) -> Array:
-    """Return evenly distributed unit normals (count, 3) on a half-sphere (Fibonacci spiral)."""
-    k = np.arange(count) + 0.5
-    z = k / count
-    turn = np.pi * (1.0 + 5.0**0.5) * k
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=1)
-
-
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # indices of the six components
 
 
 def special_normals(history: Array) -> Array:

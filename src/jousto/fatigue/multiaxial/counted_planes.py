@@ -18,7 +18,7 @@ from jousto.base.errors import Problems
 from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
-from jousto.fatigue.local.strain_life import RESIDUES, Residue
+from jousto.fatigue.local.strain_life import Residue
 from jousto.fatigue.multiaxial.planes import (
     DangVan,
     FatemiSocie,
@@ -31,6 +31,7 @@ from jousto.fatigue.multiaxial.planes import (
     plane_rows,
 )
 from jousto.materials.strength.strain_life import StrainLife
+from jousto.mechanism.sensors.damage_rule import RESIDUES
 from jousto.model.native.planes import PlaneCounter, StrainCurve
 
 AT_ONCE = 64

@@ -17,6 +17,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest, warn
 from jousto.base.files import Rows, Tabular
 from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
+from jousto.base.voigt import STRESS_COMPONENTS
 from jousto.fatigue.random.spectral import (
     METHODS,
     Method,
@@ -27,7 +28,6 @@ from jousto.fatigue.random.spectral import (
 from jousto.reduction.reduced import ReducedPart
 
 Complex = NDArray[np.complex128]
-COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
 V = np.diag([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
 V[:3, :3] -= 0.5 * (np.ones((3, 3)) - np.eye(3))
 RIGID = 1e-6  # natural frequency over the highest one, below which a mode is a rigid motion
@@ -100,8 +100,8 @@ class RandomResponse:
             A = np.einsum("scj,cd,sdk->sjk", S, V, S)
             return np.asarray(np.maximum(np.einsum("sjk,fjk->sf", A, real), 0.0))
         if isinstance(criterion, str):
-            if criterion not in COMPONENTS:
-                known = (*COMPONENTS, "von-mises")
+            if criterion not in STRESS_COMPONENTS:
+                known = (*STRESS_COMPONENTS, "von-mises")
                 raise InputError(
                     Problem(
                         "random response",
@@ -109,7 +109,7 @@ class RandomResponse:
                         f"{suggest(criterion, known)}",
                     )
                 )
-            rows = S[:, COMPONENTS.index(criterion)]
+            rows = S[:, STRESS_COMPONENTS.index(criterion)]
         else:
             n = np.asarray(criterion, dtype=np.float64)
             if n.shape != (3,) or not np.linalg.norm(n) > 0.0:

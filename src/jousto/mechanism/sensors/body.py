@@ -11,11 +11,10 @@ from jousto.base.arrays import Array, read_only
 from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.fields import Field, field
 from jousto.base.numbers import set_fields
+from jousto.base.voigt import STRESS_COMPONENTS
 from jousto.mechanism.bodies.body import FlexibleBody
 from jousto.mechanism.bodies.body_field import FlexibleField
 from jousto.mechanism.sensors.base import Reading, Sensor
-
-VOIGT = ("s11", "s22", "s33", "s12", "s23", "s13")
 
 
 class ModalSensor(Sensor, tag="modal"):
@@ -91,7 +90,7 @@ class SiteSensor(Sensor):
     engine: ClassVar[str] = "stress"
     """Name of the kind in the engine."""
     quantity: ClassVar[str] = "stress"
-    values: ClassVar[tuple[str, ...]] = VOIGT
+    values: ClassVar[tuple[str, ...]] = STRESS_COMPONENTS
     unit: ClassVar[str] = "Pa"
     frame: ClassVar[str] = "element"
     flexible: ClassVar[bool] = True

@@ -16,6 +16,7 @@ from jousto.mechanism.forces.line_load import BeamField
 from jousto.mechanism.sensors.base import Reading, Sensor
 
 RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
+"""Resultants of a section: N along the beam, shear forces, torque and bending moments."""
 STRAINS = ("Gamma_x", "Gamma_y", "Gamma_z", "kappa_x", "kappa_y", "kappa_z")
 QUANTITIES = {"resultants": RESULTANTS, "strains": STRAINS}
 PLACES = {"start": 0.0, "middle": 0.5, "end": 1.0}

@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
+from jousto.mechanism.sensors.section import RESULTANTS
 from jousto.output.files.paraview import Cells, save_series
 from jousto.output.scenes.view import View, choose_view
 from jousto.output.style import COLORS, MUTED, Picture, drawing, target
-from jousto.recovery.beams.forces import RESULTANTS, UNITS, SectionForces, component_of, find_beam
+from jousto.recovery.beams.forces import UNITS, SectionForces, component_of, find_beam
 from jousto.recovery.fields.criteria import evaluate
 from jousto.recovery.shape import find_body, positions
 from jousto.scene.make import make_scene

@@ -11,10 +11,8 @@ import numpy as np
 from jousto.base.arguments import explained_as
 from jousto.base.arrays import Array, skew
 from jousto.output.files.exported_nodes import damping_ratios, exposed_nodes, node_modes, write_text
+from jousto.reduction.files.sid import SPIN
 from jousto.reduction.reduced import ReducedPart
-
-SPIN = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
-"""The six products w_a w_b in the order of the columns of Oe."""
 
 
 @dataclass(frozen=True, eq=False)

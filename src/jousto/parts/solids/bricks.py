@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.voigt import PAIRS
 from jousto.mesh.reference import gradients, places, table
 
 SPECIAL = ("bbar", "incompatible", "reduced")
@@ -24,8 +25,6 @@ SPECIAL = ("bbar", "incompatible", "reduced")
 
 HOURGLASS = 0.0005
 """Hourglass stiffness / ``E V sum (dN/dx)^2``, as in CalculiX."""
-
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
+from jousto.base.voigt import PAIRS
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.area import face_node_tangents
-from jousto.parts.solids.bricks import PAIRS
 from jousto.parts.solids.model import VOIGT, SolidModel
 
 QUADRATIC = (6, 8)

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from jousto.base.arrays import Array, Ints, Sparse, as_csr, node_dofs, scatter, times
 from jousto.base.object_repr import described
+from jousto.base.voigt import PAIRS
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import gradients, table
 from jousto.parts.frames.second_order import (
@@ -29,7 +30,6 @@ from jousto.parts.frames.second_order import (
 )
 from jousto.parts.mass import MassPoints
 from jousto.parts.solids.bricks import (
-    PAIRS,
     Kinematics,
     is_special,
     kinematics,

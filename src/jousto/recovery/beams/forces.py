@@ -16,6 +16,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
 from jousto.base.ranking import largest
+from jousto.mechanism.sensors.section import RESULTANTS
 from jousto.model.beam_record import BeamShape
 from jousto.recovery.beams.strains import (
     Elements,
@@ -30,9 +31,6 @@ from jousto.recovery.beams.strains import (
 from jousto.recovery.instants import bracket_instants, window
 from jousto.recovery.shape import rotation_matrices
 from jousto.simulation.results.solution import Solution
-
-RESULTANTS = ("N", "Qy", "Qz", "Mx", "My", "Mz")
-"""Resultants of a section: N along the beam, shear forces, torque and bending moments."""
 
 STRAINS = ("Gx", "Gy", "Gz", "kx", "ky", "kz")
 """Strains of a section: extension, shears, twist and curvatures."""

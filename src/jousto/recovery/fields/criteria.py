@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.voigt import PAIRS, STRAIN_COMPONENTS, STRESS_COMPONENTS
 from jousto.model.native import recover
 
 INVARIANTS = (
@@ -23,14 +24,8 @@ INVARIANTS = (
 )
 """Criteria that do not depend on axes, for stress and strain."""
 
-STRESS_COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
-STRAIN_COMPONENTS = ("e11", "e22", "e33", "g12", "g23", "g13")
-"""Voigt order; g are engineering shear strains."""
-
 TENSOR_SHEARS = ("e12", "e23", "e13")
 """Names of tensor shear strains, half of the engineering shear strains."""
-
-PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 SUM_ROUNDING = 1e-7
 """Sum of the extreme principal values over their difference, below which the sum is zero, as in

@@ -18,10 +18,9 @@ from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.object_repr import described
 from jousto.base.ranking import ranking
 from jousto.base.units import shown_unit
+from jousto.base.voigt import STRAIN_COMPONENTS, STRESS_COMPONENTS
 from jousto.model.native.recover import LANES, Recovery
 from jousto.recovery.fields.criteria import (
-    STRAIN_COMPONENTS,
-    STRESS_COMPONENTS,
     Criterion,
     check_criterion,
     principal,

@@ -9,10 +9,11 @@ import numpy as np
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems, suggest
+from jousto.base.voigt import PAIRS
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.recovery.shape import find_body, rotation_matrices
-from jousto.reduction.fields.residual_stress import PRODUCTS, ResidualStress
+from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.state import MEMORY, State, put
 
@@ -87,7 +88,7 @@ def amplitudes(
     gravity = np.asarray(run.attributes.get("gravity", np.zeros(3)), dtype=np.float64)
     A = rotation_matrices(q[:, 3:7])
     felt = np.einsum("tij,ti->tj", A, a[:, :3] - gravity)
-    spin = np.stack([w[:, i] * w[:, j] for i, j in PRODUCTS], axis=1)
+    spin = np.stack([w[:, i] * w[:, j] for i, j in PAIRS], axis=1)
     columns = [felt, a[:, 3:6], spin, a[:, 6:]]
     for name in residual.loads:
         if name not in given:

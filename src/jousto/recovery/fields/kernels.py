@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jousto.base.arrays import Array
+from jousto.base.voigt import PAIRS
 from jousto.model.native.recover import Recovery, tiles
-from jousto.recovery.fields.criteria import PAIRS, Criterion, weights
+from jousto.recovery.fields.criteria import Criterion, weights
 
 HALF_SHEARS = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem
 from jousto.base.ranking import TIE, largest, ranking
-from jousto.recovery.fields.criteria import PAIRS, principal
+from jousto.base.voigt import PAIRS
+from jousto.recovery.fields.criteria import principal
 
 GRID = 400
 """Number of directions on the half-sphere, some 7 degrees apart."""

@@ -9,7 +9,7 @@ from jousto.base.arrays import Array
 from jousto.recovery.fields.criteria import Criterion
 from jousto.recovery.fields.field import StressField
 from jousto.recovery.hotspots.measures import Measure
-from jousto.recovery.hotspots.search import Found, Proof
+from jousto.recovery.hotspots.search import Places, Proof
 from jousto.recovery.hotspots.windows import SAFETY, UNIT
 
 
@@ -20,7 +20,7 @@ def search_all(
     *,
     count: int = 10,
     separation: float = 0.0,
-) -> Found:
+) -> Places:
     """Return the sites of a beam with the largest values of a criterion; see `search`.
 
     Parameters
@@ -67,7 +67,7 @@ def search_all(
         margin=float(margin.max(initial=0.0)),
         separation=float(separation),
     )
-    return Found(chosen, instants[chosen].astype(np.intp), values[chosen], proof)
+    return Places(chosen, instants[chosen].astype(np.intp), values[chosen], proof)
 
 
 def rounding(field: StressField) -> Array:

@@ -20,7 +20,7 @@ from jousto.recovery.hotspots.exhaustive_beams import search_all, upper_bound
 from jousto.recovery.hotspots.interval_bounds import Between, bounds_between, largest_between
 from jousto.recovery.hotspots.measures import Measure, measure
 from jousto.recovery.hotspots.report import certificate_lines, head, row, shown_value
-from jousto.recovery.hotspots.search import Found as Places, Proof, search
+from jousto.recovery.hotspots.search import Places, Proof, search
 from jousto.recovery.hotspots.search_result import Found, HotSpot
 from jousto.recovery.hotspots.write import write_histories, write_spots
 from jousto.simulation.results.solution import Solution

@@ -61,7 +61,7 @@ class Proof:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Places:
     """Hot spots: sites, their instants and ranked values, in descending order."""
 
     places: Index
@@ -79,7 +79,7 @@ def search(
     count: int = 10,
     separation: float = 0.0,
     labels: Sequence[str] | None = None,
-) -> Found:
+) -> Places:
     """Return the sites with the largest values of a criterion over a run, at a given separation.
 
     The first hot spot is the largest value of all; the next one is the largest of the sites further
@@ -170,7 +170,7 @@ def search(
         margin=float(work.margin.max(initial=0.0)),
         separation=float(separation),
     )
-    return Found(chosen, when[chosen], lower[chosen], certificate)
+    return Places(chosen, when[chosen], lower[chosen], certificate)
 
 
 def _refuse_standstill(places: Index, lower: Array, upper: Array) -> None:

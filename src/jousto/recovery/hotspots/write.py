@@ -9,18 +9,16 @@ import numpy as np
 
 from jousto.base.errors import InputError, Problem
 from jousto.base.files import write_table, written
+from jousto.base.voigt import STRAIN_COMPONENTS, STRESS_COMPONENTS
 from jousto.recovery.hotspots.report import certificate_lines
 from jousto.recovery.hotspots.search_result import Found
-
-STRESS = ("s11", "s22", "s33", "s12", "s23", "s13")
-STRAIN = ("e11", "e22", "e33", "g12", "g23", "g13")
 
 
 def write_spots(found: Found, path: str | Path) -> Path:
     """Write the table of hot spots; return the path."""
     target = _target(path, (".csv",))
     unit = found.unit
-    names = STRAIN if found.fields[0].strain else STRESS
+    names = STRAIN_COMPONENTS if found.fields[0].strain else STRESS_COMPONENTS
     heads = ["rank", "body", "site", "node", f"{found.criterion} ({unit})", "time (s)"]
     heads += [f"{axis} (m)" for axis in "xyz"] + [f"{name} ({unit})" for name in names]
     heads += [*(f"normal {axis}" for axis in "123"), f"between ({unit})"]
@@ -48,7 +46,7 @@ def write_histories(found: Found, path: str | Path) -> Path:
     if any(not np.array_equal(field.time, time) for field in found.fields):
         message = "the bodies have different instants, which do not fit into one table; write .h5"
         raise InputError(Problem(str(target), message))
-    names = STRAIN if found.fields[0].strain else STRESS
+    names = STRAIN_COMPONENTS if found.fields[0].strain else STRESS_COMPONENTS
     heads, columns = ["time (s)"], [time[:, None]]
     for spot in found:
         name = f"{spot.rank} {spot.body} {spot.site}"
@@ -82,7 +80,7 @@ def _write_hdf5(found: Found, target: Path) -> Path:
             for name in ("criterion", "tensor"):
                 group[name].attrs["unit"] = found.unit
             group["tensor"].attrs["frame"] = field.frame
-            names = STRAIN if field.strain else STRESS
+            names = STRAIN_COMPONENTS if field.strain else STRESS_COMPONENTS
             group["tensor"].attrs["components"] = [name.encode() for name in names]
     return target
 

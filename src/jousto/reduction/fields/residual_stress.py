@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.voigt import PAIRS
 from jousto.parts.loads import Spin
 from jousto.parts.part import Part
 from jousto.reduction.modes.partition import whole_part_basis
@@ -27,8 +28,7 @@ ACCELERATIONS = (
     *(f"acceleration {a}" for a in AXES),
     *(f"angular acceleration {a}" for a in AXES),
 )
-PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
-CENTRIFUGAL = tuple(f"centrifugal {AXES[a]}{AXES[b]}" for a, b in PRODUCTS)
+CENTRIFUGAL = tuple(f"centrifugal {AXES[a]}{AXES[b]}" for a, b in PAIRS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ def residual_stress(
         squares[a]
         if a == b
         else part.load(Spin(np.eye(3)[a] + np.eye(3)[b])) - squares[a] - squares[b]
-        for a, b in PRODUCTS
+        for a, b in PAIRS
     ]
     n = X.shape[1]
     inertia, elastic = np.asarray(M @ R), np.asarray(M @ X)

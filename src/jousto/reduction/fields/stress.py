@@ -18,10 +18,6 @@ if TYPE_CHECKING:
     from jousto.reduction.fields.residual_stress import ResidualStress
 
 
-COMPONENTS = ("s11", "s22", "s33", "s12", "s23", "s13")
-"""Voigt order of the six stress components."""
-
-
 @described
 @dataclass(frozen=True, eq=False)
 class StressModes:

@@ -15,11 +15,15 @@ from jousto.robots.readers import checks
 from jousto.robots.readers.meshes import Folders
 from jousto.robots.readers.mjcf_bodies import Bodies
 from jousto.robots.readers.mjcf_collected import Collected
-from jousto.robots.readers.mjcf_ties import Motor, read_actuators, read_ties, with_loop_joints
+from jousto.robots.readers.mjcf_ties import (
+    SINGLE,
+    Motor,
+    read_actuators,
+    read_ties,
+    with_loop_joints,
+)
 from jousto.robots.readers.mjcf_words import CONTACT
 from jousto.robots.readers.xml import Reading, parse_file
-
-SINGLE = ("revolute", "prismatic")
 
 
 @explained

@@ -9,8 +9,8 @@ from jousto.mechanism.beams.limits import highest_frequencies
 from jousto.model.model import Model
 from jousto.model.native.header import named
 from jousto.model.native.native import Engine
+from jousto.simulation.solvers.stability import MANY_STEPS
 
-MANY_STEPS = 1e6
 FAR = 1.0  # rad that one element bends or twists
 
 
