@@ -5,7 +5,7 @@
  * kinematics      pose and motion of bodies and active markers          jo_kinematics_placed            jo_state_changed, jo_kinematics_used
  *                 at q, v                                               jo_state_projected              jo_call_begins, jo_step_repeated
  * accelerations   a, lam and power at time, q, v, without the modal     jo_accelerations_found          jo_state_changed, jo_call_begins
- *                 masses of ROS2                                        jo_step_repeated                jo_state_projected, jo_forces_break
+ *                 masses of a Rosenbrock method                         jo_step_repeated                jo_state_projected, jo_forces_break
  * before_call     accelerations, before the caller could change         jo_call_begins                  jo_first_stage_done
  *                 the state
  * stage           a and power of a stage of Dormand-Prince at the       jo_stage_recalled               jo_stage_forgotten, jo_state_read

@@ -4,7 +4,7 @@
 
 #include "small.h"
 
-enum { JO_BEAM_KEPT = 216 };   /* reals of stiffness (9 x 12) and damping (9 x 12) of an element for ROS2 */
+enum { JO_BEAM_KEPT = 216 };   /* reals of stiffness (9 x 12) and damping (9 x 12) of an element for a Rosenbrock method */
 
 /* Beam element; vectors resolved in the middle frame unless noted. */
 typedef struct {
@@ -27,7 +27,7 @@ typedef struct {
     int count;
     jo_beam_work *work;     /* (nbeam) */
     double *bent;           /* (nbeam x 2) largest bending, rad, and tension so far */
-    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping that ROS2 keeps */
+    jo_real *stiff;         /* (nbeam x JO_BEAM_KEPT) stiffness and damping that a Rosenbrock method keeps */
 } jo_beams;
 
 #endif

@@ -301,7 +301,7 @@ static void elastic(const jo_model *m, jo_data *d, const jo_stage *stage, const 
     }
     if (w->helical || w->fibrous) add_product(S, 1.0, changing, B);
     moments(K, w, &p, L, S, B);
-    if (stage->set) {   /* ROS2: K and V stored for [r_b - r_a, rotations of a and b], without weights */
+    if (stage->set) {   /* a Rosenbrock method: K and V stored for [r_b - r_a, rotations of a and b], without weights */
         for (int v = 0; v < (w->damped ? 2 : 1) && !stage->earlier; v++) {
             zero(X, 9);
             for (int j = 0; j < 3; j++) columns_of(right[j], j ? w->G[j - 1] : w->Q, 1.0, 0);
@@ -327,7 +327,7 @@ void jo_newton_beams(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     const jo_weights *c = &stage->weights;
     jo_weights inertia = *c;
-    if (stage->set) inertia.v = 0.0;   /* ROS2: mass-proportional damping is explicit */
+    if (stage->set) inertia.v = 0.0;   /* a Rosenbrock method: mass-proportional damping is explicit */
     for (int i = 0; i < m->nbeam; i++) {
         if (jo_beam_inertial(&m->beam[i])) jo_beam_newton_inertia(m, d, i, &inertia);
         if (c->q != 0.0 || c->v != 0.0) elastic(m, d, stage, i);

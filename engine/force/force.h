@@ -7,7 +7,7 @@
 /* value of a signal and its derivatives with respect to time */
 typedef struct { jo_real value, rate, second; } jo_signal_work;
 
-/* A state x' = f of a force F along a coordinate s, as ROS2 has it in its matrix: dF/dx, -df/dx, df/ds, df/ds'. */
+/* A state x' = f of a force F along a coordinate s, as a Rosenbrock method has it in its matrix: dF/dx, -df/dx, df/ds, df/ds'. */
 typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 

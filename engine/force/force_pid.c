@@ -74,7 +74,7 @@ static void condense(const jo_model *m, jo_data *d, const jo_stage *stage, const
     jo_condense_state(m, d, stage, f->state, rate + unwind * (limited(x, u) - u), unwind);
 }
 
-/* derivatives for the matrix of ROS2; 0 for the force beyond a limit */
+/* derivatives for the matrix of a Rosenbrock method; 0 for the force beyond a limit */
 static void slopes(jo_data *d, const jo_force *f, jo_real u, jo_force_work *y)
 {
     const jo_pid_data *x = numbers(f);

@@ -1,6 +1,6 @@
 /* force_states.c - first-order states x' = f(t, q, v, x) of forces, as the methods integrate them.
  *
- * The states are the last entries of the integrated velocities. RK4 and DormandPrince evaluate f; so does ROS2, except for forces along
+ * The states are the last entries of the integrated velocities. RK4 and DormandPrince evaluate f; so does a Rosenbrock method, except for forces along
  * joint coordinates, whose states are in its matrix (tree_forces.c). The implicit methods use the generalised alpha method for first-order
  * equations with the same coefficients and solve for x at each position and velocity of Newton's method: the force is then a function
  * of q and v, and its tangent includes the response of x.

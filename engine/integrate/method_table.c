@@ -22,7 +22,9 @@ typedef struct {
     jo_tableau tableau;
 } jo_method_row;
 
-#define JO_METHOD_FITS(name, family, order, stages, ...) typedef char name##_fits[(stages) <= JO_MOST_STAGES ? 1 : -1];
+/* an implicit method of order 2 has two stages: with exact beams the second keeps the factors of the first */
+#define JO_METHOD_FITS(name, family, order, stages, ...) \
+    typedef char name##_fits[(stages) <= JO_MOST_STAGES && (!implicit_##family || (order) != 2 || (stages) == 2) ? 1 : -1];
 #define JO_METHOD_COEFFICIENTS(name, family, order, stages, ...) static const double name##_coefficients[] = {__VA_ARGS__};
 #define JO_METHOD_ROW(name, family, order, stages, ...) \
     {&family, {implicit_##family, order, stages, name##_coefficients}},

@@ -310,7 +310,7 @@ static void line_acceleration(const jo_model *m, const jo_data *d, const jo_join
             x[l] += line->data->factor[j]
                   * (jo_dot3(s->along, apart) + jo_dot3(s->turn_a, a->al) + jo_dot3(s->turn_b, b->al) + s->bias);
         }
-        /* ROS2: lead as of the forces, for the time derivative of the right-hand side */
+        /* a Rosenbrock method: lead as of the forces, for the time derivative of the right-hand side */
         if (line->signal >= 0) x[l] -= jo_signal_at(m, d, line->signal, d->time[0] + lead).second;
     }
 }

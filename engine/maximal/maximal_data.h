@@ -23,7 +23,7 @@ typedef struct {
     jo_real *D, *B, *G;     /* (6 x np) D_j(p), (3 x np) B_j(p), (3 x np) int phi' x phi_j dm */
     jo_real *Bw;            /* (3 x np) B weight */
     jo_real *fp, *yp;       /* (np) modal forces, modal accelerations */
-    jo_real *extra;         /* (np) additional modal force of ROS2 */
+    jo_real *extra;         /* (np) additional modal force of a Rosenbrock method */
     int status;             /* rigid body: status of its constant factor */
     int pushed;             /* whether y and yp contain a change of the forces, see friction_iteration.c */
     int modes;              /* index of the modal velocities in jo_data.w */

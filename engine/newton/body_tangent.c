@@ -164,7 +164,7 @@ void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int bo
     const jo_body *b = &m->body[body];
     const jo_weights *c = &stage->weights;
     const jo_real *a = d->a + b->iv;
-    /* mass-proportional damping: alpha M and derivatives of M v; explicit in ROS2 */
+    /* mass-proportional damping: alpha M and derivatives of M v; explicit in a Rosenbrock method */
     const double alpha = stage->set ? 0.0 : b->alpha;
     inertia x = {b, &d->body[body], jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v, c->plain ? 0.0 : c->v,
                  c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};

@@ -1,6 +1,6 @@
 /* coupled_mass.c - accelerations and multipliers of mechanisms whose bodies have coupled masses (beams), by the block LU of newton_factor.c.
  *
- *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in ROS2, M + g h D + (g h)^2 K of beams and modes
+ *   [M^ Cq^T; Cq 0] [a; lam] = [Q; -(Cq)' v],  M^ = M or, in a Rosenbrock method, M + g h D + (g h)^2 K of beams and modes
  * solved for the change from `base`, `base_lam`: free fall, or in stage 2 of ROS2 the solution of stage 1, with its factors. Masses and
  * accelerations change by O(h) between the stages: the error of a is O(h^2), and the order of the method remains 2.
  */
@@ -12,7 +12,7 @@
 
 enum { JO_REFINEMENTS = 2 };   /* iterative refinements; each reduces the error of the regularisation by its factor of 1e-8 */
 
-/* whether masses of bodies are coupled: in ROS2 by the stiffness of beams, else by their consistent mass */
+/* whether masses of bodies are coupled: in a Rosenbrock method by the stiffness of beams, else by their consistent mass */
 int jo_couples(const jo_model *m, const jo_stage *stage)
 {
     if (stage->set && m->nbeam) return 1;

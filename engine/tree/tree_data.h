@@ -21,7 +21,7 @@ typedef struct {
 /* Trees in joint coordinates, see tree.c. While a model runs in them, x and u are the state; q, v, a and lam are updated on demand. */
 typedef struct {
     jo_real *tau;           /* (nu) force along each joint coordinate, N or N m */
-    jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of ROS2 */
+    jo_real *stiffness, *damping;   /* (nu) stiffness and damping along joint coordinates in the matrix of a Rosenbrock method */
     jo_real *drive_force;   /* (nlink) force of the drive of each link, N or N m */
     jo_link_work *link;     /* (nlink + 1), the ground first */
     jo_link_constants *constants;   /* (nlink) */

@@ -1,4 +1,5 @@
-/* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and what ROS2 adds to both.
+/* tree_forces.c - applied forces of a tree: tau along joint coordinates, external forces f^x on bodies, and what
+ * a Rosenbrock method adds to both.
  *
  * ROS2, a W-method with the matrix 1 - g h A (step_rosenbrock.c), has for q' = v, M v' = F with K = -dF/dq, D = -dF/dv the stages
  *   k_q1 = v0 + g h a1,            (M + g h D + (g h)^2 K) a1 = F0 - g h K v0
@@ -83,7 +84,7 @@ static void update_coordinates(const jo_model *m, jo_data *d)
     }
 }
 
-/* link of a force with states that ROS2 treats implicitly: one along a joint coordinate whose motion is not prescribed; else 0 */
+/* link of a force with states that a Rosenbrock method treats implicitly: one along a joint coordinate whose motion is not prescribed; else 0 */
 static const jo_link *implicit_link(const jo_model *m, const jo_data *d, const jo_force *f)
 {
     const int link = f->state >= 0 && m->nstate ? m->coordinate[f->coordinate].link : -1;
