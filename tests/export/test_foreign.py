@@ -153,7 +153,9 @@ def test_the_energy_error_has_the_order_of_the_exchange(oil: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:fmu 'oil'. the exchange has an energy error")
-@pytest.mark.parametrize("between,order", [("hold", 1), ("linear", 2)])
+@pytest.mark.parametrize(
+    "between,order", [pytest.param("hold", 1, marks=pytest.mark.slow), ("linear", 2)]
+)
 def test_halved_steps_estimate_the_error_of_a_step(oil: Path, between: str, order: int) -> None:
     """The estimate is of order p + 1, and that of a step from known values is near its error."""
     largest, ratios = [], []
@@ -323,7 +325,9 @@ def together(halves: tuple[Path, Path], step: float, between: str) -> tuple[floa
 
 
 @pytest.mark.filterwarnings("ignore:simulate .* nothing will move")
-@pytest.mark.parametrize("between,order", [("hold", 1), ("linear", 2)])
+@pytest.mark.parametrize(
+    "between,order", [pytest.param("hold", 1, marks=pytest.mark.slow), ("linear", 2)]
+)
 def test_a_machine_cut_at_a_joint_comes_to_the_whole(
     halves: tuple[Path, Path], between: str, order: int
 ) -> None:

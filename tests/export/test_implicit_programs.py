@@ -54,7 +54,7 @@ def evaluated(model: jo.Model, run: jo.Solution) -> np.ndarray:
     return np.array(rows)
 
 
-@pytest.mark.parametrize("tolerance", [1e-8, 1e-12])
+@pytest.mark.parametrize("tolerance", [pytest.param(1e-8, marks=pytest.mark.slow), 1e-12])
 @pytest.mark.parametrize("tangent", ["modified", "exact"])
 def test_a_program_moves_as_the_run_and_reads_its_states(
     model: jo.Model, tangent: str, tolerance: float, tmp_path: Path

@@ -54,7 +54,10 @@ def test_a_program_of_one_file_computes_the_bits_of_the_engine(
 
 @pytest.mark.parametrize(
     ("solver", "make"),
-    [(jo.simulation.SSPRK3, reaching_arm), (jo.simulation.ROS3A, swinging_arm)],
+    [
+        pytest.param(jo.simulation.SSPRK3, reaching_arm, marks=pytest.mark.slow),
+        (jo.simulation.ROS3A, swinging_arm),
+    ],
     ids=["SSPRK3", "ROS3A"],
 )
 def test_a_program_has_each_method(solver: type, make: Callable, tmp_path: Path) -> None:

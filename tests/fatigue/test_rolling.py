@@ -23,7 +23,7 @@ def test_shear_alone_has_a_closed_form() -> None:
     assert found.life == pytest.approx(1 / want, rel=0.04)
 
 
-@pytest.mark.parametrize("kind", ["line", "point"])
+@pytest.mark.parametrize("kind", [pytest.param("line", marks=pytest.mark.slow), "point"])
 def test_similar_contacts(kind: str) -> None:
     # the same contact under eight times the force, worked out afresh
     def contact(F: float) -> jo.fatigue.HertzContact:
@@ -65,7 +65,9 @@ def test_dang_van_is_a_limit() -> None:
     assert one.utilisation[-1] < 0.5 * one.utilisation.max()
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.2, 0.3, 0.4])
+@pytest.mark.parametrize(
+    "friction", [0.3, *(pytest.param(x, marks=pytest.mark.slow) for x in (0.0, 0.2, 0.4))]
+)
 def test_the_surface_of_a_line_counts(friction: float) -> None:
     # the same numbers from the stress history itself; under friction the surface is the worst
     criterion = jo.fatigue.Findley(0.25)

@@ -111,6 +111,8 @@ def braked(degrees: float) -> jo.Mechanism:
     return jo.Mechanism(ball, pivot, damper, jo.AngularVelocitySensor("spin", ball["origin"]))
 
 
-@pytest.mark.parametrize("degrees", BEGUN)
+@pytest.mark.parametrize(
+    "degrees", [pytest.param(d, marks=pytest.mark.slow) if d < 170 else d for d in BEGUN]
+)
 def test_both_formulations_brake_alike(degrees):
     assert jo.verify(braked(degrees), 0.5, step=1e-2).agrees

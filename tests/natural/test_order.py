@@ -65,7 +65,7 @@ MACHINES: dict[str, tuple[Callable[[], jo.Mechanism], float, float, float]] = {
     "flexible chain": (chain, 0.02, 2e-4, 1e-5),
     "robot": (lambda: jo.read_model(ROBOT).mechanism, 0.05, 5e-4, 2e-5),
 }
-LONG = ("flexible chain", "robot")
+LONG = ("flexible chain", "robot", "Bricard", "double pendulum")
 RIGID = ("slider-crank", "four-bar", "Bricard", "double pendulum")
 HALVINGS = 4
 

@@ -31,7 +31,7 @@ METHODS: dict[str, Callable[[float], Method]] = {
 }
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", [pytest.param("trapezoidal", marks=pytest.mark.slow), "alpha"])
 def test_order_two(name: str) -> None:
     """With all kinds of links, loads and damping; against the finest of three runs."""
     frame = everything()

@@ -113,7 +113,10 @@ def test_what_does_not_fit_is_refused_before_it_is_begun() -> None:
         Cholesky(K, points, least_pivot=1e-14, limit=0.5 * needed)
 
 
-@pytest.mark.parametrize("method", [CraigBampton(("left",), modes=5), FreeFree(modes=5)])
+@pytest.mark.parametrize(
+    "method",
+    [CraigBampton(("left",), modes=5), pytest.param(FreeFree(modes=5), marks=pytest.mark.slow)],
+)
 def test_a_part_of_twelve_thousand_unknowns_needs_no_extra(
     method: CraigBampton | FreeFree, monkeypatch: pytest.MonkeyPatch
 ) -> None:

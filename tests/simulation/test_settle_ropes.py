@@ -150,7 +150,7 @@ def test_a_loaded_chain_is_a_funicular_polygon(n):
 
 
 @pytest.mark.parametrize("bending", [False, True])
-@pytest.mark.parametrize("n", [4, 8, 16])
+@pytest.mark.parametrize("n", [4, 8, pytest.param(16, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("angle", [1.0, 3.0, 6.0])
 def test_an_arc_released_from_its_mould_is_straight(n, angle, bending):
     t = np.linspace(0.0, angle, n + 1)

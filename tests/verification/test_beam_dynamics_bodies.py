@@ -118,7 +118,9 @@ def links_tip(clamped, times):
 
 
 @pytest.mark.filterwarnings("ignore:.*which is coarse")
-@pytest.mark.parametrize("clamped", [True, False], ids=["cantilever", "pendulum"])
+@pytest.mark.parametrize(
+    "clamped", [pytest.param(True, marks=pytest.mark.slow), False], ids=["cantilever", "pendulum"]
+)
 def test_it_swings_far_as_a_chain_of_rigid_links_does(clamped):
     times = np.linspace(0, 0.8, 81)
     reference = links_tip(clamped, times)

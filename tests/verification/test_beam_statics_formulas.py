@@ -56,7 +56,7 @@ def test_end_moment_bends_to_an_arc(elements: int, helical: bool) -> None:
 @pytest.mark.parametrize(
     ("helical", "bending", "order"), [(False, False, 2), (False, True, 2), (True, True, 4)]
 )
-@pytest.mark.parametrize("load", [1.0, 10.0])
+@pytest.mark.parametrize("load", [pytest.param(1.0, marks=pytest.mark.slow), 10.0])
 def test_order_of_convergence_on_the_elastica(
     helical: bool, bending: bool, order: int, load: float
 ) -> None:

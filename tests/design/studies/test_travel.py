@@ -52,7 +52,7 @@ def test_rooms_travel_by_their_name(name: str) -> None:
     assert pickle.loads(pickle.dumps(room)) is room
 
 
-@pytest.mark.parametrize("way", RUNS)
+@pytest.mark.parametrize("way", SLOW)
 def test_functions_of_a_script_travel(way: str, tmp_path: Path) -> None:
     pytest.importorskip(
         "distributed" if way == "dask" else "joblib" if way == "joblib" else "numpy"

@@ -130,7 +130,10 @@ def compare(program: Path, folder: Path, watch: jo.monitor.Monitor, twin: object
     assert found[-1, 19] == pytest.approx(life.watched, rel=1e-12)
 
 
-@pytest.mark.parametrize("criterion", ["s11", "signed-von-mises", "max-shear"])
+@pytest.mark.parametrize(
+    "criterion",
+    ["max-shear", *(pytest.param(x, marks=pytest.mark.slow) for x in ("s11", "signed-von-mises"))],
+)
 def test_an_observer_tells_in_c_what_it_tells_in_python(
     rod: jo.ReducedPart, gauges: list[jo.gauges.Gauge], tmp_path: Path, criterion: str
 ) -> None:
