@@ -53,7 +53,7 @@ def where(item: Any) -> str:
 
 
 def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
-    """Report arguments that are no items of a mechanism, given twice, or too many."""
+    """Report arguments that are not items of a mechanism, are repeated, or are too many."""
     seen: set[int] = set()
     for i, item in enumerate(items):
         place = f"item {i + 1}"
@@ -544,7 +544,7 @@ def warn_unconnected(mechanism: Members) -> None:
 
 
 def warn_interfaces(mechanism: Members) -> None:
-    """Warn about joints, drives and springs on nodes that are no interfaces of their part."""
+    """Warn about joints, drives and springs on nodes that are not interfaces of their part."""
     if not any(isinstance(body, FlexibleBody) for body in mechanism.bodies):
         return
     elements = (x for x in mechanism.forces if x.ties)

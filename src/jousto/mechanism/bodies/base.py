@@ -24,7 +24,7 @@ class Mass(Number):
     """Field of a mass, a density or a mass per length."""
 
     def missed(self, x: float) -> str:
-        """Return the problem with a number, an empty string if there is none."""
+        """Return the problem of an invalid number; empty if it is valid."""
         return "" if x > 0 else "must be a positive number"
 
 
@@ -32,7 +32,7 @@ class OptionalMass(OptionalNumber):
     """Field of a mass or a density, or None."""
 
     def missed(self, x: float) -> str:
-        """Return the problem with a number, an empty string if there is none."""
+        """Return the problem of an invalid number; empty if it is valid."""
         return "" if x > 0 else "must be a positive number"
 
 

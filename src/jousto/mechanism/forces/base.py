@@ -1,4 +1,4 @@
-"""What all force elements share: markers and coordinates they act at, and their law's numbers."""
+"""Base of force elements: their markers and coordinates, and the numbers of their laws."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jousto.mechanism.signals.base import Signal
 @described
 @dataclass(frozen=True, eq=False)
 class Push:
-    """A law of the engine with its numbers, and what it acts at.
+    """Force law of the engine: its numbers, and the markers or coordinates that it acts on.
 
     Parameters
     ----------
@@ -70,9 +70,9 @@ class Push:
 
 
 class ForceElement(Declared, section="forces"):
-    """What pushes.
+    """Base of the force elements.
 
-    A new force element is one class: its fields, and the laws of the engine it consists of.
+    A new force element is one class, with its fields and the laws of the engine that it uses.
 
     Attributes
     ----------
@@ -94,30 +94,30 @@ class ForceElement(Declared, section="forces"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The laws that act."""
+        """Laws of the engine that compute the force."""
         raise NotImplementedError
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinates that it acts along; none if it acts at markers or on a body."""
+        """Coordinates along which the force acts; none if it acts at markers or on a body."""
         return tuple(value for value in vars(self).values() if isinstance(value, Coordinate))
 
     @property
     def turns(self) -> bool:
-        """Whether it acts along an angle."""
+        """Whether the force acts along an angle."""
         return any(s.unit == "rad" for s in self.coordinates)
 
     @property
     def symbol(self) -> str:
-        """What pictures show it as: its word in model files, or a finer one."""
+        """Name of the symbol in pictures: the tag in model files, or a more specific name."""
         return self.tag
 
     @property
     def drawn_at(self) -> tuple[Marker | tuple[MovingBody, Array], ...]:
-        """Markers, and points of bodies (body frame, m), at which pictures show it.
+        """Markers, and points of bodies (body frame, m), at which pictures show the symbol.
 
-        Empty for what acts along coordinates or on a whole body: it is shown between their
-        markers, or at the middle of the body.
+        Empty for a force along coordinates, which is shown between their markers, and for a force
+        on a whole body, which is shown at the middle of the body.
         """
         push = self.pushes[0]
         if self.coordinates or push.coordinate is not None:
@@ -126,22 +126,22 @@ class ForceElement(Declared, section="forces"):
 
     @property
     def direction(self) -> tuple[Array, bool] | None:
-        """Where it points, a vector (3,), and whether that turns with what it acts on.
+        """Direction (3,) of the force, and whether it turns with the body.
 
-        In the world frame, or in that of the body; None for what points nowhere by itself.
+        Resolved in the world frame, or in the body frame if it turns; None without a direction.
         """
         return None
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The markers whose orientation matters, with the name of the argument."""
+        """Markers whose orientation matters, each with the name of the argument."""
         return tuple((key, value) for key, value in vars(self).items() if isinstance(value, Marker))
 
 
 class Actuator(ForceElement):
-    """A force along a coordinate that a motor or a cylinder exerts."""
+    """Force along a coordinate, as of a motor or a cylinder."""
 
     @property
     def symbol(self) -> str:
-        """A motor about an axis, or an actuator along one."""
+        """Symbol of a motor (about an axis) or an actuator (along an axis)."""
         return "motor" if self.turns else "actuator"

@@ -1,4 +1,4 @@
-"""Friction of joints, pressed by the joint's own reaction, and its laws."""
+"""Friction of joints, with the joint's reaction as normal force, and its laws."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.mechanism.joints.slides import Prismatic
 
 
 class Law(Declared, section="laws", by_value=True):
-    """What friction does at low speed.
+    """Base of the friction laws at low speed.
 
     Attributes
     ----------
@@ -27,11 +27,12 @@ class Law(Declared, section="laws", by_value=True):
 
 
 class Regularised(Law, tag="regularised"):
-    """Friction is a smooth function of the slip speed: no events, but what sticks creeps.
+    """Friction as a smooth function of the slip speed: no events, but a sticking joint creeps.
 
     ``mu(w) = mu_static w (15 - 10 w^2 + 3 w^4) / 8`` with ``w = speed / velocity`` up to w = 1;
     from there mu falls to mu_kinetic at w = 2 and stays. Explicit methods need a step below about
-    ``velocity m / (mu_static N)``, m the mass that slips; `simulate` warns if it is larger.
+    ``velocity m / (mu_static N)``, where m is the slipping mass; `simulate` warns if the step is
+    larger.
     """
 
     velocity: Positive = field(
@@ -42,24 +43,24 @@ class Regularised(Law, tag="regularised"):
 
 
 class StickSlip(Law, tag="stick-slip"):
-    """Joints stick by a constraint whose multiplier is limited by mu_static N; no creep.
+    """Sticking as a constraint whose multiplier is limited by mu_static N; no creep.
 
-    A joint at rest sticks as long as it can, then slips under mu_kinetic N until its speed passes
-    zero, where it sticks again or turns round.
+    A joint at rest sticks up to the force mu_static N, then slips under mu_kinetic N until its
+    speed passes zero, where it sticks again or reverses.
     """
 
     sticks: ClassVar[bool] = True
 
 
 class LawField(Nested["Law | None", Law]):
-    """A law of friction, or None for Regularised()."""
+    """Field of a friction law; None for Regularised()."""
 
     section = "laws"
     room = "jousto.mechanism.forces"
     noun = "Regularised or StickSlip"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the law."""
+        """Return the law, or report that the value is none."""
         if not isinstance(value, Law):
             problems.add(
                 where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()", "law"
@@ -68,14 +69,14 @@ class LawField(Nested["Law | None", Law]):
 
 
 class RubbingJoint(Reference[Joint, Joint]):
-    """A joint that may rub; a model file gives its name."""
+    """Field of a joint that may have friction; a model file contains its name."""
 
     section = "joints"
     word = "joint"
     noun = "Revolute, Prismatic or Cylindrical"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the joint."""
+        """Return the joint, or report that the value is none."""
         if not isinstance(value, Revolute | Prismatic | Cylindrical):
             problems.add(
                 where,
@@ -86,18 +87,18 @@ class RubbingJoint(Reference[Joint, Joint]):
 
 
 class Friction(Declared, section="frictions"):
-    """Coulomb friction of a joint, pressed by the joint's own reaction (Altarriba 2010, S37-S40).
+    """Coulomb friction of a joint, with normal force from its reaction (Altarriba 2010, S37-S40).
 
-    The reaction of the joint on marker b, forces F and moments M about its origin, resolved in the
-    joint's axes of a (z along the axis), presses with
-    ``N = preload + |F_xy| + |M_xy| / bearing_length``. Against the slip act
+    The reaction of the joint on marker b, force F and moment M about its origin, resolved in the
+    joint axes of a (z along the axis), gives the normal force ``N = preload + |F_xy| + |M_xy| /
+    bearing_length``. Friction opposes the slip with
 
     * Revolute: the torque ``mu (radius N + collar_radius |F_z|)``;
     * Prismatic: the force ``mu (N + |M_z| / collar_radius)``;
     * Cylindrical: ``mu N`` against the slip velocity (s', radius phi') on the pin, a force along
       the axis and a torque about it.
 
-    It acts on the elastic modes of flexible bodies as the reactions do.
+    Friction acts on the elastic modes of flexible bodies as reactions do.
     """
 
     kind = "friction"
@@ -133,7 +134,7 @@ class Friction(Declared, section="frictions"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note lengths that the joint has no use for; fill in what follows from others."""
+        """Report lengths that do not apply to this joint; set defaults from other fields."""
         static: float | None = self.mu_static
         law: Law | None = self.law
         object.__setattr__(self, "mu_static", self.mu_kinetic if static is None else static)
@@ -168,5 +169,5 @@ class Friction(Declared, section="frictions"):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The coordinates of the joint that it acts along."""
+        """Coordinates of the joint along which friction acts."""
         return self.joint.coordinates

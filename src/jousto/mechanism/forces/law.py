@@ -1,4 +1,4 @@
-"""What is known of the laws of the engine besides their formulas, which are in C."""
+"""Declarations of the laws of the engine: units and effects; the formulas are in C."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ LAWS: dict[str, EngineLaw] = {}
 @described
 @dataclass(frozen=True, eq=False)
 class EngineLaw:
-    """A law of the engine: which of its numbers have a unit, and what it does to a motion.
+    """Law of the engine: units of its numbers, and its effects on a motion.
 
-    A law that is not declared has none of all this: its numbers are constants of an exported
-    program, it is taken for a load, and machines that have it run one by one.
+    A law without a declaration counts as a load; its numbers are constants of an exported program,
+    and machines that contain it do not run in vector lanes.
 
     Parameters
     ----------
@@ -68,22 +68,22 @@ class EngineLaw:
         return ", ".join((*self.units, *self.states))
 
     def declared(self) -> EngineLaw:
-        """Put it among the laws, and return it."""
+        """Add the law to the declared laws, and return it."""
         LAWS[self.name] = self
         return self
 
     def with_numbers(self, numbers: Any) -> EngineLaw:
-        """Return the law for its numbers, where they decide on units; `numbers` has their names."""
+        """Return the law for given numbers (their names), on which the units may depend."""
         return self
 
 
 def law_of(name: str) -> EngineLaw:
-    """Return the law of a name."""
+    """Return the declared law of a name."""
     return LAWS.get(name) or EngineLaw(name)
 
 
 def unit_along(unit: Unit, angular: bool) -> str:
-    """Return a unit for a coordinate that is an angle, or a length."""
+    """Return a unit for an angular coordinate, or for a length."""
     if isinstance(unit, Along):
         return unit.angle if angular else unit.length
     return str(unit)

@@ -20,41 +20,41 @@ EVEN = 1e-12  # of a couple: those of two neighbours cancel
 
 
 class BeamField(Reference[BeamBody, BeamBody]):
-    """An exact beam; a model file gives its name."""
+    """Field of an exact beam; a model file contains its name."""
 
     section = "bodies"
     word = "beam"
     noun = "BeamBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the beam."""
+        """Return the beam, or report that the value is none."""
         if not isinstance(value, BeamBody):
             problems.add(where, f"{self.label} is {value!r}, must be a BeamBody")
         return value
 
 
 class Rows(Field[ArrayLike, Array]):
-    """Three numbers, or three for every node of a beam."""
+    """Field of three numbers, or of three for every node of a beam."""
 
     form = "shapes"
     shapes = ((3,), (None, 3))
     noun = "(3,) or (n + 1, 3) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as an array."""
+        """Return the numbers as an array, or report wrong ones."""
         shape = (None, 3) if np.ndim(value) == 2 else (3,)
         return problems.array(where, self.name, value, shape)
 
 
 class LineLoad(ForceElement, tag="line"):
-    """A force and a torque per length along a beam.
+    """Force and torque per length along a beam.
 
-    They act on the section axis between its nodes with linear shape functions: on an element of
-    unstressed length L, which ends with q_a and q_b, ``L (2 q_a + q_b)/6`` acts at end a and
-    ``L (q_a + 2 q_b)/6`` at end b. On beams with `bending` the element bends between its ends, and
-    ``L (3 q_a + q_b)/8``, ``L (q_a + 3 q_b)/8`` act a sixth of L inside them: the moments
-    ``q L^2/12`` of the cubic, which turn with the beam. Gravity needs no load, it acts on the mass
-    by itself; such moments of weight come with ``mass="corrected"``.
+    They act on the section axis and vary linearly between nodes: an element of unstressed length L
+    with the values q_a and q_b at its ends gets ``L (2 q_a + q_b)/6`` at end a and ``L (q_a + 2
+    q_b)/6`` at end b. Elements with `bending` bend between their ends. There ``L (3 q_a + q_b)/8``
+    and ``L (q_a + 3 q_b)/8`` act at L/6 from the ends, which gives the moments ``q L^2/12`` of the
+    cubic element; they turn with the beam. Gravity needs no line load, since it acts on the mass;
+    its moments of this kind are included by ``mass="corrected"``.
 
     Examples
     --------
@@ -93,7 +93,7 @@ class LineLoad(ForceElement, tag="line"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Keep a row for every node; note rows of another number and what is no load."""
+        """Store a row for every node; report a wrong number of rows, or a load without effect."""
         shape = (self.beam.n + 1, 3)
         for key in ("force", "torque"):
             rows = getattr(self, key)
@@ -113,13 +113,13 @@ class LineLoad(ForceElement, tag="line"):
 
     @property
     def direction(self) -> tuple[Array, bool] | None:
-        """That of the mean force, in section axes if it follows."""
+        """Direction of the mean force, in section axes if it follows the beam."""
         mean = np.array(floats(self.force)).mean(axis=0)
         return (mean, self.follow) if mean.any() else None
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """A load at every node that is loaded."""
+        """Point loads at the loaded nodes."""
         return tuple(
             Push(
                 "load",
@@ -134,9 +134,9 @@ class LineLoad(ForceElement, tag="line"):
 
     @property
     def loads(self) -> tuple[tuple[Marker, Array, Array], ...]:
-        """Marker, force (3,) N and torque (3,) N m at every node that is loaded.
+        """Marker, force (3,), N, and torque (3,), N m, at every loaded node.
 
-        In the world frame, or in the marker's axes if the load follows.
+        Resolved in the world frame, or in the marker's axes if the load follows.
         """
         beam = self.beam
         T = self._at_nodes(self._at_ends(self.torque, 3.0))
@@ -153,9 +153,9 @@ class LineLoad(ForceElement, tag="line"):
         )
 
     def _inside(self, arms: Array, T: Array) -> list[tuple[int, Array, Array, Array]]:
-        """Return node, place, force and torque of loads a sixth of the elements from their ends.
+        """Return node, position, force and torque of loads at L/6 from the ends of the elements.
 
-        Those of two neighbours whose moments cancel are one load at the node.
+        Loads of two neighbouring elements whose moments cancel become one load at the node.
         """
         beam, zero = self.beam, np.zeros(3)
         nodes = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
@@ -175,10 +175,10 @@ class LineLoad(ForceElement, tag="line"):
         return [*out, (beam.n, arms[-1] + along[-1, 1], F[-1, 1], T[-1])]
 
     def _at_ends(self, q: Array, parts: float) -> Array:
-        """Return loads (n, 2, 3) at the elements' ends of one per length (n + 1, 3).
+        """Return loads (n, 2, 3) at element ends from a load per length (n + 1, 3) at nodes.
 
-        The nearer end's value counts ``parts - 1`` times the other: 3 for forces at the ends, 4
-        for such a sixth inside. In axes of the nodes if the load follows.
+        The value of the nearer end has ``parts - 1`` times the weight of the other: parts = 3 for
+        loads at the ends, 4 for loads at L/6. Resolved in node axes if the load follows.
         """
         beam = self.beam
         L = beam.lengths[:, None] / (2 * parts)
@@ -190,7 +190,7 @@ class LineLoad(ForceElement, tag="line"):
         return np.asarray(ends)
 
     def _at_nodes(self, ends: Array) -> Array:
-        """Return the sums (n + 1, 3) at the nodes."""
+        """Return the sums (n + 1, 3) of the loads at each node."""
         out = np.zeros((self.beam.n + 1, 3))
         out[:-1] += ends[:, 0]
         out[1:] += ends[:, 1]

@@ -16,7 +16,7 @@ from jousto.mechanism.signals.base import OptionalSignal
 
 
 class Gravity(Declared):
-    """The acceleration of free fall, the same for all bodies."""
+    """Uniform gravity: the acceleration of free fall of all bodies."""
 
     kind = "gravity"
     acceleration: Vector = field("World frame, for example ``(0, -9.81, 0)``", unit="m/s2")
@@ -26,7 +26,7 @@ EngineLaw("load", units={"force": "N", "torque": "N m"}, side_by_side=True).decl
 
 
 class PointLoad(ForceElement):
-    """A force or a torque at a marker."""
+    """Base of a force or a torque at a marker."""
 
     ties = False
     marker: MarkerField = field("Where it acts")
@@ -40,12 +40,12 @@ class PointLoad(ForceElement):
 
     @property
     def drawn_at(self) -> tuple[Marker, ...]:
-        """Its marker."""
+        """The marker of the load."""
         return (self.marker,)
 
     @property
     def direction(self) -> tuple[Array, bool]:
-        """That of its vector, in the frame of the body if it follows."""
+        """Direction of the vector, in the body frame if it follows the body."""
         vector = np.array(floats(getattr(self, "vector", (0.0, 0.0, 0.0))))
         return (floats(self.marker.axes) @ vector if self.follow else vector), self.follow
 
@@ -69,7 +69,7 @@ class Force(PointLoad, tag="force"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The force alone."""
+        """The force as a law of the engine."""
         data = {"force": self.vector, "torque": np.zeros(3)}
         turns = self.follow
         return (Push("load", data, b=self.marker, turns=turns, follow=turns, signal=self.signal),)
@@ -89,16 +89,16 @@ class Torque(PointLoad, tag="torque"):
 
     @property
     def symbol(self) -> str:
-        """A turning arrow."""
+        """Symbol of a torque, a curved arrow."""
         return "moment"
 
     @property
     def turning(self) -> tuple[tuple[str, Marker], ...]:
-        """The marker."""
+        """The marker of the load."""
         return (("marker", self.marker),)
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The torque alone."""
+        """The torque as a law of the engine."""
         data = {"force": np.zeros(3), "torque": self.vector}
         return (Push("load", data, b=self.marker, follow=self.follow, signal=self.signal),)

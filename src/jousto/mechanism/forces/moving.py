@@ -1,4 +1,4 @@
-"""A force that travels along a body."""
+"""Force that travels along a body."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ EngineLaw(
 
 
 class MovingLoad(ForceElement, tag="moving-load"):
-    """A force whose point of attack travels along a body, such as a wheel on a rail.
+    """Force whose point of application travels along a body, such as a wheel on a rail.
 
-    Between two nodes a flexible body is followed by cubics through their displacements and slopes,
-    as the elements of a beam do: ``Q_p = Phi(s)^T A^T F`` at the path length s(t). The force has
-    no mass, and acts only while s is on the path. It goes straight from one corner to the next,
-    through all nodes that lie between.
+    Between two nodes of a flexible body the displacement is a cubic through the displacements and
+    slopes of the nodes, as in a beam element: ``Q_p = Phi(s)^T A^T F`` at the path length s(t). The
+    load has no mass and acts only while s is on the path. The path is straight from each corner to
+    the next, through all nodes between them.
     """
 
     kind = "moving load"
@@ -59,7 +59,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a path that is none, and nodes that do not turn."""
+        """Report an invalid path, and nodes without rotations."""
         if len(self.path) < 2:
             problems.add(where, f"path is {list(self.path)!r}, {TWO}", "path")
             return
@@ -76,14 +76,14 @@ class MovingLoad(ForceElement, tag="moving-load"):
 
     @cached_property
     def nodes(self) -> tuple[int, ...]:
-        """The nodes of the path; none on a rigid body."""
+        """Nodes of the path; none on a rigid body."""
         if isinstance(self.body, RigidBody):
             return ()
         return nodes_on(self.body, corners_of(Problems(), "", self.body, self.path))
 
     @cached_property
     def points(self) -> Array:
-        """Places (k, 3) of the nodes or corners of the path, body frame, m."""
+        """Positions (k, 3) of the nodes or corners of the path, body frame, m."""
         if isinstance(self.body, RigidBody):
             return read_only(corners_of(Problems(), "", self.body, self.path))
         return read_only(np.asarray(self.body.reduced.nodes)[list(self.nodes)])
@@ -96,12 +96,12 @@ class MovingLoad(ForceElement, tag="moving-load"):
 
     @property
     def drawn_at(self) -> tuple[tuple[MovingBody, Array], ...]:
-        """The points of its path."""
+        """The points of the path."""
         return tuple((self.body, point) for point in self.points)
 
     @property
     def direction(self) -> tuple[Array, bool]:
-        """That of its vector, in the frame of the body if it follows."""
+        """Direction of the vector, in the body frame if it follows the body."""
         return np.array(floats(self.vector)), self.follow
 
     @property
@@ -149,7 +149,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
 
 
 def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence[str]) -> Array:
-    """Return the corners (k, 3) of a path, body frame, or none if one is wrong."""
+    """Return the corners (k, 3) of a path, body frame, m, or report wrong ones."""
     corners = []
     for i, name in enumerate(names):
         try:

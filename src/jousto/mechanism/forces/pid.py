@@ -71,7 +71,7 @@ _OF_RATE = replace(
 
 
 class _Controller(Actuator):
-    """What controllers of a coordinate and of its rate share; their gains have other units."""
+    """Base of controllers of a coordinate or its rate, with gains of different units."""
 
     speed = False
     coordinate: CoordinateField = field("What is controlled, or whose rate is")
@@ -121,7 +121,7 @@ class _Controller(Actuator):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note times that do not follow from the gains, and limits the wrong way round."""
+        """Report time constants that contradict the gains, and a lower limit above the upper."""
         if not (self.kp or self.ki or self.kd):
             problems.add(where, "kp, ki and kd are all 0: it does nothing")
         if self.kd and self.filter is None and not self.kp:
@@ -149,14 +149,14 @@ class _Controller(Actuator):
 
     @property
     def tracking_time(self) -> float:
-        """Time in which the integral part comes back while the force is limited, s; 0 for never."""
+        """Time constant of the back-calculation while the force is limited, s; 0 for none."""
         if self.limit is None or not self.ki:
             return 0.0
         return TRACKING * self.kp / self.ki if self.tracking is None else self.tracking
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The controller along its coordinate."""
+        """The controller as a law of the engine."""
         limited = self.limit is not None
         high = NEVER if self.limit is None else self.limit
         data = {
@@ -187,13 +187,14 @@ class _Controller(Actuator):
 
 
 class PID(_Controller, tag="pid"):
-    """A force that controls a coordinate s: proportional, integral and derivative, anti-windup.
+    """PID controller of a coordinate s, with filtered derivative and anti-windup.
 
     ``u = kp (weight r - s) + I - kd s_f' + feedforward``, ``f`` is u within the limits,
     ``I' = ki (r - s) + (f - u)/tracking``, and ``s_f'`` is the rate of s behind a filter of first
     order, ``s_f' = (s - s_f)/filter`` (Astrom and Hagglund, Advanced PID Control, 2006, chapter 3).
-    While the force is limited the last term of I', the back-calculation, keeps the integral part
-    from winding up. The derivative is that of s alone: a jump of the reference is no kick.
+    While the force is limited, the last term of I', the back-calculation, keeps the integral part
+    from winding up. The derivative part uses s only, so that a jump of the reference causes no
+    impulse.
 
     Examples
     --------
@@ -215,11 +216,11 @@ class PID(_Controller, tag="pid"):
 
 
 class SpeedPID(_Controller, tag="speed-pid"):
-    """A force that controls the rate of a coordinate, as `PID` controls its value.
+    """PID controller of the rate s' of a coordinate; see `PID` for its value.
 
     ``u = kp (weight r - s') + I - kd s_f'' + feedforward`` and ``I' = ki (r - s') +
-    (f - u)/tracking``, with the derivative of s' behind a filter of first order. kp and ki alone
-    make the usual PI controller of a motor.
+    (f - u)/tracking``, with the derivative of s' behind a filter of first order. With kp and ki
+    only, this is the usual PI speed controller of a motor.
 
     Examples
     --------

@@ -31,7 +31,7 @@ from jousto.mechanism.signals.piecewise import Table
 
 
 class CurveField(Field["Table | None", "Table | None"]):
-    """A table of a force over a coordinate or its rate, or None.
+    """Field of a table of a force over a coordinate or its rate, or None.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class CurveField(Field["Table | None", "Table | None"]):
         self.at = at
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the table."""
+        """Return the table, or report that the value is none."""
         if not isinstance(value, Table):
             problems.add(where, f"{self.name} is {value!r}, must be a Table or None")
         return value
@@ -57,7 +57,7 @@ class CurveField(Field["Table | None", "Table | None"]):
 
 class _AlongLaw(EngineLaw):
     def with_numbers(self, numbers: Any) -> EngineLaw:
-        """Return the law whose function is the force where it is times 1."""
+        """Return the law; its function has the unit of the force if the factor is 1."""
         return replace(self, signal=FORCE) if numbers.preload == 1.0 else self
 
 
@@ -91,10 +91,10 @@ EngineLaw("user", constants=("none",)).declared()
 
 
 class Spring(ForceElement, tag="spring"):
-    """A spring and damper along a coordinate.
+    """Spring and damper along a coordinate.
 
-    ``f = -k (s - free) - c s' + preload + table(s) + damper_table(s')``, along +s on the body
-    of marker b and against it on that of a.
+    ``f = -k (s - free) - c s' + preload + table(s) + damper_table(s')`` acts along +s on the body
+    of marker b, and along -s on the body of marker a.
     """
 
     kind = "spring"
@@ -124,12 +124,12 @@ class Spring(ForceElement, tag="spring"):
 
     @classmethod
     def between(cls, name: str, a: Marker, b: Marker, *args: Any, **kwargs: Any) -> Spring:
-        """Return the spring along the line between two markers; the rest as for `Spring`."""
+        """Return the spring along the line between two markers; other arguments as for `Spring`."""
         return cls(name, Distance(a, b, name=f"{name}.distance"), *args, **kwargs)
 
     @property
     def symbol(self) -> str:
-        """A spring, a damper or both."""
+        """Symbol of a spring, a damper or both."""
         soft = self.stiffness or self.table is not None
         slow = self.damping or self.damper_table is not None
         kind = "spring-damper" if soft and slow else "damper" if slow else "spring"
@@ -137,19 +137,19 @@ class Spring(ForceElement, tag="spring"):
 
     @property
     def free_value(self) -> float:
-        """Value of the coordinate without force, m or rad."""
+        """Value of the coordinate at which the spring has no force, m or rad."""
         return self.coordinate.initial if self.free is None else self.free
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The spring along its coordinate."""
+        """The spring as a law of the engine."""
         data = along(self.stiffness, self.damping, self.free_value, self.preload)
         s, table, damper = self.coordinate, self.table, self.damper_table
         return (Push("along", data, coordinate=s, spring=table, damper=damper),)
 
 
 class Matrix6(Field[ArrayLike, Array]):
-    """A symmetric, positive semi-definite (6, 6) matrix, six numbers of its diagonal, or 0.
+    """Field of a symmetric, positive semi-definite (6, 6) matrix, of its diagonal (6,), or 0.
 
     Parameters
     ----------
@@ -167,29 +167,29 @@ class Matrix6(Field[ArrayLike, Array]):
         self.units = units
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the matrix."""
+        """Return the matrix, or report what is wrong."""
         return matrix6(problems, where, self.name, value)
 
 
 class Wrench(Field["ArrayLike | None", Array]):
-    """Force and torque, six numbers; None for none."""
+    """Field of a force and a torque, six numbers; None for zero."""
 
     form = "wrench"
     noun = "(6,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as an array."""
+        """Return the six numbers as an array, or report what is wrong."""
         return problems.array(where, self.name, value, (6,))
 
 
 class Bushing(ForceElement, tag="bushing"):
-    """A linear support: ``[F, T] = -K [d, theta] - D [d', omega] + preload`` on b.
+    """Bushing: ``[F, T] = -K [d, theta] - D [d', omega] + preload`` on b.
 
     d = r_b - r_a, its rate as seen in a, the rotation vector theta of b against a and the relative
     angular velocity omega are resolved in a. An isotropic damper gives the torque ``-c omega`` at
-    any attitude. The springs have an energy: of their moments and those of the preload, which do
-    the work of ``theta'``, the torque is ``J(theta)^-T`` times them, with ``omega = J theta'``; for
-    an isotropic spring and for small angles both are equal.
+    any attitude. The springs have a potential energy: the moments m of springs and preload, which
+    do the work ``m . theta'``, give the torque ``J(theta)^-T m``, where ``omega = J theta'``. For
+    an isotropic spring or small angles the torque equals m.
     """
 
     kind = "bushing"
@@ -216,13 +216,13 @@ class Bushing(ForceElement, tag="bushing"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The support."""
+        """The bushing as a law of the engine."""
         data = {"K": self.stiffness, "D": self.damping, "preload": self.preload}
         return (Push("bushing", data, a=self.a, b=self.b),)
 
 
 class JointForce(Actuator, tag="joint-force"):
-    """A force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
+    """Force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
 
     kind = "joint force"
     coordinate: CoordinateField = field("It acts along +s on the body of marker b")
@@ -230,13 +230,13 @@ class JointForce(Actuator, tag="joint-force"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The force along its coordinate."""
+        """The force as a law of the engine."""
         s, f = self.coordinate, self.signal
         return (Push("along", along(preload=1.0), coordinate=s, active=True, signal=f),)
 
 
 class Servo(Actuator, tag="servo"):
-    """A controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``."""
+    """PD-controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``."""
 
     kind = "servo"
     coordinate: CoordinateField = field("What is controlled")
@@ -253,21 +253,21 @@ class Servo(Actuator, tag="servo"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """A spring and damper to the reference."""
+        """A spring and damper to the reference, as a law of the engine."""
         data = along(self.kp, self.kd, limit=self.limit or 0.0)
         s = self.coordinate
         return (Push("along", data, coordinate=s, active=True, reference=self.reference),)
 
 
 class PatternField(Field[ArrayLike, Array]):
-    """A force on every node of a body."""
+    """Field of a force on every node of a body, (nodes, 3), N."""
 
     form = "pattern"
     noun = "(nodes, 3) array_like"
 
 
 class ModalLoad(ForceElement, tag="modal-load"):
-    """A pattern of nodal forces that follows a flexible body, such as a pressure."""
+    """Pattern of nodal forces that turns with a flexible body, such as a pressure."""
 
     kind = "modal load"
     together = ("body",)
@@ -278,7 +278,7 @@ class ModalLoad(ForceElement, tag="modal-load"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Keep the pattern as an array; note one that is not of the body."""
+        """Store the pattern as an array; report one that does not fit the nodes of the body."""
         shape = (len(self.body.reduced.nodes), 3)
         found = problems.array(where, "pattern", self.pattern, shape)
         object.__setattr__(self, "pattern", found)
@@ -293,14 +293,14 @@ class ModalLoad(ForceElement, tag="modal-load"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The generalised load."""
+        """The generalised load as a law of the engine."""
         load = self.load
         data = {"force": load[:3], "torque": load[3:6]}
         return (Push("modal load", data, (load[6:],), body=self.body, signal=self.signal),)
 
 
 class DefaultMarker(Field["Marker | None", Marker]):
-    """A marker, or None for the origin of the world."""
+    """Field of a marker; None for the origin of the world."""
 
     form = "marker"
     noun = "Marker"
@@ -308,13 +308,13 @@ class DefaultMarker(Field["Marker | None", Marker]):
 
 
 class FunctionField(Field[Any, Any]):
-    """A function of Python or a compiled one; a model file writes ``file.py:name``."""
+    """Field of a Python or compiled function; a model file contains ``file.py:name``."""
 
     form = "function"
     noun = "callable, LowLevelCallable, numba cfunc or ctypes function"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the function."""
+        """Return the function, or report that the value is none."""
         # a scipy.LowLevelCallable is a tuple that cannot be called
         if not (callable(value) or isinstance(value, tuple)):
             problems.add(where, f"{self.name} is {value!r}, must be callable or compiled")
@@ -322,10 +322,10 @@ class FunctionField(Field[Any, Any]):
 
 
 class UserForce(ForceElement, tag="user-force"):
-    """A force and torque at a marker by a function of the user, ``y = function(t, x)``.
+    """Force and torque at a marker, computed by a function of the user, ``y = function(t, x)``.
 
-    It is called several times in a step, t in s. x is an array (18,), how `marker` stands and
-    moves against `reference`, everything resolved in the axes of `reference`:
+    The function is called several times in a step, with t in s. x (18,) is the pose and velocity of
+    `marker` relative to `reference`, resolved in the axes of `reference`:
 
     ============ ============================================================ =====
     ``x[0:3]``   position of the marker, r_b - r_a                            m
@@ -334,13 +334,13 @@ class UserForce(ForceElement, tag="user-force"):
     ``x[15:18]`` its angular velocity against the reference                   rad/s
     ============ ============================================================ =====
 
-    It returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the body
-    of `marker`, at the marker and resolved in the axes of `reference`. The body of the
-    reference gets the opposite of both. Values that are not finite and exceptions stop the
-    run with their message. It must not remember earlier calls: solvers try steps and repeat
-    them. Compiled functions run at the speed of C and have the signature
-    ``int f(double t, const double *x, double *y, void *user)`` (``jo_callback`` in jousto.h):
-    they write y and return 0, or another number for an error.
+    The function returns six numbers y: the force ``y[0:3]``, N, and torque ``y[3:6]``, N m, on the
+    body of `marker`, at the marker and resolved in the axes of `reference`. The opposite force and
+    torque act on the body of `reference`. Values that are not finite and exceptions stop the run
+    with an error message. The result must not depend on earlier calls, because solvers try steps
+    and repeat them. Compiled functions run at the speed of C and have the signature ``int f(double
+    t, const double *x, double *y, void *user)`` (``jo_callback`` in jousto.h): they write y and
+    return 0, or another number for an error.
 
     Examples
     --------
@@ -371,7 +371,7 @@ class UserForce(ForceElement, tag="user-force"):
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The function."""
+        """The function as a law of the engine."""
         return (Push("user", {}, a=self.reference, b=self.marker, function=self.function),)
 
 
@@ -382,7 +382,7 @@ def along(
     preload: float = 0.0,
     limit: float = 0.0,
 ) -> dict[str, float]:
-    """Return the numbers of a force along a coordinate."""
+    """Return the numbers of the law of a force along a coordinate."""
     return {
         "stiffness": stiffness,
         "damping": damping,
@@ -393,7 +393,7 @@ def along(
 
 
 def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return a symmetric, positive semi-definite (6, 6) matrix, or note why it is none."""
+    """Return a symmetric, positive semi-definite (6, 6) matrix, or report why it is not one."""
     if np.ndim(value) == 0:
         value = np.full(6, value)
     if np.shape(value) == (6,):

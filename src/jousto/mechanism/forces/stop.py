@@ -1,4 +1,4 @@
-"""Stops: limits of a coordinate that push back."""
+"""Stops: elastic limits of a coordinate with restitution."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ EngineLaw(
 
 
 class Stop(ForceElement, tag="stop"):
-    """Limits of a coordinate that push back, harder on the way in than on the way out.
+    """Elastic limits of a coordinate with a coefficient of restitution e.
 
     ``f = -k d (1 + h s(d'/speed))`` where d is how far the coordinate is beyond the limit, ``h =
     (1 - e^2)/(1 + e^2)`` and ``s(x) = x (3 - x^2)/2`` up to ``|x| = 1``, from there on the sign of
-    x. A blow comes back with the share e of its speed, whatever strikes and however stiff the stop
-    is; since ``h <= 1`` it never pulls.
+    x. The rebound speed is e times the impact speed, for any mass and stiffness; since ``h <= 1``
+    the stop never pulls.
 
-    In ``m v dv = -k d phi(v) dd``, ``phi = 1 + h s``, the variables separate as with the law of
+    The variables separate in ``m v dv = -k d phi(v) dd`` with ``phi = 1 + h s``, as in the law of
     Hunt and Crossley (Journal of Applied Mechanics 42, 1975, 440-445), ``phi = 1 + a v``, whose
-    restitution falls with the speed of the blow. Here it is ``v_out^2 = e^2 v_in^2 + C speed^2``
-    where both are faster than `speed`; C is between 0 and 1. Slower ones lose less, and a body that
-    lies on the stop comes to rest as on a damper of ``3 h F / (2 speed)``, F being its load.
+    restitution decreases with the impact speed. Here ``v_out^2 = e^2 v_in^2 + C speed^2`` with C
+    between 0 and 1, if both speeds exceed `speed`. Slower impacts lose less energy. A body that
+    lies on the stop comes to rest as on a damper of ``3 h F / (2 speed)``, where F is its load.
 
     Examples
     --------
@@ -72,7 +72,7 @@ class Stop(ForceElement, tag="stop"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note limits that are missing or the wrong way round."""
+        """Report missing limits, and a lower limit above the upper one."""
         low, high = self.lower, self.upper
         if low is None and high is None:
             problems.add(where, "has no limit; give lower, upper or both")
@@ -81,18 +81,18 @@ class Stop(ForceElement, tag="stop"):
 
     @property
     def symbol(self) -> str:
-        """A spring."""
+        """Symbol of a spring."""
         return "torsion-spring" if self.turns else "spring"
 
     @property
     def loss(self) -> float:
-        """h, the share by which the force differs from that of a spring."""
+        """Coefficient h: relative difference of the force from that of a spring."""
         e = self.restitution
         return (1.0 - e * e) / (1.0 + e * e)
 
     @property
     def pushes(self) -> tuple[Push, ...]:
-        """The law along the coordinate."""
+        """The stop as a law of the engine."""
         s = self.coordinate
         data = {
             "stiffness": self.stiffness,

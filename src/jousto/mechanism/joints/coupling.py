@@ -73,7 +73,7 @@ class Gear(Coupler, tag="gear"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report coordinates that are no angles, or are the same."""
+        """Report coordinates that are not angles, or are the same."""
         check_kind(problems, where, "a", self.a, angle=True)
         check_kind(problems, where, "b", self.b, angle=True)
         check_different(problems, where, self.a, self.b)

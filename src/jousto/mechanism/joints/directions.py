@@ -39,7 +39,7 @@ class ParallelAxes(AxisJoint, tag="parallel-axes"):
 
     @property
     def coordinates(self) -> tuple[Angle]:
-        """The angle."""
+        """The free coordinate, the angle about the axis."""
         return (self.angle,)
 
 

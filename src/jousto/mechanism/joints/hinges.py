@@ -44,7 +44,7 @@ class Revolute(AxisJoint, tag="revolute"):
 
     @property
     def coordinates(self) -> tuple[Angle]:
-        """The angle."""
+        """The free coordinate, the angle about the axis."""
         return (self.angle,)
 
 
@@ -65,7 +65,7 @@ class SharedAxisJoint(Joint):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The displacement and the angle."""
+        """The free coordinates: displacement along the axis, angle about it."""
         return self.displacement, self.angle
 
 

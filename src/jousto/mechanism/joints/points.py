@@ -48,7 +48,7 @@ class PointOnLine(AxisJoint, tag="point-on-line"):
 
     @property
     def coordinates(self) -> tuple[Displacement]:
-        """The displacement."""
+        """The free coordinate, the displacement along the line."""
         return (self.displacement,)
 
 

@@ -19,7 +19,7 @@ from jousto.mechanism.joints.coordinate import Angle, Coordinate, Displacement, 
 
 
 class Fixed(Joint, tag="fixed"):
-    """The markers keep their relative orientation: 6 rows, nothing free.
+    """The markers keep their relative position and orientation: 6 rows, no freedom.
 
     ``r_b - r_a = 0`` and three perpendicular rows (Rantalainen 2007, eq. 3.95 and 3.90)
 
@@ -65,7 +65,7 @@ class Prismatic(AxisJoint, tag="prismatic"):
 
     @property
     def coordinates(self) -> tuple[Displacement]:
-        """The displacement."""
+        """The free coordinate, the displacement along the axis."""
         return (self.displacement,)
 
 
@@ -89,5 +89,5 @@ class Planar(NormalJoint, tag="planar"):
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The displacements and the angle."""
+        """The free coordinates: two displacements in the plane, and the angle about its normal."""
         return self.x, self.y, self.angle

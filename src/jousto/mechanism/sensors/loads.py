@@ -39,7 +39,7 @@ class Axes(Field["str | Marker", "str | Marker"]):
     noun = '"world", "joint" or Marker'
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the word or the marker, or report that the value is neither."""
+        """Return the keyword or the marker, or report that the value is neither."""
         if not (isinstance(value, Marker) or value in ("world", "joint")):
             problems.add(where, f"{self.name} is {value!r}, must be 'world', 'joint' or a marker")
         return value

@@ -32,7 +32,7 @@ class Pattern(Field[str, str]):
     noun = '{"45", "60", "90"}'
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the angle as a word, or report an unknown one."""
+        """Return the angle as a keyword, or report an unknown one."""
         if str(value) not in KINDS:
             problems.add(
                 where, f"kind is {value!r}, must be '45', '60' (delta) or '90' (tee)", "kind"

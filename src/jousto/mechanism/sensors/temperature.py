@@ -91,7 +91,7 @@ class Temperature(Declared):
     gauge_factor: Number = field("Gauge factor k, used with beta only", default=2.0, kw_only=True)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note a gauge factor of zero."""
+        """Report a gauge factor of zero."""
         if self.gauge_factor == 0.0:
             problems.add(where, "gauge_factor is zero", "gauge_factor")
 

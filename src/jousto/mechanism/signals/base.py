@@ -245,7 +245,7 @@ class Combined(Signal):
     """Combination of several signals."""
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Replace each term of the same kind by the terms of that one."""
+        """Replace each nested sum or product of the same kind by its terms."""
         (key,) = self.fields
         found = [p.parts if type(p) is type(self) else (p,) for p in self.__dict__[key]]
         set_fields(self, **{key: tuple(p for some in found for p in some)})
@@ -355,7 +355,7 @@ class Product(Combined, tag="product", by_value=True):
 class Input(Signal, tag="input", by_value=True):
     """Value that is set from outside while the engine runs: an actuator command, an FMU input.
 
-    The value is held between two steps, so rate and acceleration are zero. It is no function of
+    The value is held between two steps, so rate and acceleration are zero. It is not a function of
     time and cannot be called.
     """
 
@@ -369,7 +369,7 @@ class Input(Signal, tag="input", by_value=True):
         return Law("input", {}, (self.initial,), name=self.name)
 
     def jet(self, t: Array) -> Jet:
-        """Raise InputError: an input is no function of time."""
+        """Raise InputError: an input is not a function of time."""
         raise InputError(
             Problem(
                 f"input {self.name!r}",

@@ -26,7 +26,7 @@ class EventField(Field[Any, Any]):
 class Switched(Signal, tag="switched"):
     """Signal that is `before` until the first occurrence of an event, `after` from then on.
 
-    The time of the event depends on the motion, so the signal is no function of time. In a drive
+    The time of the event depends on the motion, so the signal is not a function of time. In a drive
     both signals must agree at the event, since positions cannot jump.
     """
 
@@ -48,7 +48,7 @@ class Switched(Signal, tag="switched"):
         return Law("switched", {}, event=self.event)
 
     def jet(self, t: Array) -> Jet:
-        """Raise InputError: the signal is no function of time."""
+        """Raise InputError: the signal is not a function of time."""
         raise InputError(
             Problem(
                 f"signal switched by event {self.event.name!r}",
