@@ -16,7 +16,7 @@ from jousto.schema.partial_validation import validate
 
 
 def parts_of(document: Document, values: Mapping[str, float], trust: bool) -> dict[str, Part]:
-    """Return the parts of flexible bodies with a mesh, by body name.
+    """Return the Part of each flexible body that has a mesh, by body name.
 
     Parameters
     ----------

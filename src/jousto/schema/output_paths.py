@@ -23,7 +23,7 @@ DATA = (*DOCUMENTS, ".h5", ".hdf5")
 
 
 def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") -> Path:
-    """Return the output path, next to the input by default, never over an input.
+    """Return the output path, by default next to the input; raise an error if it is an input.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def output_path(given: Path | None, source: Path, name: str, *, kind: str = "") 
 
 
 def worth_keeping(path: Path, kind: str) -> str:
-    """Return the kind of valuable content that output must not replace; empty if none."""
+    """Return the kind of content at a path that output must not replace; empty if none."""
     if not path.is_file() or not path.stat().st_size:
         return ""
     if not kind:

@@ -1,4 +1,4 @@
-"""Validation of a model file that keeps valid entries beside invalid ones."""
+"""Validation of a model file that keeps the valid entries if others are invalid."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jousto.schema.make.model import LISTS
 
 @dataclass(frozen=True, eq=False)
 class Valid:
-    """Valid entries of a document, with the problems of the others.
+    """Valid entries of a document, and the problems of the invalid ones.
 
     Parameters
     ----------

@@ -166,7 +166,7 @@ def build_model(
 ) -> ModelFile:
     """Validate and build a document; see `read_model`.
 
-    Reduced parts are looked up among those `kept` by what the file says of them.
+    Reduced parts of `kept` are used again if their entries are unchanged.
     """
     whole, expanded = document, expand(document, parameters)
     document = expanded.document

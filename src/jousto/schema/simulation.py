@@ -1,4 +1,4 @@
-"""How a model file wants to be simulated."""
+"""Simulation settings of a model file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SolverField(Nested[Any, Any]):
 
 
 class Simulation(Declared):
-    """The arguments of `simulate`, and what `compile` is to choose."""
+    """Arguments of `simulate`, and options of `compile`."""
 
     t_end: Duration = field("End time")
     solver: SolverField = field("The integrator; that of `simulate` if not given", default=None)
@@ -42,16 +42,16 @@ class Simulation(Declared):
 
     @property
     def begin(self) -> Any:
-        """The function of the model that returns the state where runs start; None for its own."""
+        """Function of a model that returns the initial state of runs; None for the initial pose."""
         return None if self.start == "initial" else self._state
 
     def _state(self, model: Any) -> Any:
         return self.given(model).get("state")
 
     def given(self, model: Any = None) -> dict[str, Any]:
-        """Return the keyword arguments of `simulate` that the file gives, without `t_end`.
+        """Return the keyword arguments of `simulate` in the file, except `t_end`.
 
-        With the compiled model they hold the state that the run starts from.
+        If the compiled model is given, they include the initial state of the run.
         """
         values = {"solver": self.solver, "output_step": self.output_step}
         if model is not None:

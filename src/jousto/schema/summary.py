@@ -87,7 +87,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
 
 
 def given(force: ForceElement) -> str:
-    """Return the place of a force and its other values: numbers, vectors and flags."""
+    """Return the attachment of a force and its other values: numbers, vectors and flags."""
     places: list[str] = []
     values: list[str] = []
     for key, kind in force.fields.items():
@@ -123,7 +123,7 @@ def given(force: ForceElement) -> str:
 
 
 def table_text(key: str, label: str, table: Table, units: tuple[str, str]) -> str:
-    """Return the text on a force table: dry friction, or its points and their range."""
+    """Return a description of a force table: dry friction, or its points and their range."""
     x, y = np.asarray(table.times), np.asarray(table.values)
     if key == "damper_table" and len(x) == 2 and x[0] == -x[1] and y[0] == -y[1] >= 0.0:
         return f"dry friction {y[0]:.6g} {units[0]}, full from {x[1]:.6g} {units[1]}"
@@ -157,7 +157,7 @@ def mesh_facts(mesh: Mesh) -> Facts:
 
 
 def set_text(mesh: Mesh, name: str, nodes: Any) -> str:
-    """Return the text on a set: number of nodes, place, and the form of a surface."""
+    """Return a description of a set: number of nodes, position, and form of a surface."""
     from jousto.mesh.holes import cylinder_through
 
     if not len(nodes):

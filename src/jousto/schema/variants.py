@@ -1,4 +1,4 @@
-"""Variants: machines of a model file for other parameter values."""
+"""Variants: mechanisms of a model file for other parameter values."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class Variants:
 
 
 def contents(data: Any, folder: Path, found: dict[str, str]) -> dict[str, str]:
-    """Return hashes, by path, of files that texts in data name, and of files named in these."""
+    """Return hashes, by path, of the files named in data, and of the files that they name."""
     if isinstance(data, Mapping):
         data = list(data.values())
     if isinstance(data, list):

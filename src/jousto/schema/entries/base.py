@@ -67,7 +67,7 @@ class Unit:
         return number
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Validate with `quantity`."""
+        """Convert the number or text to SI by `quantity`."""
         return core_schema.no_info_plain_validator_function(self._validate)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
@@ -156,7 +156,7 @@ LARGEST = 2**53  # largest whole number that floats represent exactly
 
 
 class _Integer:
-    """Annotation of a whole number; true and false are none."""
+    """Annotation of a whole number; true and false are errors."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Accept integers and floats without a fraction."""
@@ -172,7 +172,7 @@ class _Integer:
         return core_schema.no_info_plain_validator_function(check)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        """Describe as an integer, or an expression that gives one."""
+        """Describe as an integer or an expression whose value is one."""
         return {"type": ["integer", "string"], "pattern": EXPRESSION}
 
 
@@ -180,7 +180,7 @@ class _Flag:
     """Annotation of true or false, including the words yes, no, on and off of YAML 1.1."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Accept booleans and their words."""
+        """Accept booleans and the words yes, no, on and off."""
 
         def check(value: Any) -> bool:
             if isinstance(value, bool):
@@ -284,7 +284,7 @@ class EulerEntry(Entry):
 
 
 def _form(value: Any) -> str:
-    """Return the form in which an orientation is given."""
+    """Return the name of the form in which an orientation is written."""
     if isinstance(value, EulerEntry) or isinstance(value, dict) and "euler_deg" in value:
         return "euler"
     return "rotate" if isinstance(value, dict | RotateEntry) else "numbers"
@@ -323,7 +323,7 @@ class _Orientation:
         )
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        """Describe the four forms."""
+        """Describe the four forms of an orientation in the JSON schema."""
         numbers = {"type": ["number", "string"], "pattern": EXPRESSION}
         row = {"type": "array", "items": numbers, "minItems": 3, "maxItems": 3}
         return {
@@ -358,7 +358,7 @@ class _MarkerText:
     """Annotation of ``body.point``."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Split at the first dot."""
+        """Split the text at its first dot into body and point."""
 
         def check(value: Any) -> str:
             body, dot, point = value.partition(".") if isinstance(value, str) else ("", "", "")

@@ -15,7 +15,8 @@ CHOICES = "jousto_choices"  # key in the metadata of a core schema
 class Tagged:
     """Annotation of a union of tagged classes; the key ``type`` selects one of them.
 
-    A class is prepared when the first entry of its kind is read: a file has few kinds of the many.
+    The schema of a class is built when its first entry is read, since a file uses few of the
+    classes.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def tagged(tag: Callable[[dict[str, Any]], str | None] | None = None) -> Tagged:
 
 
 class Later:
-    """Annotation of one class that is imported on demand."""
+    """Annotation of one class, imported when its first entry is read."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         """Validate with the class."""
@@ -128,7 +129,7 @@ class WholeSchema(GenerateJsonSchema):
         return found[0] if len(found) == 1 else {"oneOf": found}
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
-        """Describe a class once, also if it is used in a single place only."""
+        """Describe a class as a definition of its own, even if only one place uses it."""
         if _ref(_schema(schema["cls"])) in self._open:
             return super().model_schema(schema)
         return self._class(schema["cls"])

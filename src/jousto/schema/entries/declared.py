@@ -1,4 +1,4 @@
-"""Entries of declared classes, made from their fields: one for each word of a section."""
+"""Entry types of declared classes, derived from their fields: one per `type` of a section."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ ROW: Any = tuple
 
 
 def amount(unit: Any) -> Any:
-    """Return the type of a number; a unit that depends on other fields is checked with these."""
+    """Return the type of a number; a unit that depends on other fields is checked with them."""
     if not isinstance(unit, str):
         return Amount
     return Annotated[float, Unit(unit.replace("^", ""))]
@@ -104,7 +104,7 @@ def entry_of(
     without: tuple[str, ...] = (),
     base: type[Entry] = Entry,
 ) -> Any:
-    """Return the entry of a class: its word in ``type``, and a key for each field.
+    """Return the entry type of a class: its tag in ``type``, and a key for each field.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def keys_of(
 
 
 def special(cls: Any, word: str, *, implied: bool = False, base: Any = Entry, **keys: Any) -> Any:
-    """Return the entry of a class whose form in files differs from its fields.
+    """Return the entry type of a class whose keys in files differ from its fields.
 
     Parameters
     ----------
@@ -182,15 +182,15 @@ def said(field: Field[Any, Any]) -> str | None:
 
 
 def alone(cls: Any) -> Any:
-    """Return the type of an entry of a section with a single class and no key ``type``."""
+    """Return the entry type of a section that has one class and no key ``type``."""
     return Annotated[entry_of(cls), Later()]
 
 
 class Declarations(Tagged):
-    """Annotation of a section's entry: one of its classes by the key ``type``.
+    """Annotation of an entry of a section: the key ``type`` selects the class.
 
-    The classes are imported and their entries made when a file has one of the section; those that
-    are declared later are known, too.
+    The classes are imported, and their entry types built, when a file uses the section. Classes
+    that are declared later are included.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Solid parts in model files: meshes, node picks, interfaces; choice of all parts."""
+"""Entries of solid parts: meshes, node picks, interfaces; the union of all kinds of parts."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A model file: reading, lines, explaining what is wrong."""
+"""Reader of model files: content, line numbers, error messages."""

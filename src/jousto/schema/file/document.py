@@ -1,4 +1,4 @@
-"""Reading YAML (or JSON): plain data together with the line of every entry."""
+"""Reader of YAML and JSON files: plain data and the line of every entry."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Document:
         return value
 
     def told(self, loc: Loc, message: str) -> str:
-        """Return a message with the expression that the value at a path comes from."""
+        """Return a message, extended by the expression that gave the value at a path."""
         text = self.expressions.get(loc)
         return message if text is None else f"{message}; from {text}"
 
@@ -104,7 +104,7 @@ def read_document(path: str | Path) -> Document:
 
 
 def _geometry(path: Path) -> str:
-    """Return what to do with a CAD file or a mesh in the place of a model file."""
+    """Return the advice for a CAD file or a mesh that was given instead of a model file."""
     if is_cad(path):
         what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
     else:
@@ -156,7 +156,7 @@ def parse_document(text: str, *, name: str = "model", folder: Path | None = None
 
 @uncollected()
 def read_lines(text: str) -> dict[Loc, int]:
-    """Return the line (from 1) of every entry of a text that can be read, by its path."""
+    """Return the line (from 1) of every readable entry of a text, by the path of the entry."""
     from jousto.schema.file.yaml_reader import YamlReader
 
     lines: dict[Loc, int] = {}

@@ -1,4 +1,4 @@
-"""From pydantic's errors to sentences with file, line, field, what was found and the remedy."""
+"""Messages for pydantic's errors: file, line, field, value found, and remedy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jousto.schema.file.document import Document, Loc
 def explain(
     error: ValidationError, document: Document, classes: Mapping[int, Any], prefix: Loc = ()
 ) -> list[tuple[Loc, Problem]]:
-    """Return the problems of a validation with their paths.
+    """Return the problems of a validation error with their paths.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ SINGULAR = {
 
 
 def what(loc: Loc) -> str:
-    """Return what an entry is called, from the last word of its path."""
+    """Return the noun for an entry in messages, from the last key of its path."""
     words = [key for key in loc if isinstance(key, str)]
     if len(loc) == 2 and loc[0] == "parts":
         return "part"
@@ -126,7 +126,7 @@ def what(loc: Loc) -> str:
 
 
 def missing_type(loc: Loc) -> str:
-    """Return the message for an entry that does not say its type."""
+    """Return the message for an entry without the key ``type``."""
     if loc and loc[0] == "bodies":
         return (
             "give part: NAME for a flexible body, mass and inertia for a rigid one, or points and "
@@ -136,7 +136,7 @@ def missing_type(loc: Loc) -> str:
 
 
 def forms(tags: list[str]) -> list[str]:
-    """Return the words for the forms a value may have."""
+    """Return a text that lists the forms that a value may have."""
     words = {"mapping": "a mapping", "list": "a list", "scalar": "a single value"}
     return [words.get(tag, tag) for tag in tags]
 

@@ -1,4 +1,4 @@
-"""Reading the matrices and tables that a model file refers to."""
+"""Readers of the matrices and tables that a model file refers to."""
 
 from __future__ import annotations
 

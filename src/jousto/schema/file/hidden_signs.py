@@ -1,4 +1,4 @@
-"""Signs that mean something to libyaml and nothing in a model file: hidden, then restored."""
+"""Replace characters that only libyaml interprets before parsing, and restore them after it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ UTF16 = "utf-16-le"
 
 
 def shielded(text: str) -> str:
-    """Return text with the signs in ``${...}`` and those of YAML 1.1 alone hidden; see `bare`."""
+    """Return text with replaced characters in ``${...}`` and of YAML 1.1 only; `bare` undoes it."""
     if not text.isascii() and (SHIELDED.search(text) or ESCAPE in text):
         return text
     if "${" in text:
@@ -40,5 +40,5 @@ def _shield(sign: str) -> str:
 
 
 def bare(text: str) -> str:
-    """Return text as it was before it was shielded."""
+    """Return the original text of `shielded` text."""
     return text.translate(RESTORED) if SHIELDED.search(text) else text

@@ -1,6 +1,7 @@
-"""Meshes of CAD files kept beside the reductions, so that a killed reduction goes on.
+"""Cache of the meshes of CAD files, beside the cache of reductions.
 
-A reduction is found again only for the very same mesh, and another version of Gmsh makes another.
+A killed reduction continues only with exactly the same mesh, and another version of Gmsh makes
+another mesh.
 """
 
 from __future__ import annotations

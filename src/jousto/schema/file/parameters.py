@@ -1,4 +1,4 @@
-"""Parameters of a model file, and ``${...}`` wherever a number may stand."""
+"""Parameters of a model file, and the expressions ``${...}`` that use them."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def expand(document: Document, values: Mapping[str, float] | None = None) -> Exp
 
 
 class _Expander:
-    """Parameters of a document, and what is wrong with what uses them."""
+    """Evaluator of the parameters and expressions of a document, with their problems."""
 
     def __init__(self, document: Document, values: Mapping[str, float]) -> None:
         self.document = document
@@ -119,7 +119,7 @@ class _Expander:
                 self.note((SECTION,), f"no parameter {name!r} that may be varied{known}")
 
     def _parameter(self, loc: Loc, name: str, entry: Any) -> None:
-        """Take a parameter: a value, or a mapping with bounds or a distribution."""
+        """Read a parameter: a value, or a mapping with bounds or a distribution."""
         before = len(self.found)
         options = entry if isinstance(entry, dict) else {"value": entry}
         for key in options:
@@ -164,7 +164,7 @@ class _Expander:
         return None if None in ends else (ends[0].value, ends[1].value)  # type: ignore[union-attr]
 
     def _derive(self, waiting: dict[str, str]) -> None:
-        """Work out parameters that depend on others, each after those that it needs."""
+        """Evaluate parameters that depend on others, each after the parameters that it uses."""
         while waiting:
             done = []
             for name, text in waiting.items():
@@ -195,7 +195,7 @@ class _Expander:
             return None
 
     def reached(self) -> set[str]:
-        """Return the names that were used, with those that these depend on."""
+        """Return the names of used parameters, including those that they depend on."""
         found: set[str] = set()
         waiting = set(self.used)
         while waiting:
@@ -204,7 +204,7 @@ class _Expander:
         return found
 
     def value(self, value: Any, loc: Loc) -> Any:
-        """Return data with the values of the expressions in it."""
+        """Return data in which expressions are replaced by their values."""
         if isinstance(value, dict):
             return {key: self.value(item, (*loc, key)) for key, item in value.items()}
         if isinstance(value, list):
@@ -223,7 +223,7 @@ class _Expander:
 
 
 def _apart(text: str) -> str:
-    """Return what to do with an expression that does not stand alone."""
+    """Return the remedy for an expression within a longer text."""
     inside: Iterator[str] = (match[1].strip() for match in EXPRESSION.finditer(text))
     first = next(inside, "")
     rest = EXPRESSION.sub("", text).strip()

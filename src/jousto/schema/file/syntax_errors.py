@@ -1,4 +1,4 @@
-"""Syntax errors of YAML as sentences: where, what was found, what to do."""
+"""Messages for syntax errors of YAML: line, text found, and remedy."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ PAIRS = {"]": "[", "}": "{"}
 
 
 def syntax_problem(error: MarkedYAMLError, text: str, name: str) -> Problem:
-    """Return a syntax error of a text as one sentence, with its line and what to do."""
+    """Return the message for a syntax error of a text: line, text found, and remedy."""
     if error.problem == NESTED:
         return Problem(name, "is nested too deeply")
     mark: Mark | None = error.problem_mark or error.context_mark
@@ -113,7 +113,7 @@ def unclosed(lines: list[str]) -> tuple[str, int] | None:
 
 
 def _before_blanks(text: str, place: int) -> str:
-    """Return the sign before a place and the blanks in front of it, "" at the begin."""
+    """Return the last character before a place that is not blank; "" at the start of the text."""
     while place and text[place - 1] == " ":
         place -= 1
     return text[max(place - 1, 0) : place]
@@ -124,7 +124,7 @@ WRONG = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U00
 
 
 def wrong_sign(text: str, name: str) -> Problem | None:
-    """Return the problem of the first sign that no YAML contains, None if there is none."""
+    """Return the problem of the first character that YAML forbids; None if there is none."""
     found = WRONG.search(text)
     if found is None:
         return None

@@ -1,8 +1,8 @@
-"""Plain data of a YAML text, with the line of every entry: libyaml splits it, YAML 1.2 says more.
+"""Reader of YAML 1.2 on the events of libyaml: plain data and the line of every entry.
 
-libyaml, in C, gives the events of a text one by one (a word, the start of a list, ...), so that no
-tree is kept beside the data. Its grammar is that of YAML 1.1, which differs from 1.2 in what plain
-words mean and in a few signs; both are put right here.
+libyaml, in C, yields the events of a text one by one (a scalar, the start of a list, ...), so that
+no syntax tree is stored beside the data. Its grammar is YAML 1.1, which differs from 1.2 in the
+meaning of plain scalars and in a few characters; this reader corrects both.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ MOST_ENTRIES = 1_000_000
 
 
 class YamlReader:
-    """Turns a text into plain data and notes problems, and lines where asked to.
+    """Converter of a YAML text to plain data; collects problems and, on request, line numbers.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ class YamlReader:
             self.find_targets()
 
     def replay(self, place: int) -> Iterator[Event]:
-        """Yield the kept events from a place on."""
+        """Yield the stored events from a position on."""
         while place < len(self.events):
             yield self.events[place]
             place += 1
 
     def find_targets(self) -> None:
-        """Find what every alias stands for."""
+        """Find the position of the anchor of every alias."""
         anchors: dict[str, int] = {}
         for place, event in enumerate(self.events):
             anchor = getattr(event, "anchor", None)
@@ -109,7 +109,7 @@ class YamlReader:
                 self.refuse(event, f"found undefined alias {anchor!r}")
 
     def refuse(self, event: Event, message: str) -> NoReturn:
-        """Raise an error of syntax at an event."""
+        """Raise a syntax error at an event."""
         line = event.start_mark.line + 1
         raise InputError(Problem(f"{self.name}:{line}", f"YAML syntax: {message}"))
 
@@ -163,7 +163,7 @@ class YamlReader:
         return self.mapping() if isinstance(event, MappingStartEvent) else self.sequence()
 
     def alias(self, event: Any) -> Any:
-        """Return the data that an alias stands for."""
+        """Return the data of the anchor of an alias."""
         place = self.targets[id(event)]
         target = self.events[place]
         if id(target) in self.open:
@@ -176,7 +176,7 @@ class YamlReader:
         return found
 
     def at(self, key: int | str, event: Any) -> Any:
-        """Return the plain data of an entry below the present one."""
+        """Return the plain data of an entry of the current collection."""
         if self.lines is None and type(event) is ScalarEvent:
             word = (event.value, event.tag, event.style)
             if word in self.words:
@@ -188,14 +188,14 @@ class YamlReader:
         return found
 
     def sequence(self) -> list[Any]:
-        """Return the list that goes on with the next event."""
+        """Return the list that continues with the next event."""
         data: list[Any] = []
         while type(event := self.next()) is not SequenceEndEvent:
             data.append(self.at(len(data), event))
         return data
 
     def mapping(self) -> dict[str, Any]:
-        """Return the dictionary that goes on with the next event, its merged keys included."""
+        """Return the dictionary that continues with the next event, with merged keys (``<<``)."""
         data: dict[str, Any] = {}
         first: dict[str, int] = {}  # lines of the keys
         merged: list[Any] = []
@@ -237,7 +237,7 @@ class YamlReader:
         return found
 
     def skip(self, event: Any) -> None:
-        """Pass over the events of an entry."""
+        """Skip the events of an entry."""
         depth = int(isinstance(event, CollectionStartEvent))
         while depth:
             event = self.next()
@@ -245,7 +245,7 @@ class YamlReader:
             depth -= isinstance(event, CollectionEndEvent)
 
     def scalar(self, event: Any) -> Any:
-        """Return the text, number, truth or None of a word."""
+        """Return the text, number, boolean or None of a scalar."""
         word = (event.value, event.tag, event.style)
         if word in self.words:
             return self.words[word]
@@ -256,7 +256,7 @@ class YamlReader:
         return found
 
     def meaning(self, event: Any) -> Any:
-        """Return the same, of a word that was not read before."""
+        """Return the value of a scalar that is not in the cache of `scalar`."""
         text = self.text(event)
         if event.style or event.tag == "tag:yaml.org,2002:str":
             return text
@@ -266,7 +266,7 @@ class YamlReader:
         return plain_value(text)
 
     def text(self, event: Any) -> str:
-        """Return text as it was written; pairs of escapes, two of ``uXXXX``, are characters."""
+        """Return quoted text; a surrogate pair of ``uXXXX`` escapes becomes one character."""
         text: str = event.value
         if text.isascii() or not self.hides:
             return text
@@ -284,7 +284,7 @@ class YamlReader:
         return text
 
     def note(self, event: Any, message: str) -> None:
-        """Note a problem at the present path, with the line of an event."""
+        """Add a problem at the current path, with the line of an event."""
         path = ".".join(map(str, self.path))
         place = f"{self.name}:{event.start_mark.line + 1}" + (f": {path}" if path else "")
         self.problems.add(place, message)
@@ -304,7 +304,7 @@ REAL = re.compile(r"[-+]?(?:\.[0-9][0-9_]*|[0-9][0-9_]*(?:\.[0-9_]*)?)(?:[eE][-+
 
 
 def plain_value(text: str) -> Any:
-    """Return the number, truth or None that a plain word means, else the word itself.
+    """Return the number, boolean or None that a plain scalar means, else the text itself.
 
     Examples
     --------

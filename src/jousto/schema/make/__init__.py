@@ -1,1 +1,1 @@
-"""From entries to objects."""
+"""Construction of Python objects from validated entries of a model file."""

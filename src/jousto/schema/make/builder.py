@@ -1,4 +1,4 @@
-"""Builder: finds what the names of a document mean, such as markers, and collects its problems."""
+"""Builder: resolves the names of a document, such as those of markers, and collects problems."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_HINTS = 100  # problems of a file that come with likely names
 
 
 class Builder:
-    """Builds the objects of one document and collects problems with their lines.
+    """Builder of the objects of one document; collects problems with their lines.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Builder:
 
     @contextmanager
     def catching(self) -> Iterator[None]:
-        """Catch what constructors warn of; pass on at the end what is not jousto's."""
+        """Catch the warnings of constructors; issue those of other libraries at the end."""
         try:
             with warnings.catch_warnings(record=True) as self.caught:
                 warnings.simplefilter("always")
@@ -79,14 +79,14 @@ class Builder:
             warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
 
     def note(self, loc: Loc, message: str) -> None:
-        """Note a problem at a place of the document."""
+        """Add a problem at a path of the document."""
         problem = Problem(self.document.where(loc), self.document.told(loc, message))
         if problem not in self.noted:
             self.noted.add(problem)
             self.found.append((loc, problem))
 
     def make(self, loc: Loc, make: Callable[..., T], /, *args: Any, **kwargs: Any) -> T | None:
-        """Return ``make(*args, **kwargs)``; None with the problems noted if it fails."""
+        """Return ``make(*args, **kwargs)``; None, with its problems, if it raises InputError."""
         if self.caught is None:
             with self.catching():
                 return self.make(loc, make, *args, **kwargs)
@@ -116,7 +116,7 @@ class Builder:
         return result
 
     def note_problem(self, loc: Loc, problem: Problem, head: str = "") -> None:
-        """Note a problem of the object of an entry, at the field that it is about.
+        """Add a problem of the object of an entry, at the field concerned.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Builder:
     def warn(
         self, loc: Loc, item: warnings.WarningMessage, own: set[str], name: Any = None
     ) -> None:
-        """Keep a warning with its place; those that are not jousto's are passed on later."""
+        """Store a warning with its path; those of other libraries are issued later."""
         if not issubclass(item.category, JoustoWarning):
             self.foreign.append(item)
             return
@@ -144,13 +144,13 @@ class Builder:
         self.warnings[f"{self.document.where(place)}: {message}"] = None
 
     def field(self, loc: Loc, path: Loc) -> Loc:
-        """Return the path of a field of an entry in the document, as far as it is written there."""
+        """Return the path of a field of an entry, as far as the document contains it."""
         while path and (*loc, *path) not in self.document.lines:
             path = path[:-1]
         return (*loc, *path)
 
     def file(self, name: str) -> Path:
-        """Return a file name of the document, relative to the document's folder."""
+        """Return the path of a file that the document names, relative to the document's folder."""
         return self.document.folder / name
 
     def each(self, loc: Loc, value: Any, build: Callable[[Loc, Any], Any]) -> Any:
@@ -160,14 +160,14 @@ class Builder:
         return [build((*loc, i), item) for i, item in enumerate(value)]
 
     def orientations(self, loc: Loc, values: dict[str, Any]) -> dict[str, Any]:
-        """Replace turns about axes by `Rotate` objects."""
+        """Replace rotations about axes by `Rotate` objects."""
         for key in ("orientation", "axes"):
             if key in values:
                 values[key] = self.orientation((*loc, key), values[key])
         return values
 
     def orientation(self, loc: Loc, entry: Any) -> Any:
-        """Return an orientation; turns about axes become a `Rotate`."""
+        """Return an orientation; rotations about axes become a `Rotate`."""
         if isinstance(entry, EulerEntry):
             return self.make(loc, Rotate.euler, entry.convention, degrees=entry.euler_deg)
         if not isinstance(entry, RotateEntry):
@@ -177,7 +177,7 @@ class Builder:
     def unknown(
         self, loc: Loc, section: str | tuple[str, ...], kind: str, name: str, known: Iterable[str]
     ) -> None:
-        """Note a reference to nothing, unless it is to an entry that failed itself."""
+        """Add the problem of an unknown name, unless the entry of that name is itself invalid."""
         sections = (section,) if isinstance(section, str) else section
         if self.lost(name):
             return
@@ -189,7 +189,7 @@ class Builder:
             self.note(loc, f"no {kind} {name!r}{hint}")
 
     def marker(self, loc: Loc, entry: Any, bodies: Mapping[str, Any]) -> Any:
-        """Return the marker of an entry, None if anything is wrong with it."""
+        """Return the marker of an entry; None, with a problem, if it is invalid."""
         if isinstance(entry, MarkerEntry):
             name, point, place = entry.body, entry.point, (*loc, "body")
         else:
@@ -212,15 +212,15 @@ class Builder:
         return None if axes is None else self.make((*loc, "axes"), marker.turned, axes)
 
     def lost(self, name: str) -> bool:
-        """Return whether a name may be one that a robot with errors would bring."""
+        """Return whether a name may belong to a robot that could not be built."""
         return False
 
     def frame(self, name: str) -> Any:
-        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        """Return a named frame of a robot as a `RobotFrame`; None if there is no such frame."""
         return None
 
     def event(self, loc: Loc, name: str) -> Any:
-        """Return the event that switches a signal, None if there is none that can."""
+        """Return the event that switches a signal; None, with a problem, if there is none."""
         events = self.known["events"]
         try:
             found = events.get(name)
@@ -237,11 +237,11 @@ class Builder:
 
 
 class CircleError(Exception):
-    """An entry stands on itself."""
+    """Error of an entry that depends on itself."""
 
 
 class Section(Mapping[str, Any]):
-    """The objects of a section by their names, each made when it is named first.
+    """Objects of a section by name; each is built when it is first used.
 
     Parameters
     ----------
@@ -269,7 +269,7 @@ class Section(Mapping[str, Any]):
         self.open: set[int] = set()  # what is being made
 
     def __getitem__(self, name: str) -> Any:
-        """Return an object; raise KeyError where none has that name or it cannot be made."""
+        """Return the object of a name; raise KeyError if there is none or it is invalid."""
         found = self.object(self.places[name])
         if found is None:
             raise KeyError(name)
@@ -286,7 +286,7 @@ class Section(Mapping[str, Any]):
         return self.entries[self.places[name]][2]
 
     def object(self, i: int) -> Any:
-        """Return the object of an entry, None if anything is wrong with it."""
+        """Return the object of an entry; None, with problems, if it is invalid."""
         if i in self.open:
             raise CircleError
         if i not in self.made:
@@ -301,7 +301,7 @@ class Section(Mapping[str, Any]):
         return self.made[i]
 
     def all(self) -> list[tuple[Loc, Any]]:
-        """Return the objects of all entries that can be made, with their paths."""
+        """Return the objects of all valid entries, with their paths."""
         found = []
         for i, (name, loc, _) in enumerate(self.entries):
             try:
@@ -314,7 +314,7 @@ class Section(Mapping[str, Any]):
 
 
 def headline(where: str, own: set[str], name: Any) -> str:
-    """Return what stands before the sentence of a constructor: nothing of its own object."""
+    """Return the heading of a message of a constructor, without the name of the object itself."""
     head = where.lower()
     if not where or head in own or head.endswith((f" {name!r}".lower(), f" '{name}'".lower())):
         return ""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) -> SN | None:
-    """Return the S-N curve of an entry or a name, None if anything is wrong with it.
+    """Return the S-N curve of an entry or a name; None, with problems, if it is invalid.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def build_curve(builder: Builder, loc: Loc, entry: Any, curves: dict[str, Any]) 
 
 
 def build_mean(builder: Builder, loc: Loc, entry: Any) -> Any:
-    """Return the mean stress correction of an entry, None if anything is wrong with it."""
+    """Return the mean stress correction of an entry; None, with problems, if it is invalid."""
     if isinstance(entry, FKMEntry):
         if entry.M is not None and (entry.kind or entry.S_u):
             builder.note(loc, "give either M, or kind and S_u")

@@ -1,4 +1,4 @@
-"""Objects of declared classes from their entries: references become what they name."""
+"""Objects of declared classes from their entries; names are replaced by objects."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NOTHING: Known = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Place:
-    """Where in a document the value of a field stands, and what it may refer to.
+    """Path of the value of a field in a document, and the objects that it may refer to.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Place:
         return replace(self, loc=(*self.loc, key))
 
     def unit(self, unit: Any = None) -> str:
-        """Return the SI unit of the field, or of another that depends on its coordinate alike."""
+        """Return the SI unit of the field, or of another unit for the same coordinate."""
         unit = self.field.unit if unit is None else unit
         if isinstance(unit, str):
             return unit
@@ -73,7 +73,7 @@ def build_declared(
     use: str = "1",
     more: Mapping[str, Any] = NOTHING,
 ) -> Any:
-    """Return the object of an entry, None if anything is wrong with it.
+    """Return the object of an entry; None, with problems, if it is invalid.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def build_declared(
 def check_names(
     builder: Builder, loc: Loc, cls: Any, given: Mapping[str, Any], known: Known, wrong: set[Loc]
 ) -> None:
-    """Note the names without a meaning in an entry that cannot be made for other reasons.
+    """Add a problem for each unknown name in an entry that is invalid for other reasons.
 
     Parameters
     ----------
@@ -152,21 +152,21 @@ def a_material(place: Place, value: Any) -> Any:
 
 
 def several(place: Place, value: Any) -> Any:
-    """Return one object or several, None if one is wrong."""
+    """Return one object or a list of objects; None if one is invalid."""
     make = build_material if place.field.form == "materials" else build_declared
     found = place.builder.each(place.loc, value, lambda at, e: make(place.builder, at, e))
     return None if isinstance(found, list) and None in found else found
 
 
 def number(place: Place, value: Any) -> Any:
-    """Return a number in SI; those of a fixed unit are it already."""
+    """Return a number in SI; numbers of a fixed unit are already converted."""
     if not isinstance(value, str):
         return value
     return build_amount(place.builder, place.loc, value, place.unit())
 
 
 def series(place: Place, value: Any) -> Any:
-    """Return numbers in SI, None if one is wrong."""
+    """Return numbers in SI; None if one is invalid."""
     return build_amount(place.builder, place.loc, value, place.unit())
 
 
@@ -187,13 +187,13 @@ def reference(place: Place, name: str) -> Any:
 
 
 def references(place: Place, names: Any) -> Any:
-    """Return the objects that an entry names, None if one is not there."""
+    """Return the objects that an entry names; None if one does not exist."""
     found = [reference(place.at(i), name) for i, name in enumerate(names)]
     return None if any(one is None for one in found) else found
 
 
 def nested(place: Place, value: Any) -> Any:
-    """Return the object that an entry declares inside; other values stay as they are."""
+    """Return the object of a nested entry; other values are returned unchanged."""
     if not isinstance(value, Entry):
         return value
     return build_declared(place.builder, place.loc, value, place.known)
@@ -206,7 +206,7 @@ def coordinate(place: Place, value: Any) -> Any:
 
 
 def coordinates(place: Place, value: Any) -> Any:
-    """Return the coordinates of a list, None if one is wrong."""
+    """Return the coordinates of a list; None if one is invalid."""
     found = [coordinate(place.at(i), one) for i, one in enumerate(value)]
     return None if None in found else found
 
@@ -217,7 +217,7 @@ def signal(place: Place, value: Any) -> Any:
 
 
 def signals(place: Place, value: Any) -> Any:
-    """Return the signals of a list, None if one is wrong."""
+    """Return the signals of a list; None if one is invalid."""
     rest = place.field.rest
     units = [place.unit(rest if i and rest else None) for i in range(len(value))]
     found = [
@@ -233,7 +233,7 @@ def event(place: Place, value: Any) -> Any:
 
 
 def each(place: Place, value: Any) -> Any:
-    """Return the object of an entry or of each of a list, None if one is wrong."""
+    """Return the object of an entry, or of each entry of a list; None if one is invalid."""
     found = place.builder.each(place.loc, value, partial(build_declared, place.builder))
     return None if isinstance(found, list) and None in found else found
 
@@ -244,13 +244,13 @@ def file(place: Place, value: str) -> Any:
 
 
 def items(place: Place, value: Any) -> Any:
-    """Return the objects that an entry declares in a list, None if one is wrong."""
+    """Return the objects of a list of nested entries; None if one is invalid."""
     found = [nested(place.at(i), one) for i, one in enumerate(value)]
     return None if None in found else found
 
 
 def orientation(place: Place, value: Any) -> Any:
-    """Return an orientation; turns about an axis become `Rotate`."""
+    """Return an orientation; rotations about an axis become `Rotate`."""
     return place.builder.orientation(place.loc, value)
 
 
@@ -288,7 +288,7 @@ NAMING = ("marker", "reference", "references", "coordinate", "coordinates", "eve
 
 
 def build_signal(builder: Builder, loc: Loc, entry: Any, unit: str) -> Any:
-    """Return the signal of an entry or the number it is, None if anything is wrong with it.
+    """Return the signal or the number of an entry; None, with problems, if it is invalid.
 
     Parameters
     ----------
@@ -314,7 +314,7 @@ SPECIAL: dict[Any, Callable[[Builder, Loc, Any, str], Any]] = {Table: build_time
 def build_coordinate(
     builder: Builder, loc: Loc, entry: Any, bodies: Mapping[str, Any], joints: Mapping[str, Any]
 ) -> Any:
-    """Return the coordinate that ``hinge.angle`` or a mapping says, None if there is none."""
+    """Return the coordinate of a text ``hinge.angle`` or a mapping; None if it is invalid."""
     if isinstance(entry, Entry):
         return build_declared(builder, loc, entry, {"bodies": bodies})
     name, _, key = entry.rpartition(".")

@@ -1,4 +1,4 @@
-"""What forces and events are made of, from what model files write."""
+"""Values of the fields of forces and events, from their entries in model files."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def curve(place: Place, value: Any) -> Any:
 
 
 def matrix6(place: Place, value: Any) -> Any:
-    """Return six numbers, or six rows of them, in the units of the blocks of a bushing."""
+    """Return six numbers, or a 6 x 6 matrix, in the units of the blocks of a bushing."""
     found: list[Any] = []
     for i, row in enumerate(value):
         units = place.field.units[i // 3]
@@ -42,7 +42,7 @@ def matrix6(place: Place, value: Any) -> Any:
 
 
 def wrench(place: Place, value: Any) -> Any:
-    """Return three forces and three torques."""
+    """Return three forces, N, and three torques, N m."""
     found = [
         build_amount(place.builder, (*place.loc, i), x, ("N", "N m")[i // 3])
         for i, x in enumerate(value)
@@ -51,7 +51,7 @@ def wrench(place: Place, value: Any) -> Any:
 
 
 def pattern(place: Place, value: Any) -> Any:
-    """Return nodal forces (nodes, 3) N of a file, of rows, or of named nodes."""
+    """Return nodal forces (nodes, 3), N, from a file, from rows, or from a mapping of nodes."""
     body = place.values["body"]
     if not isinstance(body, FlexibleBody):  # the constructor says so, unless it was made rigid
         return None if place.builder.rigid or body is None else value
@@ -73,7 +73,7 @@ def pattern(place: Place, value: Any) -> Any:
 
 
 def function(place: Place, text: str) -> Any:
-    """Return the function that ``module:name`` or ``file.py:name`` means.
+    """Return the function of a text ``module:name`` or ``file.py:name``.
 
     It is imported only if the user trusts the model file: importing runs its code.
     """
@@ -117,7 +117,7 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
 
 
 def watched(place: Place, value: Any) -> Any:
-    """Return the sensor that an event names, or the coordinate."""
+    """Return the sensor or the coordinate that an event names."""
     builder, known = place.builder, place.known
     if isinstance(value, str) and value in builder.sensors:
         found = known["sensors"].get(value)
@@ -141,7 +141,7 @@ def watched(place: Place, value: Any) -> Any:
 
 
 def threshold(place: Place, value: Any) -> Any:
-    """Return a number in the unit of what is watched."""
+    """Return a number in the unit of the watched sensor or coordinate."""
     watch = place.values["watch"]
     if watch is None:
         return None
@@ -150,7 +150,7 @@ def threshold(place: Place, value: Any) -> Any:
 
 
 def unit_of(watch: Any, component: Any) -> str:
-    """Return the SI unit of what an event watches; "1" where it is not one the file knows."""
+    """Return the SI unit of the quantity that an event watches; "1" if it has no name in files."""
     units = [unit.strip() for unit in watch.unit.split(",")]
     names = getattr(watch, "components", ())
     unit = units[0]

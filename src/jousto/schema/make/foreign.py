@@ -1,4 +1,4 @@
-"""What crosses to models of other programs, from what model files write."""
+"""Inputs, outputs and parameters of functional mock-up units, from their entries."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from jousto.schema.make.declared import Place
 
 
 def inputs(place: Place, given: Mapping[str, Any]) -> Any:
-    """Return a sensor, one with a component, or a number for each; None if one is wrong."""
+    """Return the source of each input: sensor, component or number; None if one is invalid."""
     found = {name: _source(place.at(name), name, value) for name, value in given.items()}
     return None if None in found.values() else found
 
 
 def outputs(place: Place, given: Mapping[str, str | None]) -> Any:
-    """Return the inputs of the mechanism that the file names, in their order."""
+    """Return the inputs of the mechanism that the entry names, in its order."""
     return dict(given)
 
 
 def parameters(place: Place, given: Mapping[str, Any]) -> Any:
-    """Return numbers in SI; None if one is wrong."""
+    """Return numbers in SI; None if one is invalid."""
     found = {name: _number(place.at(name), name, value) for name, value in given.items()}
     return None if None in found.values() else found
 
 
 def _source(place: Place, variable: str, value: Any) -> Any:
-    """Return what an input of a unit gets: of a sensor, of another unit, or a number."""
+    """Return the source of an input of a unit: a sensor, an output of another unit, or a number."""
     if not isinstance(value, str):
         return value
     sensors, fmus = place.known["sensors"], place.known["fmus"]
@@ -86,7 +86,7 @@ def _output(place: Place, fmus: Any, name: str, output: str) -> Any:
 
 
 def _number(place: Place, variable: str, value: Any) -> float | None:
-    """Return a number in SI; a string may have any unit of the dimension of the variable."""
+    """Return a number in SI; a string may have any unit of the variable's dimension."""
     if not isinstance(value, str):
         return float(value)
     path = place.values.get("file")

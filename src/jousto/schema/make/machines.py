@@ -1,4 +1,4 @@
-"""Robots in model files: what they are made of, and the names that they bring."""
+"""Robots in model files: their construction, and the names that they add to the machine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jousto.schema.make.quantities import build_amount
 
 
 class Joined(Mapping[str, Any]):
-    """The objects of a section by their names, and those that robots bring, with their prefixes.
+    """Objects of a section and of robots by name; names of robot items have a prefix.
 
     Parameters
     ----------
@@ -34,13 +34,13 @@ class Joined(Mapping[str, Any]):
         self.own, self.robots, self.key = own, robots, key
 
     def brought(self, robot: RobotInMechanism) -> Mapping[str, Any]:
-        """Return what a robot brings, by the names that it has in the machine."""
+        """Return the items of a robot, by their names in the machine."""
         if self.key == "sensors":
             return {x.name: x for x in robot.items if isinstance(x, Sensor)}
         return {x.name: x for x in getattr(robot, self.key).values()}
 
     def likely(self, name: str) -> Iterator[RobotInMechanism]:
-        """Yield the robots whose names may begin as this one, those of long prefixes first."""
+        """Yield the robots whose prefix this name begins with, longest prefix first."""
         for i, prefix in sorted(self._prefixes(), key=lambda x: -len(x[1])):
             if name.startswith(prefix) and i not in self.robots.open:
                 robot = self.robots.object(i)
@@ -48,7 +48,7 @@ class Joined(Mapping[str, Any]):
                     yield robot
 
     def lost(self, name: str) -> bool:
-        """Return whether a name may be that of something in a robot with errors."""
+        """Return whether a name may belong to an item of a robot that could not be built."""
         given = self.robots.builder.document.data.get("robots")
         entries = given if isinstance(given, list) else []
         places = {loc: i for i, (_, loc, _) in enumerate(self.robots.entries)}
@@ -60,11 +60,11 @@ class Joined(Mapping[str, Any]):
         return False
 
     def opened(self, name: str) -> bool:
-        """Return whether a name may be that of something in a robot that is being made."""
+        """Return whether a name may belong to an item of a robot under construction."""
         return any(i in self.robots.open and name.startswith(p) for i, p in self._prefixes())
 
     def names(self) -> list[str]:
-        """Return the names of the section, and of frames of robots that are made already."""
+        """Return the names of the section, and of the frames of robots that are already built."""
         made = [robot for robot in self.robots.made.values() if robot is not None]
         return [*self.own, *(f"{robot.prefix}{name}" for robot in made for name in robot.frames)]
 
@@ -72,7 +72,7 @@ class Joined(Mapping[str, Any]):
         return [(i, prefix_of(vars(entry))) for i, (_, _, entry) in enumerate(self.robots.entries)]
 
     def __getitem__(self, name: str) -> Any:
-        """Return an object; raise KeyError where none has that name or it cannot be made."""
+        """Return the object of a name; raise KeyError if there is none or it is invalid."""
         if name in self.own.places:
             return self.own[name]
         for robot in self.likely(name):
@@ -82,7 +82,7 @@ class Joined(Mapping[str, Any]):
         raise KeyError(name)
 
     def frame(self, name: str) -> Any:
-        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        """Return a named frame of a robot; None if there is no such frame."""
         for robot in self.likely(name):
             own = name.removeprefix(robot.prefix)
             if own in robot.frames:
@@ -104,14 +104,14 @@ class Joined(Mapping[str, Any]):
         return dict.fromkeys([*self.own.places, *self])
 
     def entry(self, name: str) -> Any:
-        """Return the entry of a name, of what a robot brings that of the robot."""
+        """Return the entry of a name; for an item of a robot, the entry of the robot."""
         if name in self.own.places:
             return self.own.entry(name)
         return next(self.robots.entry(robot.name) for robot in self.likely(name))
 
 
 class Held:
-    """A frame on a link of a robot, as bodies give their points."""
+    """Named frame on a link of a robot, which gives markers as a body does."""
 
     def __init__(self, name: str, marker: Marker) -> None:
         self.name, self.marker = name, marker
@@ -133,7 +133,7 @@ class Held:
 
 
 def prefix_of(entry: Mapping[str, Any]) -> str:
-    """Return what the names of a robot begin with, from what the file says of it."""
+    """Return the prefix of the names of a robot, from its entry."""
     prefix, name = entry.get("prefix"), entry.get("name")
     if isinstance(prefix, str):
         return prefix
@@ -149,7 +149,7 @@ def robot(place: Place, name: str) -> Any:
 
 
 def base(place: Place, name: str) -> Any:
-    """Return the marker of a body, a frame or a point; None if there is none."""
+    """Return the marker of a body, a frame or a point; None if it does not exist."""
     builder, bodies = place.builder, place.known["bodies"]
     if "." in name:
         return builder.marker(place.loc, name, bodies)
@@ -167,7 +167,7 @@ def base(place: Place, name: str) -> Any:
 
 
 def starts(place: Place, given: Mapping[str, Any]) -> Any:
-    """Return where joints start, rad or m, None if one cannot."""
+    """Return the initial values of joints, rad or m; None if one is invalid."""
     made, stops = place.values["robot"], place.values.get("stops", True)
     if made is None:
         return None

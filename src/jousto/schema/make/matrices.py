@@ -19,12 +19,12 @@ ORDERED = ("dofs_per_node", "elements")
 
 
 def is_superelement(entry: Any) -> bool:
-    """Whether an entry is reduced in the other program already."""
+    """Whether the matrices of an entry are already reduced."""
     return bool(entry.type == "matrices" and entry.reduce.type == "superelement")
 
 
 def build_matrices(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
-    """Return the Part of an entry, None if anything is wrong with it."""
+    """Return the Part of an entry; None, with problems, if it is invalid."""
     from jousto.parts.matrices.plain import SUFFIXES
     from jousto.parts.part import Part
 
@@ -55,7 +55,7 @@ def build_matrices(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
 
 
 def build_superelement(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
-    """Return the ReducedPart of a superelement, None if anything is wrong with it."""
+    """Return the ReducedPart of a superelement; None, with problems, if it is invalid."""
     from jousto.parts.matrices.read import read_matrices
     from jousto.reduction.superelement import reduce_superelement
 
@@ -75,7 +75,7 @@ def build_superelement(builder: Builder, loc: Loc, name: str, entry: Any) -> Any
 
 
 def _has_program(builder: Builder, entry: Any) -> bool:
-    """Whether a .mtx file is Abaqus's, or the nodes are those of a mesh."""
+    """Whether a .mtx file is from Abaqus, or the nodes come from a mesh."""
     from jousto.parts.matrices.abaqus import is_abaqus
     from jousto.parts.matrices.nodes import TABLES
 
@@ -86,7 +86,7 @@ def _has_program(builder: Builder, entry: Any) -> bool:
 
 
 def _files(builder: Builder, loc: Loc, values: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the arguments with files relative to the document's folder."""
+    """Return the arguments, with the paths of files relative to the document's folder."""
     before = len(builder.found)
     for key in ORDERED:
         if key in values:

@@ -1,4 +1,4 @@
-"""From validated entries to parts, bodies and a mechanism, through the Python constructors."""
+"""Construction of parts, bodies and a mechanism from validated entries."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class ModelBuilder(Builder):
     # -- parts ------------------------------------------------------------------------------
 
     def part_name(self, loc: Loc, name: Any) -> bool:
-        """Return whether a part may have this name, which becomes that of a file; note if not."""
+        """Return whether a name is valid for a part and its file; add a problem if not."""
         problems = Problems()
         check_name(problems, "part", name)
         for problem in problems.found:
@@ -64,7 +64,7 @@ class ModelBuilder(Builder):
         return not problems.found
 
     def reduced(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        """Return the ReducedPart of an entry of parts; None, with problems, if it is invalid."""
         from jousto.reduction.reduced import ReducedPart
 
         if entry.in_plane is not None and entry.keep is not None:
@@ -80,7 +80,7 @@ class ModelBuilder(Builder):
         return self.reduction(loc, entry, part, method)
 
     def recalled(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the same, of an entry that another variant had what was made of it then."""
+        """Return the ReducedPart that another variant built from the same entry, or a new one."""
         place = (name, repr(self.document.at(loc)))
         if place not in self.kept:
             reduced = self.reduced(loc, name, entry)
@@ -92,11 +92,11 @@ class ModelBuilder(Builder):
         return self.kept[place]
 
     def method(self, loc: Loc, entry: Any, part: Any = None) -> Any:
-        """Return the CraigBampton or FreeFree of an entry, None if it is wrong."""
+        """Return the CraigBampton or FreeFree of an entry; None if it is invalid."""
         return build_declared(self, (*loc, "reduce"), entry.reduce, {"part": part})
 
     def reduction(self, loc: Loc, entry: Any, part: Any, method: Any) -> Any:
-        """Return the ReducedPart of a part as the entry asks for, None if anything is wrong."""
+        """Return the reduction of a part by an entry; None, with problems, if it fails."""
         from jousto.reduction.reducer import reduce
 
         if part is None or method is None:
@@ -120,7 +120,7 @@ class ModelBuilder(Builder):
         return reduced
 
     def part(self, loc: Loc, name: str, entry: Any) -> Any:
-        """Return the Part of an entry with a mesh, None if anything is wrong with it."""
+        """Return the Part of an entry with a mesh; None, with problems, if it is invalid."""
         if entry.type == "matrices":
             return build_matrices(self, loc, name, entry)
         if entry.type == "solid":
@@ -133,29 +133,29 @@ class ModelBuilder(Builder):
     # -- mechanism --------------------------------------------------------------------------
 
     def named_part(self, loc: Loc, entry: Any) -> Any:
-        """Return the ReducedPart of an entry of parts, None if anything is wrong with it."""
+        """Return the ReducedPart of an entry of parts; None, with problems, if it is invalid."""
         name: Any = loc[-1]
         return self.recalled(loc, name, entry) if self.part_name(loc, name) else None
 
     def lost(self, name: str) -> bool:
-        """Return whether a name may be one that a robot with errors would bring."""
+        """Return whether a name may belong to a robot that could not be built."""
         bodies = self.known.get("bodies")
         return isinstance(bodies, Joined) and bodies.lost(name)
 
     def frame(self, name: str) -> Any:
-        """Return a named frame of a robot as a body that has an origin alone, None for none."""
+        """Return a named frame of a robot; None if there is no such frame."""
         bodies = self.known.get("bodies")
         return bodies.frame(name) if isinstance(bodies, Joined) else None
 
     def item(self, loc: Loc, entry: Any) -> Any:
-        """Return the object of an entry of a list, None if anything is wrong with it."""
+        """Return the object of an entry of a list; None, with problems, if it is invalid."""
         made = build_declared(self, loc, entry, self.known)
         if isinstance(made, Fmu) and not self.trust:
             object.__setattr__(made, "untrusted", self.document.where((*loc, "file")))
         return rigid_body(made) if self.rigid and isinstance(made, FlexibleBody) else made
 
     def check_names(self, entries: list[tuple[Loc, Any]], wrong: set[Loc]) -> None:
-        """Note names without a meaning in entries that were left out for other reasons.
+        """Add a problem for each unknown name in entries that are invalid for other reasons.
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class ModelBuilder(Builder):
             check_names(self, loc, entry.declared, self.document.at(loc), self.known, wrong)
 
     def mechanism(self, entry: sm.ModelEntry, index: dict[str, list[int]]) -> Any:
-        """Return the Mechanism of a file; None if anything is wrong.
+        """Return the Mechanism of a file; None, with problems, if it is invalid.
 
         Parameters
         ----------
@@ -216,7 +216,7 @@ class ModelBuilder(Builder):
     def checked(
         self, items: list[tuple[Loc, Any]], gravity: list[Any], name: str, settings: Any
     ) -> Any:
-        """Return the Mechanism; note its problems at the entries they belong to."""
+        """Return the Mechanism; add its problems at the entries concerned."""
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             try:
@@ -247,14 +247,14 @@ class ModelBuilder(Builder):
 
 
 def places_of(items: list[tuple[Loc, Any]]) -> tuple[dict[str, Loc], dict[str, Loc]]:
-    """Return the paths of items by what messages call them, and those of what robots bring."""
+    """Return the path of each item, robot items included, by its name in messages."""
     own = {where(item): loc for loc, item in items}
     robots = [(loc, item) for loc, item in items if isinstance(item, Assembly)]
     return own, {where(x): loc for loc, robot in robots for x in robot.items}
 
 
 def rigid_body(body: FlexibleBody) -> RigidBody:
-    """Return the rigid body with mass, inertia and named nodes of a flexible one."""
+    """Return the rigid body with the mass, inertia and named nodes of a flexible one."""
     reduced = body.reduced
     center, inertia = rigid_inertia(reduced.invariants)
     return RigidBody(
@@ -268,14 +268,14 @@ def rigid_body(body: FlexibleBody) -> RigidBody:
 
 
 def drawn_outline(nodes: Any, elements: Any) -> Any:
-    """Return the triangles (nt, 3, 3) of a solid, else a polyline along all elements."""
+    """Return the triangles (nt, 3, 3) of a solid; for beams a polyline along all elements."""
     if np.ndim(elements) == 2 and np.shape(elements)[1] == 3 and len(elements):
         return np.asarray(nodes)[np.asarray(elements)]
     return round_trip(nodes, elements)
 
 
 def round_trip(nodes: Any, elements: Any) -> Any:
-    """Return a polyline (k, 3) along all elements and back, None where there are none."""
+    """Return a closed polyline (k, 3) that passes along all elements; None without elements."""
     if np.ndim(elements) != 2 or not len(elements):
         return None
     neighbours: dict[int, list[int]] = {}

@@ -1,4 +1,4 @@
-"""Amounts: numbers and strings with units whose unit depends on what they are used for."""
+"""Amounts: numbers or strings whose expected unit depends on the field that uses them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def build_amount(builder: Builder, loc: Loc, value: Any, unit: str) -> Any:
-    """Return a number in SI, or a tuple of them; None if a unit is wrong."""
+    """Return a number in SI, or a tuple of numbers; None if a unit is wrong."""
     if isinstance(value, tuple):
         found = tuple(build_amount(builder, (*loc, i), x, unit) for i, x in enumerate(value))
         return None if None in found else found
@@ -24,5 +24,5 @@ def build_amount(builder: Builder, loc: Loc, value: Any, unit: str) -> Any:
 
 
 def per_second(unit: str) -> str:
-    """Return the SI unit of a rate; "1" where the file has no name for it."""
+    """Return the SI unit of a rate; "1" if files have no name for it."""
     return {"m": "m/s", "rad": "rad/s", "1": "1/s"}.get(unit, "1")

@@ -1,4 +1,4 @@
-"""What sensors are made of, from what model files write."""
+"""Values of the fields of sensors, from their entries in model files."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from jousto.schema.make.declared import Place, marker
 
 
 def axes(place: Place, value: Any) -> Any:
-    """Return the marker of axes, or the word that they are."""
+    """Return the marker of axes, or their keyword such as "world"."""
     named = isinstance(value, Entry) or "." in value
     return marker(place, value) if named else value
 
 
 def sites(place: Place, value: Any) -> Any:
-    """Return the labels of stress sites, of positions those of the nearest."""
+    """Return the labels of stress sites; for a position that of the nearest site."""
     stress = getattr(getattr(place.values["body"], "reduced", None), "stress", None)
     return tuple(
         site if isinstance(site, str) or stress is None else stress.nearest(site) for site in value
@@ -27,7 +27,7 @@ def sites(place: Place, value: Any) -> Any:
 
 
 def arms(place: Place, names: Any) -> Any:
-    """Return the gauges of a bridge, None if one is not there."""
+    """Return the gauges of a bridge; None if one does not exist."""
     sensors = place.known["sensors"]
     known = [name for name in sensors if issubclass(sensors.entry(name).declared, Gauge)]
     gauges = {name: sensors[name] for name in known if name in names and name in sensors}
@@ -38,7 +38,7 @@ def arms(place: Place, names: Any) -> Any:
 
 
 def expansion(place: Place, value: Any) -> Any:
-    """Return the coefficient of thermal expansion, or the material of a name."""
+    """Return the coefficient of thermal expansion, 1/K, or the material of a name."""
     return place.builder.make(place.loc, material, value) if isinstance(value, str) else value
 
 
@@ -53,7 +53,7 @@ def mean(place: Place, value: Any) -> Any:
 
 
 def run(place: Place, name: str) -> Any:
-    """Return the word run, or the path of a results file."""
+    """Return the keyword "run", or the path of a results file."""
     return name if name in ("", "run") else str(place.builder.file(name))
 
 

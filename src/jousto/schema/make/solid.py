@@ -1,4 +1,4 @@
-"""From the entry of a solid part to its mesh, its picks and the Part."""
+"""Mesh, picked nodes and Part of the entry of a solid part."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHOWN = 6  # holes or sets named in a message
 
 
 def build_solid(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
-    """Return the Part of an entry, None if anything is wrong with it."""
+    """Return the Part of an entry; None, with problems, if it is invalid."""
     from jousto.parts.part import Part
 
     before = len(builder.found)
@@ -71,7 +71,7 @@ def build_solid(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:
 
 
 def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidChoices) -> Any:
-    """Return the part with its weld toes as further stress sites, None if one is wrong."""
+    """Return the part with its weld toes as further stress sites; None if one is invalid."""
     from jousto.fatigue.welds.toes import weld_stress
 
     toes = [
@@ -84,7 +84,7 @@ def with_welds(builder: Builder, loc: Loc, part: Any, entry: ss.SolidChoices) ->
 
 
 def with_stress_at(part: Any, entry: ss.SolidChoices) -> Any:
-    """Return the part that has stress data at the nodes that the entry asks for."""
+    """Return the part with stress data at the nodes that the entry selects."""
     chosen = entry.stress or "surface"
     if chosen == "none":
         return replace(part, stress=None)
@@ -100,7 +100,7 @@ def with_stress_at(part: Any, entry: ss.SolidChoices) -> Any:
 
 
 def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Any:
-    """Return the material of a solid, or a mapping of them by element set."""
+    """Return the material of a solid, or a mapping of materials by element set."""
     if entry.materials is None:
         return build_material(builder, (*loc, "material"), entry.material)
     return {
@@ -110,7 +110,7 @@ def solid_materials(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Any:
 
 
 def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Mesh | None:
-    """Return the mesh of an entry, None with the problems noted if it cannot be read."""
+    """Return the mesh of an entry; None, with problems, if it cannot be read."""
     from jousto.mesh.readers.files import read_mesh
 
     form, here = entry.mesh, (*loc, "mesh")
@@ -124,7 +124,7 @@ def read_solid_mesh(builder: Builder, loc: Loc, entry: ss.SolidChoices) -> Mesh 
 
 
 def pick(place: Place, value: Any) -> Any:
-    """Return the name of a set, or the nodes of a pick of a mesh; None if there are none."""
+    """Return the name of a set, or the picked nodes of a mesh; None if there are none."""
     mesh = place.known.get("mesh")
     if mesh is None or (isinstance(value, str) and value in mesh.node_sets):
         return value
@@ -132,7 +132,7 @@ def pick(place: Place, value: Any) -> Any:
 
 
 def with_stress_set(builder: Builder, loc: Loc, entry: ss.SolidChoices, mesh: Mesh) -> Mesh:
-    """Return the mesh with the nodes of a pick for stress as a set, note what is not there."""
+    """Return the mesh with the picked stress nodes as a set; add a problem if there are none."""
     if entry.stress is None or entry.stress in STRESS_WORDS:
         return mesh
     nodes = picked(builder, (*loc, "stress"), entry.stress, mesh)
@@ -144,7 +144,7 @@ STRESS_SET = "stress sites"
 
 
 def unknown_set(name: str, mesh: Mesh, words: tuple[str, ...] = ()) -> str:
-    """Return the sentence on a set that the mesh does not have."""
+    """Return the message for a set that the mesh does not have."""
     return f"the mesh has no set {name!r}{suggest(name, [*words, *mesh.node_sets])}"
 
 
@@ -152,7 +152,7 @@ def unknown_set(name: str, mesh: Mesh, words: tuple[str, ...] = ()) -> str:
 
 
 def picked(builder: Builder, loc: Loc, pick: Any, mesh: Mesh) -> Any:
-    """Return the node indices of a pick, None with the problem noted if there are none."""
+    """Return the node indices of a pick; None, with a problem, if it selects no node."""
     if isinstance(pick, str):
         pick = (pick,)
     if isinstance(pick, tuple):
@@ -199,7 +199,7 @@ def with_holes(mesh: Mesh) -> Mesh:
 
 
 def hole_nodes(builder: Builder, loc: Loc, entry: ss.HolePick, mesh: Mesh) -> Any:
-    """Return the nodes on the wall of a hole, None with the problem noted if there is none."""
+    """Return the nodes on the wall of a hole; None, with a problem, if there is no such hole."""
     from jousto.mesh.holes import hole_text
 
     holes = mesh.holes()
@@ -225,9 +225,10 @@ def hole_nodes(builder: Builder, loc: Loc, entry: ss.HolePick, mesh: Mesh) -> An
 
 
 def far_off(point: Any, found: Any, mesh: Mesh) -> str:
-    """Return the sentence on a point that cannot be meant, empty if it is near enough.
+    """Return the message for a point that is far from the mesh; empty if it is near enough.
 
-    Farther from what was found than the longest side of the mesh: numbers without a unit are m.
+    A point is far if its distance from the nearest candidate exceeds the longest side of the mesh;
+    often the unit is missing, since numbers without a unit are m.
     """
     low, high = mesh.bounds
     longest = float((high - low).max())
@@ -246,7 +247,7 @@ def far_off(point: Any, found: Any, mesh: Mesh) -> str:
 
 
 def residuals(place: Place, value: Any) -> Any:
-    """Return load patterns (ndof,) and names of stress sites, None if one is wrong."""
+    """Return load patterns (ndof,) and names of stress sites; None if one is invalid."""
     part = place.known["part"]
     found = [
         item if isinstance(item, str) else pattern(place.at(i), item, part)
@@ -257,7 +258,7 @@ def residuals(place: Place, value: Any) -> Any:
 
 
 def pattern(place: Place, entry: Any, part: Any) -> Any:
-    """Return the nodal forces (ndof,) of a load, None with the problem noted if it is wrong."""
+    """Return the nodal forces (ndof,) of a load; None, with a problem, if it is invalid."""
     from jousto.parts.loads import Pressure
 
     if isinstance(entry, PressurePatternEntry):

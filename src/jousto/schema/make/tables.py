@@ -1,4 +1,4 @@
-"""From entries to tables: of numbers in the model file, or of columns of a text file."""
+"""Tables from entries: numbers in the model file, or columns of a text file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def build_table(builder: Builder, loc: Loc, entry: Any, at: str, unit: str) -> Any:
-    """Return the table of an entry, None if anything is wrong with it.
+    """Return the table of an entry; None, with problems, if it is invalid.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def build_table(builder: Builder, loc: Loc, entry: Any, at: str, unit: str) -> A
 def scaled_columns(
     path: Path, columns: tuple[Any, ...], units: tuple[str, ...], wanted: tuple[str, ...]
 ) -> list[list[float]]:
-    """Return columns of a text file, converted from their units to those that are wanted.
+    """Return columns of a text file, converted from their units to the wanted units.
 
     Raises
     ------

@@ -15,7 +15,7 @@ from jousto.schema.make.declared import build_declared
 
 
 class DutyLine(Declared):
-    """A result and how often it happens."""
+    """Results file of a duty cycle and its number of repetitions."""
 
     result: AnyField = field("Results file, relative to this one", form="file")
     repeats: Number = field("How often it happens", default=1.0)
@@ -23,7 +23,7 @@ class DutyLine(Declared):
 
 
 class Duty(Declared):
-    """A duty cycle as a file says it."""
+    """Content of a duty-cycle file."""
 
     lines: Items[DutyLine] = field("The results, one after the other", key="events")
     transitions: Choice = field(
@@ -32,7 +32,7 @@ class Duty(Declared):
 
     @property
     def events(self) -> tuple[tuple[Path, float, str], ...]:
-        """Results file, repeats and name of each."""
+        """Results file, number of repetitions and name of each entry."""
         return tuple((e.result, e.repeats, e.name or e.result.stem) for e in self.lines)
 
 

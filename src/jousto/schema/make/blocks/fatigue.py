@@ -1,4 +1,4 @@
-"""What model files say about fatigue: S-N curves by name, and what is to be checked where."""
+"""Block ``fatigue`` of a model file: S-N curves by name, and fatigue checks of bodies."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from jousto.schema.make.sensors import FORMS as OF_SENSORS
 
 @dataclass(frozen=True, eq=False)
 class Fatigue:
-    """What a model file says about fatigue.
+    """S-N curves and fatigue checks of a model file.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Fatigue:
 
 
 def build_curves(builder: Builder, entry: FatigueEntry | None) -> dict[str, SN | None]:
-    """Return the curves of a file by name, None those that are wrong, which is noted."""
+    """Return the S-N curves by name; None for an invalid one, whose problem is added."""
     given = {} if entry is None or entry.curves is None else entry.curves
     return {
         name: build_curve(builder, ("fatigue", "curves", name), item, {})
@@ -53,7 +53,7 @@ def build_fatigue(
     bodies: Iterable[str] | None = None,
     known_curves: dict[str, SN | None] | None = None,
 ) -> Fatigue:
-    """Return the curves and checks of an entry; what is wrong is noted.
+    """Return the curves and checks of an entry; problems are added to the builder.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def flexible_bodies(entry: Any) -> list[str]:
 
 
 def criterion(place: Place, name: str) -> str:
-    """Return the name of a criterion, note one that there is not."""
+    """Return the name of a criterion; add a problem if there is no such criterion."""
     from jousto.recovery.fields.criteria import criteria
 
     allowed = (*criteria(), "critical-plane")
@@ -98,7 +98,7 @@ def criterion(place: Place, name: str) -> str:
 
 
 def plane(place: Place, normal: Any) -> Any:
-    """Return the plane of a normal, None with the problem noted if it cannot be."""
+    """Return the plane of a normal; None, with a problem, if the normal is invalid."""
     from jousto.recovery.fields.criteria import Plane
 
     if place.values.get("criterion") is not None:
@@ -111,7 +111,7 @@ FORMS: Mapping[str, Callable[[Place, Any], Any]] = {"criterion": criterion, "pla
 
 
 class FatigueBuilder(Builder):
-    """Builds what stands alone: the block of a model, or a file of a curve or a duty cycle."""
+    """Builder of one block of a model file, or of the file of a curve or a duty cycle."""
 
     forms = {**OF_SENSORS, **FORMS}
 
@@ -119,7 +119,7 @@ class FatigueBuilder(Builder):
 def built(
     document: Document, form: Any, build: Callable[[Builder, Any], Any], prefix: Loc = ()
 ) -> Any:
-    """Return what is built of the entry of a document, or of one of its blocks.
+    """Return the object built from a document or from one of its blocks.
 
     Parameters
     ----------
@@ -150,10 +150,10 @@ def built(
 
 
 def parse_fatigue(text: str, name: str = "model") -> Fatigue | None:
-    """Return what the text of a model says about fatigue, None if it says nothing.
+    """Return the fatigue block of the text of a model; None if it has none.
 
-    Nothing else of the model is built, so that it is quick, and works for results whose meshes are
-    elsewhere.
+    The rest of the model is not built. Therefore the function is fast, and it works for results
+    whose mesh files are missing.
 
     Raises
     ------

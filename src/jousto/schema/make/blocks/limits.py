@@ -1,4 +1,4 @@
-"""Limits of outcomes in the model file, and what their reliability needs to know."""
+"""Limits of outcomes in the model file, and the settings of their reliability."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
 @described
 @dataclass(frozen=True, eq=False)
 class Reliability:
-    """What a model file says of the reliability of its limits.
+    """Settings of a model file for the reliability of its limits.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Reliability:
 
 
 def inlined(text: str, data: Mapping[str, Any]) -> str:
-    """Return a bound with the expressions of a file in place of parameters that are such."""
+    """Return a bound in which derived parameters are replaced by their expressions."""
     section = data.get("parameters")
     section = section if isinstance(section, dict) else {}
     derived = {
@@ -59,7 +59,7 @@ def build_limits(
     parameters: tuple[Parameter, ...],
     data: Mapping[str, Any],
 ) -> tuple[Requirement, ...]:
-    """Return the limits of a model; what is wrong is noted.
+    """Return the limits of a model; problems are added to the builder.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def build_limits(
 def build_reliability(
     builder: Builder, entry: ReliabilityEntry, parameters: tuple[Parameter, ...]
 ) -> Reliability:
-    """Return what a model says of reliability; what is wrong is noted."""
+    """Return the reliability settings of a model; problems are added to the builder."""
     if entry.target is not None and not entry.target > 0.0:
         builder.note(("reliability", "target"), f"is {entry.target:g}, must be positive")
     scattered = [p.name for p in parameters if p.distribution is not None]

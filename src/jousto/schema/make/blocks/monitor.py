@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def build_monitor(builder: Builder, entry: Any, mechanism: Any) -> Any:
-    """Return the MonitorSettings of a model, None if anything is wrong."""
+    """Return the MonitorSettings of a model; None, with problems, if they are invalid."""
     gauges = {s.name: s for s in mechanism.sensors if isinstance(s, Gauge)}
     if entry.gauges is None:
         entry = entry.model_copy(update={"gauges": tuple(gauges)})
