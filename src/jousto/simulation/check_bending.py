@@ -37,7 +37,7 @@ def turn_within(shape: Shape, p: Array) -> float:
 
 
 class Bend:
-    """Largest bending of a flexible body in the rows of a run."""
+    """Check of the largest bending of a flexible body in the rows of a run."""
 
     def __init__(self, model: Model, index: int) -> None:
         body = model.bodies[index]
@@ -56,7 +56,7 @@ class Bend:
         return turn_within(self._shape, p[k]) if most[k] > FAR else 0.0
 
     def sentence(self, turn: float) -> str:
-        """Return the warning of a rotation within the body; empty below `FAR`."""
+        """Return the warning for a rotation within the body; empty below `FAR`."""
         if not turn > FAR:
             return ""
         return (

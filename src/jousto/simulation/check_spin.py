@@ -40,11 +40,11 @@ class Spin:
         return float(np.einsum("ti,ti->t", w @ self._shape, w).max(initial=0.0))
 
     def share(self, squared: float) -> float:
-        """Return the spin over the lowest natural frequency of the body."""
+        """Return the ratio of the spin to the lowest natural frequency of the body."""
         return float(np.sqrt(squared)) / self._lowest
 
     def sentence(self, squared: float) -> str:
-        """Return the warning of a spin; empty below `LIMIT`."""
+        """Return the warning for a spin; empty below `LIMIT`."""
         speed = float(np.sqrt(squared))
         share = self.share(squared)
         if share < LIMIT:

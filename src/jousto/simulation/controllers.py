@@ -1,4 +1,4 @@
-"""Controllers at rest: their integral parts are what holds the machine where they want it."""
+"""Equilibria with PID controllers: the integral parts that hold the machine at its references."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ def controllers(model: Model) -> list[ForceModel]:
 
 
 def hold_controllers(model: Model) -> Model:
-    """Return the model whose controllers keep their integral part and have no derivative.
+    """Return a model in which controllers have a constant integral part and no derivative part.
 
-    A machine at rest moves about that state so slowly that the filter follows; what the integral
-    part does in time is no stiffness.
+    Near equilibrium the motion is so slow that the filter follows it. The integral part acts over
+    time and adds no stiffness.
     """
     if not controllers(model):
         return model
@@ -44,7 +44,7 @@ def hold_controllers(model: Model) -> Model:
 
 
 def without_controllers(model: Model, where: str) -> None:
-    """Refuse a model with controllers whose integral part is not known.
+    """Raise an error if the integral part of a controller is unknown.
 
     Raises
     ------
@@ -69,8 +69,8 @@ def settle_controllers(
 ) -> State:
     """Return the equilibrium in which the integral parts no longer change.
 
-    They are found by Newton's method on their rates ``I' = ki (r - s) + (f - u)/tracking``, with a
-    matrix by differences at the start that Broyden's updates follow (Broyden 1965).
+    Newton's method solves ``I' = ki (r - s) + (f - u)/tracking = 0``. Its matrix is computed by
+    differences at the start, then updated by Broyden's method (Broyden 1965).
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def settle_controllers(
     at = begin if state is None else state
 
     def rates(x: Array, near: State) -> tuple[Array, State]:
-        """Return the rates of the integral parts at rest, and where that is."""
+        """Return the rates of the integral parts at equilibrium, and the equilibrium state."""
         parts[sought] = x
         states = np.array(engine.states)
         states[places] = parts
@@ -158,7 +158,7 @@ def settle_controllers(
 
 
 def state_sizes(model: Model) -> Array:
-    """Return what the states of forces (nstate,) are like where a coordinate is off by its size."""
+    """Return the scale (nstate,) of force states for an error of the coordinate's size."""
     out = np.zeros(model.nstate)
     for force in controllers(model):
         data, size = named("jo_pid_data", force.data), _size(model, force)
@@ -169,7 +169,7 @@ def state_sizes(model: Model) -> Array:
 
 
 def follow_filters(model: Model, engine: Engine) -> None:
-    """Let the filters of controllers stand at what they measure; integral parts stay."""
+    """Set the filters of controllers to the measured values; integral parts keep their values."""
     parts = {force.state: float(engine.states[force.state]) for force in controllers(model)}
     engine.start_states()
     for place, value in parts.items():
@@ -177,16 +177,16 @@ def follow_filters(model: Model, engine: Engine) -> None:
 
 
 def fastest_tracking(model: Model) -> tuple[float, str]:
-    """Return the shortest time constant of back-calculation, s, and whose it is; infinite: none."""
+    """Return the shortest time constant of back-calculation, s, or inf, and its controller."""
     times = {force.name: _tracking_time(force) for force in controllers(model)}
     name = min(times, key=lambda one: times[one], default="")
     return times.get(name, float("inf")), name
 
 
 def tracking_warning(model: Model, step: float) -> str:
-    """Return a sentence if steps are longer than a back-calculation takes, else nothing.
+    """Return a warning if the step exceeds the time constant of a back-calculation, else nothing.
 
-    The integral part then leaps from beyond one limit beyond the other while the force is limited.
+    The integral part of a limited force then jumps from beyond one limit to beyond the other.
     """
     time, name = fastest_tracking(model)
     if step <= time:
@@ -229,7 +229,7 @@ def _held(force: ForceModel) -> ForceModel:
 
 
 def _without_limits(model: Model) -> Model:
-    """Return the model whose integral parts change with the error alone."""
+    """Return a model without force limits, so that integral parts depend on the error only."""
     forces = (
         _with_zeros(f, "tracking", "tracking_share") if f.kind == "pid" else f for f in model.forces
     )
@@ -245,6 +245,6 @@ def _with_zeros(force: ForceModel, *names: str) -> ForceModel:
 
 
 def _size(model: Model, force: ForceModel) -> float:
-    """Return the size of the coordinate: that of the mechanism or 1 rad."""
+    """Return the scale of the coordinate: the size of the mechanism, m, or 1 rad."""
     angle = model.coordinates[force.coordinate].kind == "angle"
     return 1.0 if angle else float(model.size)

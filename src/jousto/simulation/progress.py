@@ -12,7 +12,7 @@ Report = Callable[[float, float], None]
 
 @contextmanager
 def reporter(progress: bool | Report | None, t_end: float) -> Iterator[Report]:
-    """Yield a function of (simulated time s, wall time s).
+    """Yield a function of the simulated time, s, and the wall time, s, that shows the progress.
 
     `progress` is True for a bar (see `bars`), a function, or None for no output.
     """

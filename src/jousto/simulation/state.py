@@ -21,7 +21,8 @@ class State:
     """State of a mechanism at an instant.
 
     Positions and velocities suffice to start a run. The other arrays are internal states that
-    depend on the previous motion; with all of them a run continues as without interruption.
+    depend on the previous motion; a run that starts with all of them continues as if it had not
+    been interrupted.
 
     Attributes
     ----------

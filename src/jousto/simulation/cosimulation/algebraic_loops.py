@@ -26,7 +26,7 @@ STEEP = 1.3  # ratio of successive differences that a smooth motion does not hav
 
 
 class LoopFailed(Exception):
-    """Error of an algebraic loop for which Newton's method finds no solution."""
+    """Error raised if Newton's method finds no solution of an algebraic loop."""
 
 
 @dataclass

@@ -76,7 +76,7 @@ class Partner:
         self.watched = bool(acting) and not self.pairs and not all(held)
 
     def measured(self, sensors: Array) -> Array:
-        """Return its inputs for sensor values (nout,)."""
+        """Return the inputs of the unit for sensor values (nout,)."""
         return np.concatenate([sensors[self.places], self.given])
 
     def ahead(self, time: float, lag: int, which: int) -> Array:
@@ -113,7 +113,7 @@ class Partner:
 
     @property
     def misses(self) -> str:
-        """Return the warning of an energy error of the exchange; empty if it is small."""
+        """Return the warning for an energy error of the exchange; empty if it is small."""
         crossed = float(self.extremes[1] - self.extremes[0])
         if not (self.error > FAIR * crossed and crossed > 0.0):
             return ""
@@ -363,7 +363,7 @@ class Coupling:
         return found[0] - found[1]
 
     def _watch(self, partner: Partner, used: float) -> None:
-        """Add a step to the account; `used` is its power at the end by extrapolated outputs, W."""
+        """Add a step to the energy balance; `used` is the end power by extrapolated outputs, W."""
         if partner.watched:
             now = self._power_of(partner, partner.known[-1][1])
             length = partner.known[-1][0] - partner.known[-2][0]

@@ -34,7 +34,7 @@ LOOKS = 4  # number of checks of the clock within the timeout of an answer
 
 
 class FmuFailed(JoustoError):
-    """Error of a unit: it returned an error or crashed."""
+    """Error raised if a unit returns an error or crashes."""
 
 
 class FmuProcess:
@@ -216,7 +216,7 @@ class FmuProcess:
 
 
 def _ending(code: int) -> str:
-    """Return a text on the end of the process of a unit, from its exit code.
+    """Return a text that describes how the process of a unit ended, from its exit code.
 
     >>> _ending(-11)
     'its binary crashed (SIGSEGV)'

@@ -1,1 +1,1 @@
-"""Machines that run while somebody looks: inputs, a hand that pulls, a clock, a record."""
+"""Live machines: external inputs, drag spring, real-time clock, recorder."""

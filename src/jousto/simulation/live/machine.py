@@ -1,7 +1,7 @@
-"""LiveMachine: a model whose inputs change while it is stepped, reproducibly.
+"""LiveMachine: a model that is stepped while its inputs change, reproducibly.
 
-Inputs change only at the instants of the rows. So the rows contain all inputs, and the same inputs
-give the same rows to the last bit.
+Inputs change only at the instants of the rows. Therefore the rows contain all inputs, and the same
+inputs give identical rows, bit for bit.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Diagnostics of a run: its energy balance, how far joints opened, what it cost."""
+"""Diagnostics of a run: energy balance, constraint residuals, number of steps and iterations."""
 
 from __future__ import annotations
 

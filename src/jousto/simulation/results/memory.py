@@ -133,7 +133,7 @@ class MemoryRecords:
         return self.text
 
     def events(self) -> tuple[Happening, ...]:
-        """Events of the run, in their order."""
+        """Events of the run, in order of time."""
         names = sources(self.model)
         return happenings(self.happened, names, len(self.model.events), joints_of(self.model))
 
@@ -213,7 +213,7 @@ class MemoryRecords:
 
 
 def displaced_results(run: Solution, along: float) -> Solution:
-    """Return real results ``x + s x'`` of a run with derivatives x', for a real number s."""
+    """Return the real results ``x + s x'`` of a run with derivatives x', for a real number s."""
     records: Any = run._records
     model, rows = plain_model(records.model, along), real_parts(records.rows, along)
     return Solution(replace(records, model=model, rows=rows))

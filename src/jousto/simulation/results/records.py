@@ -90,7 +90,7 @@ class Records(Protocol):
         """Text of the model file."""
 
     def events(self) -> tuple[Happening, ...]:
-        """Events of the run, in their order."""
+        """Events of the run, in order of time."""
 
     def bodies(self) -> tuple[BodyShape, ...]:
         """Bodies with their geometry for pictures."""

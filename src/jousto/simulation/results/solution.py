@@ -209,7 +209,7 @@ class Solution(Mapping[str, Array]):
 
     @property
     def events(self) -> tuple[Happening, ...]:
-        """Events and stick-slip transitions of the run, in their order."""
+        """Events and stick-slip transitions of the run, in order of time."""
         return self._records.events()
 
     @explained

@@ -1,4 +1,4 @@
-"""Results in a file, of which each array is read when it is used."""
+"""Results in a file; each array is read when it is first used."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class FileRecords:
             return str(file["model"].asstr()[()])
 
     def events(self) -> tuple[Happening, ...]:
-        """Events of the run, in their order."""
+        """Events of the run, in order of time."""
         with self._open() as file:
             if "events" not in file:
                 return ()

@@ -20,8 +20,8 @@ def run_in_lanes(runs: Sequence[Run]) -> list[Solution | None]:
     """Return the results of runs computed in vector lanes; None for each run left to the caller.
 
     Machines of equal structure with the same method, step and end share the lanes of a vector.
-    Their results equal those of `Repeated.run` to round-off. Left to the caller are runs that fail
-    and runs of which too few have the same structure.
+    Their results equal those of `Repeated.run` to round-off. Runs that fail, and runs too few of
+    which have the same structure, are left to the caller.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from jousto.model.packing.inputs import substitute
 
 
 class InputFailed(SimulationError):
-    """Error of a function of an input: it raised, or its value is not finite."""
+    """Error raised if the function of an input fails or returns a value that is not finite."""
 
 
 @dataclass(frozen=True)

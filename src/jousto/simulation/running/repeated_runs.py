@@ -35,9 +35,9 @@ Started = tuple[Engine, Any, Callable[[], None]]
 class Repeated:
     """Repeated runs of one model with different values of its external inputs.
 
-    The results equal those of `simulate` to the last bit. Runs of a fixed step take one call of
-    the engine; `simulate` computes runs of an adaptive step, runs that an event ends and runs that
-    fail.
+    The results equal those of `simulate` to the last bit. A run with a fixed step is one call of
+    the engine. Runs with an adaptive step, runs that an event ends, and runs that fail are computed
+    by `simulate`.
 
     Parameters
     ----------
@@ -130,9 +130,9 @@ class Repeated:
         return found
 
     def _in_one_call(self, inputs: dict[str, float], stepped: bool = False) -> Solution | None:
-        """Return the results of one call of the engine; None if `simulate` has to repeat the run.
+        """Return the results of one call of the engine; None if `simulate` must repeat the run.
 
-        That is so if the run ended early or its joints opened.
+        `simulate` repeats a run that ended early or whose joints opened.
         """
         plan, started = self.plan, self.begin(inputs, stepped)
         engine, native, _ = started
@@ -164,7 +164,7 @@ class Repeated:
     def finish(
         self, started: Started, rows: Any, wall: float, chronicle: Chronicle
     ) -> Solution | None:
-        """Return the results of a completed run; None if redundant joints disagree in it.
+        """Return the results of a completed run; None if redundant joints contradict one another.
 
         Parameters
         ----------

@@ -23,7 +23,7 @@ OPEN_LIMIT = 1e-4  # gap over the size of the mechanism, above which redundant j
 
 
 class Contradiction(Exception):
-    """Error of redundant joints, couplings or drives that contradict one another."""
+    """Error raised if redundant joints, couplings or drives contradict one another."""
 
 
 class RunWatch:

@@ -1,4 +1,4 @@
-"""The adaptive method: steps chosen by the error they make, results at equal times."""
+"""Adaptive method: step control by the error estimate, results at equally spaced times."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ LONGEST = 0.1  # of the run: largest step unless told
 
 
 class DormandPrince(Solver, tag="DormandPrince"):
-    """Runge-Kutta pair of orders 5 and 4 that chooses its steps by the error it makes.
+    """Runge-Kutta pair of orders 5 and 4 with step control by the error estimate.
 
     Dormand and Prince (J. Comp. Appl. Math. 6, 1980) with the step control and the dense output
     of order 4 of Hairer, Norsett and Wanner (*Solving Ordinary Differential Equations I*, 1993,
-    II.4 to II.6). Six evaluations a step. The results come at equal times whatever the steps; steps
-    end where a `Step`, `Ramp`, `Table` or `SCurve` jumps or has a kink.
+    II.4 to II.6). A step takes six evaluations. Results are at equally spaced times, interpolated
+    within the steps; a step ends where a `Step`, `Ramp`, `Table` or `SCurve` jumps or has a kink.
 
-    The method is explicit: stiff springs and modes of high frequency force small steps whether
-    they move or not; then `ROS2` is faster.
+    The method is explicit: stiff springs and modes of high frequency force small steps even if they
+    are at rest; then `ROS2` is faster.
 
     Examples
     --------
@@ -81,7 +81,7 @@ class DormandPrince(Solver, tag="DormandPrince"):
 
     @property
     def baumgarte(self) -> None:
-        """No stabilisation besides."""
+        """No Baumgarte stabilisation; the projection closes the constraints."""
 
     @property
     def step(self) -> float:
@@ -100,7 +100,7 @@ class DormandPrince(Solver, tag="DormandPrince"):
         }
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return the growth ``|1 + z + ... + z^5/120 + z^6/600|`` of a step."""
+        """Return the growth factor ``|1 + z + ... + z^5/120 + z^6/600|`` of a step."""
         sums = z / 5.0  # Horner: every row is one term of the series
         for k in (5.0, 4.0, 3.0, 2.0, 1.0):
             sums = z / k * (1.0 + sums)
@@ -115,7 +115,7 @@ def follow(
     record: Callable[[NDArray[np.float64]], None],
     report: Report,
 ) -> str:
-    """Run to row `last` in calls of about a tenth of a second; return "ok" or why it ended."""
+    """Step to row `last` in calls of about 0.1 s wall time; return "ok" or the cause of the end."""
     started = clock.perf_counter()
     tries = 1
     while engine.steps_done <= last:  # rows so far
@@ -132,7 +132,7 @@ def follow(
 
 
 def too_many_steps(engine: Engine, start: float, output: float) -> tuple[str, str]:
-    """Return why the error control cannot go on, and which body shows it; rows began at `start`."""
+    """Return why the error control fails, and the body concerned, for rows from `start`."""
     body = engine.model.bodies[engine.error_index].name
     time = float(engine.time[0].real)
     mean = (time - start - (engine.steps_done - 1) * output) / DormandPrince.most

@@ -1,4 +1,4 @@
-"""What a solver is: its step, what it can do, and how it treats linear oscillations."""
+"""Base classes of solvers: step, capabilities, stability for linear oscillations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ROOM = "jousto.simulation.solvers"
 
 
 class _OfTableau:
-    """A number of the tableau of a method, read when it is asked for: of a class or an object."""
+    """Descriptor of a number of a method's tableau, read at the first use on a class or object."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -29,7 +29,7 @@ class _OfTableau:
 
 
 class Solver(Declared, section="solvers", by_value=True):
-    """A method of integration with its own step; what it can do are attributes of its class."""
+    """Integration method with its step; class attributes declare its capabilities."""
 
     method: ClassVar[str]
     """Its row of JO_METHODS in jousto.h."""
@@ -76,7 +76,7 @@ class Solver(Declared, section="solvers", by_value=True):
         return np.zeros(len(eigenvalues), dtype=bool)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-        """Return the growth in a step of terms that are treated explicitly, z = step * lambda."""
+        """Return the growth factor per step of explicitly treated terms, z = step * lambda."""
         return np.zeros(len(z))
 
 
@@ -92,7 +92,7 @@ def known() -> str:
 
 
 def prepared(engine: Engine, solver: Solver, step: float) -> Any:
-    """Return the engine's own form of a method with a step in s."""
+    """Return the method as the engine stores it, with a step in s."""
     terms = solver.baumgarte
     alpha, beta = (terms.alpha, terms.beta) if terms else (0.0, 0.0)
     return engine.native_solver(
@@ -115,7 +115,7 @@ class Baumgarte(Declared, by_value=True):
 
 
 class Staged(Solver):
-    """A method of fixed work, whose tableau is a row of JO_METHODS in jousto.h."""
+    """Method of fixed work per step, whose tableau is a row of JO_METHODS in jousto.h."""
 
     fixed_work: ClassVar[bool] = True
     lanes: ClassVar[bool] = True
@@ -131,7 +131,7 @@ class Staged(Solver):
 
     @property
     def tableau(self) -> Tableau:
-        """Coefficients of the method."""
+        """Butcher tableau of the method."""
         return tableau(self.method)
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:

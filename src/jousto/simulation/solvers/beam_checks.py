@@ -1,4 +1,4 @@
-"""What geometrically exact beams ask of a run, before it and after it."""
+"""Checks of geometrically exact beams before and after a run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FAR = 1.0  # rad that one element bends or twists
 
 
 def fastest_beam(model: Model) -> tuple[str, float]:
-    """Return the beam with the highest frequency of an element and that, rad/s."""
+    """Return the beam with the fastest element, and the frequency of that element, rad/s."""
     if not model.beams:
         return "", 0.0
     data = np.stack([beam.data for beam in model.beams])
@@ -25,7 +25,7 @@ def fastest_beam(model: Model) -> tuple[str, float]:
 
 
 def beam_steps_warning(model: Model, duration: float) -> str:
-    """Return a sentence if beams force an explicit method to very many steps."""
+    """Return a warning if beams force an explicit method to very many steps."""
     beam, fastest = fastest_beam(model)
     steps = duration * fastest / 2.0
     if steps < MANY_STEPS:
@@ -37,7 +37,7 @@ def beam_steps_warning(model: Model, duration: float) -> str:
 
 
 def warn_bent(engine: Engine) -> None:
-    """Warn once for every beam that an element bent far, or bore more tension than is stable."""
+    """Warn once for every beam with an element that bent too far or had an unstable tension."""
     model = engine.model
     bent = np.array(engine.bent)
     names = np.array([beam.body for beam in model.beams])
@@ -59,7 +59,7 @@ def warn_bent(engine: Engine) -> None:
 
 
 def tension_sentence(data: np.ndarray, element: int, ratio: float) -> str:
-    """Return what a tension beyond that of stable shear means, and the remedy."""
+    """Return the warning, with the remedy, for a tension above the limit of stable shear."""
     x = named("jo_beam_data", data)
     limit = 1.0 / float(x.limit)
     return (

@@ -1,4 +1,4 @@
-"""Which method a run takes if nobody names one."""
+"""Choice of the default method of a run."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ def choose(
 ) -> tuple[Solver, str]:
     """Return a method for a model and the reason for it.
 
-    `ROS2` with a step of 1 ms, whose steps cost least; with a shorter one, not below 10 us, for
-    regularised friction or damper tables that are steep, and not below 0.1 ms for blows on stops
-    and for springs and bushings whose motions would grow by more than a tenth in the run.
-    `GeneralizedAlpha` with a
-    step of 1 ms and kept factors for exact beams and for springs and bushings that are faster. No
-    step is longer than the back-calculation of a controller, not below 10 us.
+    The default is `ROS2` with a step of 1 ms, the cheapest method. Its step is shorter for steep
+    regularised friction or damper tables (10 us or more), and for impacts on stops and for springs
+    and bushings whose motions would grow by more than a tenth in the run (0.1 ms or more). For
+    exact beams, and for springs and bushings that are faster, the choice is `GeneralizedAlpha` with
+    a step of 1 ms and reused factors. No step exceeds the back-calculation time of a controller,
+    unless that is below 10 us.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _without_tracking(
 
 
 def fast(model: Model) -> str:
-    """Return what the model has that may be fast: springs, dampers, bushings or stops."""
+    """Return the names of the stiff elements of a model: springs, dampers, bushings or stops."""
     words: set[str] = set()
     for force in model.forces:
         for word, causes in force.law.fast.items():
@@ -97,24 +97,24 @@ def fast(model: Model) -> str:
 
 
 def _has(force: ForceModel, cause: str) -> bool:
-    """Return whether a number of a force is not zero, or a function of it is there."""
+    """Return whether a number of a force is not zero or its function exists."""
     if cause in ("spring", "damper"):
         return bool(getattr(force, cause) >= 0)
     return bool(getattr(numbers_of(force), cause) != 0.0)
 
 
 def choose_fixed(model: Model) -> Solver:
-    """Return the method of fixed step of a program: that of a run of `UNBOUNDED` seconds."""
+    """Return the fixed-step method of an exported program: that of a run of `UNBOUNDED` seconds."""
     return choose(model, UNBOUNDED, None)[0]
 
 
 def choose_adaptive(solver: Solver | None) -> Any:
-    """Return the method that controls its error: this one if it does, else the default one."""
+    """Return an adaptive method: the given one if it controls its error, else the default one."""
     return solver if solver is not None and solver.adaptive else DormandPrince()
 
 
 def _for_stops(model: Model, chosen: ROS2) -> ROS2:
-    """Return the method with a step that sees blows on stops."""
+    """Return the method with a step that resolves impacts on stops."""
     longest = shortest_blow(model) / BLOW * (1.0 + 1e-6)
     if chosen.step <= max(longest, SHORT):
         return chosen
@@ -122,7 +122,7 @@ def _for_stops(model: Model, chosen: ROS2) -> ROS2:
 
 
 def _for_friction(model: Model, chosen: ROS2, step: Callable[[Solver], float]) -> ROS2:
-    """Return the method with a step that follows friction and damper tables."""
+    """Return the method with a step that resolves regularised friction and damper tables."""
     while _steep(model, chosen, step(chosen)) and chosen.step > SHORTEST:
         chosen = replace(chosen, step=max(SHORTEST, 0.5 * chosen.step))
     return chosen

@@ -1,4 +1,4 @@
-"""What springs and bushings do at a step: how fast a method lets small motions grow."""
+"""Growth rate of small motions caused by springs and bushings at a given step."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ SPEED = 1e-8  # the same in a step
 
 
 def excess(model: Model, solver: Solver, step: float) -> float:
-    """Return the rate by which the method makes small motions about the start grow, 1/s.
+    """Return the growth rate, 1/s, that the method adds to small motions about the start.
 
-    The largest eigenvalue of the map of one step, by central differences, less that of the
-    trapezoidal rule, which lets grow only what grows by itself. Forces in Python are left out. 0
-    also for machines without springs and bushings, or with more than 300 states, which are not
-    examined.
+    The rate is that of the largest eigenvalue of the map of one step, by central differences, minus
+    that of the trapezoidal rule, in which only physically unstable motions grow. Python force
+    functions are left out. The rate is 0 for machines without springs and bushings, and for those
+    with more than 300 states, which are not examined.
     """
     if not any(force.law.between for force in model.forces) or 2 * model.nv + model.nstate > DENSE:
         return 0.0
@@ -40,7 +40,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
 
 
 def _without_functions(model: Model) -> Model:
-    """Return the model whose forces in Python are zero: a user's functions are for the run."""
+    """Return a model without Python force functions, which only the run may call."""
     forces = (
         replace(force, function=_nothing) if force.kind == "user" else force
         for force in model.forces

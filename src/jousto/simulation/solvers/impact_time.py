@@ -1,4 +1,4 @@
-"""How long a blow on a stop lasts: a step has to see it."""
+"""Duration of an impact on a stop, which the step must resolve."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from jousto.simulation.solvers.stability import DENSE, braking
 
 
 def shortest_blow(model: Model) -> float:
-    """Return how long the quickest blow on a stop lasts, s; infinite without stops.
+    """Return the shortest duration of an impact on a stop, s; infinite without stops.
 
-    Half a period on its spring, ``pi sqrt(M / k)``, M being what moves along the coordinate at the
-    initial position: k as a damper brakes at the rate ``k / M``. Machines of more than 300 states
-    are not examined.
+    It is half a period on the spring of the stop, ``pi sqrt(M / k)``, where M is the effective mass
+    along the coordinate at the initial position: a damper of coefficient k would decelerate it at
+    the rate ``k / M``. Machines with more than 300 states are not examined.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def _stiffness(force: ForceModel) -> float:
 
 
 def _damper(force: ForceModel, c: float) -> ForceModel:
-    """Return a damper in the place of a force."""
+    """Return a damper of coefficient c that replaces a force."""
     data = np.zeros(max(place.stop for place in places("jo_along_data").values()))
     named("jo_along_data", data).damping[...] = c
     return replace(force, kind="along", data=data)

@@ -47,7 +47,7 @@ INERTIA: Any = field(
 
 
 class Newton(Solver):
-    """What the implicit methods share."""
+    """Base of the implicit methods."""
 
     method: ClassVar[str] = "alpha"
     evaluations: ClassVar[int] = 3
@@ -56,11 +56,11 @@ class Newton(Solver):
 
     @property
     def baumgarte(self) -> None:
-        """No stabilisation: the constraints are solved for."""
+        """No Baumgarte stabilisation; the constraints are solved in every step."""
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
-        """alpha_m, alpha_f, beta and gamma."""
+        """Coefficients alpha_m, alpha_f, beta and gamma of the method."""
         raise NotImplementedError
 
     @property
@@ -76,7 +76,7 @@ class Newton(Solver):
         }
 
     def unstable(self, step: float, eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
-        """Return where a linear oscillation grows at this step; generalised alpha: nowhere."""
+        """Return which linear oscillations grow at this step; none with generalised alpha."""
         alpha_m, alpha_f, beta, gamma = self.coefficients
         if (alpha_m, alpha_f) != (0.0, 0.0) or 2.0 * beta >= gamma:
             return np.zeros(len(eigenvalues), dtype=bool)
@@ -84,14 +84,14 @@ class Newton(Solver):
 
 
 class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
-    """Implicit method of order 2 with numerical damping of what the step does not resolve.
+    """Implicit method of order 2 with numerical damping of motions that the step does not resolve.
 
     Generalised alpha (Chung and Hulbert, J. Appl. Mech. 60, 1993) on the Lie group of the poses
     (Bruels, Cardona and Arnold, Mech. Mach. Theory 48, 2012), with exact derivatives of all
-    forces and joints. Springs, bushings, dampers and modes may be as stiff as they like. With
-    projection the multipliers hold the velocities on the constraints (index 2), and the positions
-    are closed after every step; without it they hold the positions (index 3), and the velocities
-    miss the constraints by the error of the method.
+    forces and joints. The stiffness of springs, bushings, dampers and modes does not limit the
+    step. With projection the multipliers enforce the velocity constraints (index 2), and the
+    positions are projected after every step. Without it they enforce the position constraints
+    (index 3), and the velocities violate theirs by the error of the method.
 
     Examples
     --------
@@ -117,7 +117,7 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
-        """alpha_m, alpha_f, beta and gamma of Chung and Hulbert."""
+        """Coefficients alpha_m, alpha_f, beta and gamma of Chung and Hulbert."""
         alpha_m = (2.0 * self.rho - 1.0) / (self.rho + 1.0)
         alpha_f = self.rho / (self.rho + 1.0)
         gamma = 0.5 + alpha_f - alpha_m
@@ -128,9 +128,9 @@ class Newmark(Newton, tag="Newmark"):
     """Newmark's implicit method (J. Eng. Mech. Div. ASCE 85, 1959) with Newton's iteration.
 
     ``q1 = q0 o exp(h v0 + h^2 ((1/2 - beta) a0 + beta a1))``, ``v1 = v0 + h ((1 - gamma) a0 +
-    gamma a1)``. With 1/4 and 1/2, the trapezoidal rule, a linear oscillator keeps its energy
-    exactly and nothing is damped; gamma above 1/2 damps, at order 1. For numerical damping at
-    order 2 take `GeneralizedAlpha`.
+    gamma a1)``. With beta = 1/4 and gamma = 1/2, the trapezoidal rule, a linear oscillator keeps
+    its energy exactly. With gamma above 1/2 the method has damping but only order 1; for numerical
+    damping at order 2 use `GeneralizedAlpha`.
     """
 
     step: Duration = STEP
@@ -159,12 +159,12 @@ class Newmark(Newton, tag="Newmark"):
 
     @property
     def coefficients(self) -> tuple[float, float, float, float]:
-        """alpha_m = 0, alpha_f = 0, beta and gamma."""
+        """Coefficients alpha_m = 0, alpha_f = 0, beta and gamma."""
         return 0.0, 0.0, self.beta, self.gamma
 
 
 def spectral_radius(solver: Newton, z: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Return the growth in a step of the oscillator with eigenvalues lambda, z = step * lambda.
+    """Return the growth factor per step of an oscillator, z = step * lambda.
 
     ``s'' = -2 d w s' - w^2 s`` with ``lambda = w (-d +- i sqrt(1 - d^2))``: the largest magnitude
     of an eigenvalue of the matrix that takes (s, h s', h^2 a) over a step.

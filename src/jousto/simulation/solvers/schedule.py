@@ -1,4 +1,4 @@
-"""Schedule: which steps a run takes, and what is probably wrong with them."""
+"""Schedule: the steps of a run, and warnings about probably unsuitable steps."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MOST_STEPS = 1e12
 class Schedule:
     """Steps of a run: `steps` of size `step` from `start`, a row every `every` steps.
 
-    Of an adaptive method these are the intervals between rows.
+    For an adaptive method they are the intervals between rows.
     """
 
     step: float
@@ -41,9 +41,10 @@ class Schedule:
 
     @property
     def before(self) -> int:
-        """Steps from time 0 to the start, 0 if it does not lie on a step with a row.
+        """Number of steps from time 0 to the start; 0 if the start is not an instant of a row.
 
-        Counted from 0, the instants of a continued run are those of the whole one to the last bit.
+        Instants are counted from 0, so that a continued run has bitwise the same instants as one
+        run.
         """
         count = round(self.start / self.step)
         return count if count * self.step == self.start and count % self.every == 0 else 0
@@ -120,7 +121,7 @@ def _span(length: float, start: float) -> str:
 
 
 def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
-    """Return what is probably wrong with a run, known before it starts."""
+    """Return warnings about a run that are known before it starts."""
     found = []
     sentence = stability_warning(model, solver, plan.step)
     if sentence:
@@ -154,9 +155,9 @@ def cautions(model: Model, solver: Solver, plan: Schedule) -> list[str]:
 
 
 def _shortest(times: Array, plan: Schedule) -> float:
-    """Return the shortest time between points of a table that a run passes, s.
+    """Return the shortest interval between points of the tables within a run, s.
 
-    Differences that are off the step by the rounding of the times are the step.
+    An interval that differs from the step by round-off only counts as the step.
     """
     last = plan.start + plan.step * plan.steps
     passed = (times[1:] > plan.start) & (times[:-1] < last)

@@ -1,4 +1,4 @@
-"""Is the step small enough? Asked before the run, of the body modes and of the mechanism."""
+"""Check of the step before a run, by the modes of the bodies and of the mechanism."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def body_eigenvalues(model: Model, body: int) -> Eigenvalues:
     """Return the eigenvalues lambda of a free body's modal motion at p = 0, 1/s.
 
     ``(lambda^2 M + lambda D + K) y = 0`` with the rigid coordinates eliminated. Joints can only
-    lower the highest of them (Cauchy interlacing), so they are on the safe side.
+    lower the highest eigenvalue (Cauchy interlacing), so the estimate is safe.
     """
     b = model.bodies[body]
     if b.n == 0:
@@ -61,7 +61,7 @@ def beam_eigenvalues(model: Model, i: int) -> Eigenvalues:
 
 
 def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
-    """Return those of every beam element; equal elements are worked out once."""
+    """Return the eigenvalues of every beam element, 1/s; equal elements are computed once."""
     made: dict[bytes, Eigenvalues] = {}
     found = []
     for i, beam in enumerate(model.beams):
@@ -78,11 +78,11 @@ def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
 def mechanism_eigenvalues(model: Model) -> Eigenvalues:
     """Return the largest eigenvalues of the linearised mechanism at its initial state, 1/s.
 
-    Central differences of the engine's accelerations in the increments of q and v, as shares of the
-    size of the mechanism and of that in a radian of the fastest body mode. All eigenvalues of small
-    mechanisms, else the four of largest magnitude
-    (Arnoldi iteration). Without friction: one that sticks jumps at rest and has no derivative
-    there; the smooth law is looked at by `friction_warning`.
+    The Jacobian consists of central differences of the engine's accelerations. Increments of q are
+    relative to the size of the mechanism, those of v to this size per radian of the fastest body
+    mode. Small mechanisms get all eigenvalues, others the four of largest magnitude (Arnoldi
+    iteration). Friction is left out: stick-slip friction has no derivative at rest, and
+    `friction_warning` checks the regularised law.
     """
     engine = Engine(replace(model, frictions=()))
     free = [body_eigenvalues(model, i) for i in range(len(model.bodies))]
@@ -114,10 +114,10 @@ def mechanism_eigenvalues(model: Model) -> Eigenvalues:
 
 
 def stability_warning(model: Model, solver: Solver, step: float) -> str:
-    """Return a sentence if the step is too large for the mechanism's modes, else nothing.
+    """Return a warning if the step is too large for the mechanism's modes, else None.
 
-    The modes of the free bodies decide if the step suits them all; otherwise the mechanism itself
-    is asked, since its joints lower the frequencies.
+    If the step suits the modes of all free bodies, it is accepted. Otherwise the modes of the
+    mechanism decide, since its joints lower the frequencies.
     """
     sentence = _baumgarte_warning(solver, step)
     if sentence:
@@ -150,10 +150,10 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
 
 
 def friction_warning(model: Model, solver: Solver, step: float) -> str:
-    """Return a sentence if the step is too large for regularised friction, else nothing.
+    """Return a warning if the step is too large for regularised friction, else None.
 
-    Near rest such friction is a damper with the rates of ``da/dv``, here at the initial position,
-    at rest; a method that cannot follow them makes the joint chatter.
+    Near rest such friction is a damper with the rates of ``da/dv``, computed at rest in the initial
+    position. If the step is too large for these rates, the joint chatters.
     """
     smooth = tuple(friction for friction in model.frictions if not friction.sticks)
     if not smooth or 2 * model.nv > DENSE:
@@ -172,10 +172,10 @@ def friction_warning(model: Model, solver: Solver, step: float) -> str:
 
 
 def damper_warning(model: Model, solver: Solver, step: float) -> str:
-    """Return a sentence if the step is too large for the steepest part of a damper table.
+    """Return a warning if the step is too large for the steepest part of a damper table.
 
-    There the table is a damper of that coefficient, with the rates of ``da/dv`` at the initial
-    position; a method that cannot follow them jumps from one side to the other.
+    There the table is a damper with its slope as coefficient, and the rates of ``da/dv`` at the
+    initial position. If the step is too large for these rates, the velocity oscillates.
     """
     places = [i for i, force in enumerate(model.forces) if force.damper >= 0]
     if not places or 2 * model.nv > DENSE:
@@ -201,7 +201,7 @@ def damper_warning(model: Model, solver: Solver, step: float) -> str:
 
 
 def _steepest(model: Model, signal: int) -> float:
-    """Return the steepest fall of a table, in N s/m or N m s."""
+    """Return the steepest negative slope of a table, N s/m or N m s."""
     table = model.signals[signal]
     if table.kind != "table":
         return 0.0
@@ -210,7 +210,7 @@ def _steepest(model: Model, signal: int) -> float:
 
 
 def braking(one: Model, other: Model) -> Eigenvalues:
-    """Return the rates by which two models differ in ``da/dv`` at the initial position, at rest.
+    """Return the eigenvalues, 1/s, of the difference of ``da/dv`` between two models at rest.
 
     Parameters
     ----------
@@ -230,14 +230,14 @@ def braking(one: Model, other: Model) -> Eigenvalues:
 
 
 def _longest(solver: Solver, step: float, rates: Eigenvalues) -> float:
-    """Return a step, at most `step`, in which no motion with these rates grows."""
+    """Return the largest step up to `step` at which no motion with these rates grows."""
     while (solver.explicit_growth(step * rates) > 1.0 + 1e-9).any():
         step *= 0.9
     return step
 
 
 def many_steps(model: Model, duration: float) -> str:
-    """Return a sentence if the modes force an explicit method to very many steps, else nothing."""
+    """Return a warning if the modes force an explicit method to very many steps, else None."""
     fastest = [
         float(np.abs(body_eigenvalues(model, i)).max(initial=0.0)) for i in range(len(model.bodies))
     ]
@@ -252,7 +252,7 @@ def many_steps(model: Model, duration: float) -> str:
 
 
 def _baumgarte_warning(solver: Solver, step: float) -> str:
-    """Return a sentence if ``lambda^2 + 2 alpha lambda + beta^2 = 0`` is too fast for the step."""
+    """Return a warning if ``lambda^2 + 2 alpha lambda + beta^2 = 0`` is too fast for the step."""
     terms = solver.baumgarte
     if terms is None:
         return ""

@@ -215,9 +215,9 @@ def _regularised(balance: Balance, at: Point) -> Any:
     """Return the tangent matrix with an added stiffness of the size of its round-off.
 
     The stiffness of rigid motions is the sum of the rows of K over all nodes, with the round-off
-    ``eps max|K|``: bodies on softer springs would move under forces that are round-off. Added is
-    ``HELD max|K| / sum(D) D`` with the metric D of `Balance.metric`; under it rigid motions stay
-    below the deformations.
+    ``eps max|K|``: bodies on softer springs would move under forces that are round-off. The added
+    term is ``HELD max|K| / sum(D) D`` with the metric D of `Balance.metric`; with it the rigid
+    motions stay smaller than the deformations.
     """
     nv = balance.model.nv
     A = balance.matrix(at.q, at.lam, at.value)
@@ -282,7 +282,7 @@ class _Pencil:
 
 
 def _factor(matrix: Callable[[int], Any]) -> Any:
-    """Return the LU factors of the first regular one of the complex matrices matrix(1 .. 3).
+    """Return the LU factors of the first regular matrix among matrix(1), matrix(2), matrix(3).
 
     None if all are singular. Rounding may make a pivot of a nearly singular matrix exactly 0.
     """

@@ -54,8 +54,8 @@ def frequency(model: Model, number: int, at_rest: bool) -> float:
 
     With ``P(s) = [K - s M, Cq^T; H - s Cq, 0]``, ``s = omega^2``, H the derivative of ``Cq a`` by
     positions, and null vectors x of P and y of P^T: ``ds = y^T (dP at fixed s) x / y^T [M, 0; Cq,
-    0] x``. Of equal frequencies the matrix of these numbers has the derivatives as eigenvalues;
-    they are counted in rising order.
+    0] x``. For equal frequencies these numbers form a matrix whose eigenvalues, in ascending order,
+    are the derivatives.
 
     Raises
     ------

@@ -26,7 +26,7 @@ TURN = 1.0  # largest increment of a body in an iteration, rad or sizes of the m
 
 
 class NoConvergenceError(Exception):
-    """Error of Newton's iteration; `body` is the body with the largest increment."""
+    """Error raised if Newton's method does not converge; `body` has the largest increment."""
 
     def __init__(self, message: str, body: str = "") -> None:
         self.body = body
@@ -34,7 +34,7 @@ class NoConvergenceError(Exception):
 
 
 class SingularTangentError(NoConvergenceError):
-    """The tangent matrix is singular: something moves without stiffness."""
+    """Error raised if the tangent matrix is singular: a motion has no stiffness."""
 
     def __init__(self) -> None:
         super().__init__("the tangent matrix is singular")
@@ -163,7 +163,7 @@ def _at_load(balance: Balance, point: Point, value: float, iterations: int) -> P
 
 @_raise_no_convergence
 def at_least(balance: Balance, point: Point, value: float, iterations: int = 15) -> Point:
-    """Return the equilibrium nearby, by Newton's steps without their neutral part.
+    """Return a nearby equilibrium, by Newton's steps without their neutral part.
 
     Raises
     ------

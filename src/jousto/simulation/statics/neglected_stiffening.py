@@ -32,8 +32,8 @@ REMEDY = "reduce its part with stiffening=True"
 def check_second_order(model: Model, at: State, where: str, told: set[str]) -> None:
     """Compare an equilibrium of linear bodies with that of bodies with geometric stiffness.
 
-    The difference is one Newton step from the equilibrium. No warning of the bodies in `told`,
-    which bend beyond the range of their modes.
+    The difference is one Newton step from the equilibrium. There is no warning for the bodies in
+    `told`, which already have a warning for bending beyond the range of their modes.
 
     Raises
     ------
