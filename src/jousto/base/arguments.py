@@ -1,4 +1,4 @@
-"""Arguments of wrong types: one message instead of an error deep inside.
+"""Error messages for arguments of wrong types, in place of errors deep inside a call.
 
 The annotations of a function contain the accepted types. They are checked only after a call has
 failed, so that no valid call is refused or slowed down.
@@ -234,7 +234,7 @@ def _fits(kind: ast.expr, value: Any, scope: Scope) -> bool:
 
 
 def _plain(name: str, value: Any) -> bool | None:
-    """Return whether a value has a plain type by name, None for names of other types."""
+    """Return whether a value has a built-in type given by name; None for other names."""
     checks: dict[str, Callable[[Any], bool]] = {
         "float": _is_number,
         "int": lambda x: _is_number(x) and isinstance(x, int | np.integer),
@@ -299,7 +299,7 @@ def _is_of(kind: Any, value: Any) -> bool:
 
 
 def _wanted(kind: ast.expr) -> str:
-    """Return an annotated type in words."""
+    """Return the text for an annotated type in messages."""
     texts: list[str] = []
     for part in _union(kind):
         name = _name(part)

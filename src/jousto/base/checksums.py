@@ -1,6 +1,6 @@
-"""Checksums behind the end of an HDF5 file: data with wrong checksums are not read.
+"""Checksums after the end of an HDF5 file: data with wrong checksums are not read.
 
-HDF5 ignores data behind its end. Since HDF5 may crash on damaged files, checksums are checked
+HDF5 ignores data after its end. Since HDF5 may crash on damaged files, checksums are checked
 before it opens a file. They cover the layout and all constant data, piece by piece, and every BLOCK
 rows of each column, written when the block is complete; so they are valid also for a file of a
 running or killed run. Other programs that write to the file remove them; then only the structure is

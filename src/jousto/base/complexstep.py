@@ -73,7 +73,7 @@ def stepped(*arrays: Any) -> bool:
 
 
 def parts(x: Any) -> tuple[Any, Any]:
-    """Return values, and derivatives times `STEP`, of numbers, arrays or sparse matrices."""
+    """Return values, and derivatives times `STEP`, of a number, array or sparse matrix."""
     return x.real, (x.imag if np.iscomplexobj(x) else 0.0 * x)
 
 

@@ -1,4 +1,4 @@
-"""One declaration a kind: a class names its fields; everything else about them follows.
+"""Declared classes: constructor, checks, model-file entry and help follow from the fields.
 
 A class that derives from `Declared` lists its fields, each with its meaning, unit, limits and
 default::
@@ -8,9 +8,10 @@ default::
 
         length: OptionalNumber = field("Distance L", unit="m", above=0, default=None)
 
-From that come the constructor with its checks, the parameters in its help, its entry in model files
-with units, the JSON schema, its row in the documentation, and its place in the register of its
-section. What a field reads and shows is the type behind it: ``rod.length`` is a float or None.
+From this declaration follow the constructor with its checks, the parameters in its help, the entry
+in model files with units, the JSON schema, the row in the documentation, and the registration in
+its section. The type annotation determines which values a field accepts and which type it stores:
+``rod.length`` is a float or None.
 """
 
 from __future__ import annotations
@@ -44,11 +45,11 @@ SECTIONS: dict[str, dict[str, type[Declared]]] = {}
 
 @dataclass_transform(field_specifiers=(field, kept))
 class Declared:
-    """Base of every class that is declared by its fields.
+    """Base of all classes that are declared by their fields.
 
-    Subclasses are made with ``class Kind(Base, tag="kind")``: the word of `tag` names them in model
-    files. A base of several kinds says ``section="joints"`` instead. With ``by_value=True`` objects
-    of equal fields are equal; with ``kw_only=True`` all fields of the class are given by name.
+    Write a subclass as ``class Kind(Base, tag="kind")``; `tag` is its ``type`` in model files. A
+    base of several kinds has ``section="joints"`` instead. With ``by_value=True`` objects with
+    equal fields are equal; with ``kw_only=True`` all fields are keyword-only arguments.
     """
 
     kind: ClassVar[str] = ""
@@ -149,7 +150,7 @@ class Declared:
         problems.raise_if_any()
 
     def heading(self, problems: Problems) -> str:
-        """Return the beginning of messages, ``joint 'hinge'``; note what is wrong with the name."""
+        """Return the prefix of messages, ``joint 'hinge'``; report an invalid name."""
         kind = self.kind or type(self).__name__
         name = getattr(self, "name", "") if "name" in self.fields else ""
         if isinstance(self.fields.get("name"), Name):
@@ -157,11 +158,11 @@ class Declared:
         return f"{kind} '{name}'" if name else kind
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note what is wrong between fields that are right by themselves."""
+        """Report contradictions between fields that are valid by themselves."""
 
     @property
     def made(self) -> Any:
-        """What a model file declares with it: itself, or the object that it describes."""
+        """Object built for a model-file entry of the class: itself, or the described object."""
         return self
 
     def __repr__(self) -> str:
@@ -169,7 +170,7 @@ class Declared:
 
 
 def _answer(cls: Any) -> None:
-    """Let the constructor of a class answer to arguments that it does not take."""
+    """Make the constructor of a class report missing and unknown arguments as a CallError."""
     made = cls.__init__
 
     @functools.wraps(made)
@@ -185,7 +186,7 @@ def _answer(cls: Any) -> None:
 
 
 def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
-    """Return what is wrong with the arguments of a constructor."""
+    """Return the problems of the arguments of a constructor."""
     name = named.get("name", given[0] if given and "name" in cls.fields else "")
     where = (
         f"{cls.kind or cls.__name__} {name!r}" if isinstance(name, str) and name else cls.__name__
@@ -223,7 +224,7 @@ def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
 
 
 def document(cls: type[Declared]) -> None:
-    """Append the parameters of a class to its help."""
+    """Append the parameters of a class to its docstring."""
     text = inspect.cleandoc(vars(cls).get("__doc__") or "")
     if "Parameters\n---" in text or not cls.fields:
         return
@@ -239,15 +240,15 @@ def document(cls: type[Declared]) -> None:
 
 
 class Makes(Protocol[Out]):
-    """What a declared class is whose objects stand for another object."""
+    """Base of declared classes whose objects describe another object."""
 
     @property
     def made(self) -> Out:
-        """The object."""
+        """The described object."""
 
 
 def maker(name: str, cls: Callable[P, Makes[Out]], returns: str = "") -> Callable[P, Out]:
-    """Return the function that makes what the objects of a declared class stand for.
+    """Return the function that makes the object described by a declared class.
 
     Parameters
     ----------
@@ -264,7 +265,7 @@ def maker(name: str, cls: Callable[P, Makes[Out]], returns: str = "") -> Callabl
 def made_by(
     name: str, cls: Callable[P, Form], make: Callable[[Form], Out], returns: str = ""
 ) -> Callable[P, Out]:
-    """Return the function that makes an object of a declared class and of that another one.
+    """Return the function that makes an object from an object of a declared class.
 
     Parameters
     ----------
@@ -287,7 +288,7 @@ def made_by(
 
 
 def kinds(section: str, room: str) -> dict[str, type[Declared]]:
-    """Return the classes of a section by their word, from every module of a room.
+    """Return the classes of a section by tag, from every module of a package.
 
     Parameters
     ----------
@@ -302,7 +303,7 @@ def kinds(section: str, room: str) -> dict[str, type[Declared]]:
 
 @functools.cache
 def _load(room: str) -> None:
-    """Import every module of a room, which puts its classes into their register."""
+    """Import every module of a package, which registers its classes."""
     package = importlib.import_module(room)
     for module in pkgutil.iter_modules(getattr(package, "__path__", ())):
         importlib.import_module(f"{room}.{module.name}")

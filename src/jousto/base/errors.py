@@ -94,11 +94,11 @@ class Problem:
 
     @property
     def sentence(self) -> str:
-        """The message, with its field before it where it does not name it."""
+        """The message, preceded by the field unless the message names it."""
         return self.message if self.named else f"{'.'.join(map(str, self.path))}: {self.message}"
 
     def inside(self, where: str, *path: str | int, named: bool = False) -> Problem:
-        """Return the problem of a larger object, of which this one's object is a field or item."""
+        """Return the problem for a larger object that has the object as a field or item."""
         text = self.sentence if self.where in path[-1:] else str(self)
         return Problem(where, text, path=(*path, *self.path), named=named)
 
@@ -170,7 +170,7 @@ class Problems:
         self.found: list[Problem] = []
 
     def add(self, where: str, message: str, *path: str | int, named: bool = True) -> None:
-        """Note one problem, of a field that the path leads to; see `Problem`."""
+        """Add a problem at the path of a field; see `Problem`."""
         self.found.append(Problem(where, message, path=path, named=named))
 
     def raise_if_any(self) -> None:
@@ -207,7 +207,7 @@ class Problems:
         return True
 
     def whole(self, where: str, name: str, value: Any, least: int = 1, note: str = "") -> bool:
-        """Return whether the value is a whole number from `least` on, or note a problem."""
+        """Return whether the value is a whole number from `least` on, or add a problem."""
         wanted = f"a whole number, {note or f'at least {least}'}"
         return self.number(where, name, value, "", wanted, lambda x: x >= least and x == int(x))
 

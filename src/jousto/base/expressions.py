@@ -29,7 +29,7 @@ UNIT = "unit of"
 
 
 class ExpressionError(ValueError):
-    """Error: text that is no arithmetic, or quantities of inconsistent units."""
+    """Error: text that is not an arithmetic expression, or quantities of inconsistent units."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Quantity:
 
 @functools.cache
 def _known() -> dict[tuple[float, ...], str]:
-    """Return the units of `KINDS` by their exponents, of equal ones the first."""
+    """Return the units of `KINDS` by exponents; the first one for equal exponents."""
     found: dict[tuple[float, ...], str] = {}
     for unit in KINDS:
         found.setdefault(measure(unit)[1], unit)

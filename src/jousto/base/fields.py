@@ -1,7 +1,7 @@
-"""What fields of declared classes are: words, numbers, arrays, references and objects.
+"""Fields of declared classes: texts, flags, references, choices and nested objects.
 
-A field takes what a user gives, checks it against its limits and keeps it as one type: the first
-type in its brackets is what it takes, the second what it keeps.
+A field accepts the value of a user, checks it, and stores it as one type: ``Field[In, Out]``
+accepts In and stores Out.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def field(
     compare: bool = True,
     **facts: Any,
 ) -> Any:
-    """Return what a class says of a field; the annotation beside it says of which type it is.
+    """Return the declaration of a field; the annotation beside it gives the type.
 
     Parameters
     ----------
@@ -46,13 +46,13 @@ def field(
 
 
 def kept(*, init: Literal[False] = False) -> Any:
-    """Mark an attribute that the object computes from its fields when it is made."""
+    """Declare an attribute that is computed from the fields when the object is created."""
     return MISSING
 
 
 @dataclasses.dataclass(frozen=True)
 class Facts:
-    """What `field` was given, until the class makes the field of it."""
+    """Arguments of `field`, until the class creates the field."""
 
     text: str
     default: Any
@@ -62,7 +62,7 @@ class Facts:
 
 
 class Field(Generic[In, Out]):
-    """One field of a declared class: takes values of type In, keeps them as type Out.
+    """Field of a declared class: accepts values of type In, stores them as type Out.
 
     Parameters
     ----------
@@ -137,45 +137,45 @@ class Field(Generic[In, Out]):
 
     @property
     def required(self) -> bool:
-        """Whether it must be given."""
+        """Whether the field has no default."""
         return self.default is MISSING
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the value as it is kept, or note what is wrong with it."""
+        """Return the value to store, or report what is wrong with it."""
         return value
 
     def located(self, problem: Problem) -> Problem:
-        """Return a problem that `check` noted, at the path that begins with this field."""
+        """Return a problem found by `check`, with the path that begins with this field."""
         inside = problem.path[1:] if problem.path[:1] == (self.label,) else problem.path
         return dataclasses.replace(problem, path=(self.key, *inside))
 
     @property
     def annotation(self) -> str:
-        """What signatures say of it."""
+        """Type of the field in signatures."""
         said = self.noun if self.noun.isidentifier() else "Any"
         return f"{said} | None" if self.optional or self.default is None else said
 
     def line(self) -> str:
-        """Return the head of its parameter in help, ``pitch : float, m``."""
+        """Return the first line of the parameter in the docstring, ``pitch : float, m``."""
         star, optional = "*" * self.spread, "" if self.required else ", optional"
         return f"{star}{self.name} : {self.noun}{optional}"
 
 
 class Text(Field[str, str]):
-    """A word or a sentence."""
+    """Field of a text that is not empty."""
 
     form = "text"
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a string that is not empty."""
+        """Return the text, or report one that is empty or no string."""
         if not (isinstance(value, str) and value.strip()):
             problems.add(where, f"{self.name} is {value!r}, must be text")
         return value
 
 
 class AnyField(Field[Any, Any]):
-    """Anything; what it must be is checked with the other fields, in `consistent`.
+    """Field of any value, which `consistent` checks together with the other fields.
 
     Parameters
     ----------
@@ -201,40 +201,40 @@ class AnyField(Field[Any, Any]):
 
 
 class OptionalText(Field["str | None", str]):
-    """A word or a sentence, or None for one that the object finds itself."""
+    """Field of a text; None for a text that the object determines itself."""
 
     form = "text"
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a string."""
+        """Return the text, or report that the value is none."""
         if not isinstance(value, str):
             problems.add(where, f"{self.name} is {value!r}, must be a string or None")
         return value
 
 
 class Label(Field[str, str]):
-    """A text for tables and messages; it may be empty."""
+    """Field of a text for tables and messages, which may be empty."""
 
     form = "text"
     noun = "str"
 
 
 class Name(Field[str, str]):
-    """The name of the object; it was checked before all other fields."""
+    """Field of the object's name, which is checked before all other fields."""
 
     form = "text"
     noun = "str"
 
 
 class Flag(Field[bool, bool]):
-    """True or False."""
+    """Field of a boolean."""
 
     form = "flag"
     noun = "bool"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the truth as a bool of Python."""
+        """Return a Python bool, or report that the value is no boolean."""
         if type(value).__name__ not in ("bool", "bool_"):
             problems.add(where, f"{self.name} is {value!r}, must be True or False")
             return None
@@ -242,13 +242,13 @@ class Flag(Field[bool, bool]):
 
 
 class Texts(Field["Iterable[str]", "tuple[str, ...]"]):
-    """Words."""
+    """Field of several texts."""
 
     form = "texts"
     noun = "sequence of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the values as a tuple, or report wrong ones."""
         found = () if isinstance(value, str) or not isinstance(value, Iterable) else tuple(value)
         if not found or not all(isinstance(word, str) for word in found):
             wanted = self.wanted or "must be a list of words"
@@ -257,7 +257,7 @@ class Texts(Field["Iterable[str]", "tuple[str, ...]"]):
 
 
 class Reference(Field[In, Out]):
-    """Another object, which a model file calls by its name.
+    """Field of another object; a model file contains its name.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ class Reference(Field[In, Out]):
 
 
 class Nested(Field[In, Out]):
-    """An object that belongs to this one; a model file declares it inside, by its ``type``.
+    """Field of an object that a model file declares inside this one, by its ``type``.
 
     Attributes
     ----------
@@ -287,14 +287,14 @@ class Nested(Field[In, Out]):
 
 
 class Choice(Field[str, str]):
-    """One of a few words.
+    """Field of one of a few allowed texts.
 
     Parameters
     ----------
     text, default, kw_only
         As for every field.
     words : tuple of str
-        The words.
+        The allowed texts, as a type in signatures.
     """
 
     form = "choice"
@@ -305,16 +305,16 @@ class Choice(Field[str, str]):
 
     @property
     def annotation(self) -> str:
-        """The words."""
+        """The allowed texts, as a type in signatures."""
         return f"Literal[{', '.join(map(repr, self.words))}]"
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """The words."""
+        """The allowed texts, as a type in signatures."""
         return "{" + ", ".join(f'"{word}"' for word in self.words) + "}"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return one of the words."""
+        """Return the value if it is an allowed text, or report it."""
         if value not in self.words:
             *some, last = (repr(word) for word in self.words)
             wanted = self.wanted or f"{', '.join(some)} or {last}"
@@ -331,36 +331,36 @@ class _Of(Field[In, Out]):
 
 
 class Item(_Of[T, T]):
-    """An object of a declared class; a model file writes a mapping with its keys."""
+    """Field of an object of a declared class; a model file contains a mapping with its keys."""
 
     form = "item"
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """The class."""
+        """Name of the class in messages and signatures."""
         return self.of.__name__
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return an object of the class."""
+        """Return the object, or report that the value is none of the class."""
         if not isinstance(value, self.of):
             problems.add(where, f"{self.label} is {value!r}, must be {self.wanted or self.noun}")
         return value
 
 
 class OptionalItem(Item[T | None], Generic[T]):
-    """An object of a declared class, or None."""
+    """Field of an object of a declared class, or None."""
 
 
 class Items(_Of[Iterable[T], tuple[T, ...]]):
-    """Objects of a declared class; a model file writes a list of mappings."""
+    """Field of objects of a declared class; a model file contains a list of mappings."""
 
     form = "items"
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """What they are."""
+        """Noun for the objects in messages and signatures."""
         return f"sequence of {self.of.__name__}"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the values as a tuple, or report wrong ones."""
         return problems.several(where, self.label, value, self.of)

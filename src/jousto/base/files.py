@@ -56,7 +56,7 @@ DAMAGED_NPZ = (
 
 
 def special(path: Path) -> str:
-    """Return the kind of a path that is no file, also behind a link; empty for files or nothing.
+    """Return the kind of a path that is not a file (links followed); empty for files or nothing.
 
     >>> special(Path("."))
     'a folder'
@@ -85,7 +85,7 @@ def executed(path: Path) -> ModuleType:
 
 
 def check_file(path: Path, remedy: str = "") -> None:
-    """Raise InputError for an existing path that is no file: folder, device, pipe.
+    """Raise InputError for an existing path that is not a file: folder, device, pipe.
 
     Raises
     ------
@@ -225,7 +225,7 @@ class Tabular:
 
 
 def create(path: Path) -> BinaryIO:
-    """Open a new file for plain writes, without changing an already opened old one.
+    """Open a new file for writing, without changing an old file that is already open.
 
     An existing file is never opened, so that only the new file is removed after a failure.
 

@@ -1,4 +1,4 @@
-"""Rooms: packages whose public names are listed in a stub and loaded at first use."""
+"""Lazy packages: public names are listed in a stub and loaded at first use."""
 
 from __future__ import annotations
 

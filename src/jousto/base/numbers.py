@@ -1,4 +1,4 @@
-"""Numbers: how they are checked, and the fields of declared classes that are numbers or arrays."""
+"""Fields of declared classes that are numbers or arrays, and the checks of numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def set_fields(target: Any, **values: Any) -> None:
 
 
 def number(problems: Problems, where: str, name: str, value: Any, *path: str | int) -> float | None:
-    """Return a finite float, or note why the value is none, at a path (its name if empty)."""
+    """Return a finite float, or report why the value is none, at a path (its name if empty)."""
     try:
         if value is None or isinstance(value, str):
             raise TypeError
@@ -38,7 +38,7 @@ def number(problems: Problems, where: str, name: str, value: Any, *path: str | i
 
 
 class _Numeric(Field[In, Out]):
-    """What numbers share: limits.
+    """Base of the fields of numbers, with limits.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class _Numeric(Field[In, Out]):
         self.remedy = f"; {remedy}" if remedy else ""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a finite float within the limits."""
+        """Return a finite float within the limits, or report what is wrong."""
         unit = self.unit if isinstance(self.unit, str) and self.unit != "1" else ""
         if self.wanted and not self.plain:
             wanted = self.wanted
@@ -103,7 +103,7 @@ class _Numeric(Field[In, Out]):
         return found
 
     def missed(self, x: float) -> str:
-        """Return which limit a number misses, empty if none."""
+        """Return the limit that a number violates; empty if none."""
         if self.above is not None and not x > self.above:
             return "must be positive" if self.above == 0 else f"must be above {self.above:g}"
         if self.least is not None and not x >= self.least:
@@ -116,17 +116,17 @@ class _Numeric(Field[In, Out]):
 
 
 class Number(_Numeric[float, float]):
-    """A finite number."""
+    """Field of a finite number."""
 
 
 class OptionalNumber(_Numeric["float | None", "float | None"]):
-    """A finite number, or None."""
+    """Field of a finite number, or None."""
 
     optional = True
 
 
 class DefaultNumber(_Numeric["float | None", float]):
-    """A finite number, or None for one that the object finds itself."""
+    """Field of a finite number; None for one that the object determines itself."""
 
 
 class _Seconds(_Numeric[In, Out]):
@@ -138,11 +138,11 @@ class _Seconds(_Numeric[In, Out]):
 
 
 class Duration(_Seconds[float, float]):
-    """A time above zero."""
+    """Field of a time above zero."""
 
 
 class OptionalDuration(_Seconds["float | None", "float | None"]):
-    """A time above zero, or None."""
+    """Field of a time above zero, or None."""
 
     optional = True
 
@@ -150,24 +150,24 @@ class OptionalDuration(_Seconds["float | None", "float | None"]):
 
 
 class OnlyPositive(_Numeric[In, Out]):
-    """What numbers above zero share."""
+    """Base of the fields of numbers above zero."""
 
     def __init__(self, text: str = "", **common: Any) -> None:
         super().__init__(text, above=0, wanted="a positive number", **common)
 
 
 class Positive(OnlyPositive[float, float]):
-    """A number above zero."""
+    """Field of a number above zero."""
 
 
 class OptionalPositive(OnlyPositive["float | None", "float | None"]):
-    """A number above zero, or None."""
+    """Field of a number above zero, or None."""
 
     optional = True
 
 
 class _Whole(Field[In, Out]):
-    """What whole numbers share: limits.
+    """Base of the fields of whole numbers, with limits.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ class _Whole(Field[In, Out]):
         self.least, self.most = least, most
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a whole number within the limits."""
+        """Return a whole number within the limits, or report what is wrong."""
         whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
         if not (whole and self.least <= value and (self.most is None or value <= self.most)):
             most = "" if self.most is None else f" to {self.most}"
@@ -198,23 +198,23 @@ class _Whole(Field[In, Out]):
 
 
 class Whole(_Whole[int, int]):
-    """A whole number."""
+    """Field of a whole number."""
 
 
 class OptionalWhole(_Whole["int | None", "int | None"]):
-    """A whole number, or None."""
+    """Field of a whole number, or None."""
 
     optional = True
 
 
 class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
-    """Numbers, or a single one; none is zero."""
+    """Field of one or several numbers; none is zero."""
 
     form = "numbers"
     noun = "float or sequence of float"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a tuple."""
+        """Return the numbers as a tuple, or report what is wrong."""
         found = []
         for i, x in enumerate(value if isinstance(value, Iterable) else (value,)):
             found.append(number(problems, where, f"{self.name}[{i}]", x, self.label, i))
@@ -225,18 +225,18 @@ class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
 
 
 class Vector(Field[ArrayLike, NDArray[np.float64]]):
-    """Three numbers."""
+    """Field of three numbers."""
 
     form = "vector"
     noun = "(3,) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return them as a read-only array."""
+        """Return the numbers as a read-only array (3,), or report what is wrong."""
         return problems.array(where, self.label, value, (3,))
 
 
 class _Values(Field[In, Out]):
-    """What arrays of numbers share: their shape.
+    """Base of the fields of arrays of numbers, with a shape.
 
     Parameters
     ----------
@@ -254,24 +254,24 @@ class _Values(Field[In, Out]):
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """The shape."""
+        """The shape, as a noun in messages."""
         sizes = ", ".join("n" if n is None else str(n) for n in self.shape)
         return f"({sizes}{',' * (len(self.shape) == 1)}) array_like"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a read-only array of this shape."""
+        """Return a read-only array of this shape, or report what is wrong."""
         return problems.array(where, self.label, value, self.shape)
 
 
 class Values(_Values[ArrayLike, NDArray[np.float64]]):
-    """An array of numbers."""
+    """Field of an array of numbers."""
 
 
 class OptionalValues(_Values["ArrayLike | None", "NDArray[np.float64] | Any"]):
-    """An array of numbers, or None."""
+    """Field of an array of numbers, or None."""
 
     optional = True
 
 
 class DefaultValues(_Values["ArrayLike | None", NDArray[np.float64]]):
-    """An array of numbers, or None for one that the object finds itself."""
+    """Field of an array of numbers; None for one that the object determines itself."""

@@ -64,7 +64,7 @@ def _fields(thing: Any) -> dict[str, Any]:
 
 
 def _fact(key: str, value: Any) -> str:
-    """Return the text of a field, empty if there is none."""
+    """Return the text of a field for `describe`; empty if the field is left out."""
     if value is None or (isinstance(value, str) and not value):
         return ""
     shown = _value(value)

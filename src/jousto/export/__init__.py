@@ -1,4 +1,4 @@
-"""Compiled models outside of Python: programs of C, mock-up units, times of their steps."""
+"""Compiled models outside of Python: C programs, functional mock-up units, step times."""
 
 from jousto.base.lazy_exports import open_room
 

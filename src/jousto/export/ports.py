@@ -1,4 +1,4 @@
-"""Ports: what goes into an exported machine and comes out of it, by name and unit."""
+"""Ports: inputs, outputs and parameters of an exported machine, with names and units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FRICTION = {"mu_kinetic": "1", "mu_static": "1", "velocity": "m/s", "preload": "
 
 @dataclass(frozen=True)
 class Port:
-    """A number that goes in or comes out.
+    """Input, output or parameter of an exported machine: one number.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Port:
 
 @dataclass(frozen=True)
 class Named:
-    """A named constant of a model file that a running machine may change.
+    """Named constant of a model file that can change while an exported machine runs.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Named:
 
 @dataclass(frozen=True)
 class Ports:
-    """The inputs, outputs and parameters of a program; of the parameters the named come first."""
+    """Inputs, outputs and parameters of a program; named parameters come first."""
 
     inputs: tuple[Port, ...]
     outputs: tuple[Port, ...]
@@ -83,8 +83,9 @@ class Ports:
 def ports(model: Model, found: Constants, named_ones: Sequence[Named] = ()) -> Ports:
     """Return the ports of a model.
 
-    Inputs are its external inputs, outputs the components of its sensors, damage included,
-    parameters gravity and the constants of its forces, frictions and named signals.
+    Inputs are the external inputs of the model. Outputs are the components of its sensors,
+    including damage. Parameters are gravity and the constants of its forces, frictions and named
+    signals.
     """
     starts = {
         s.name: float(named("jo_constant_data", s.data).value)
@@ -138,7 +139,7 @@ def _unique(rows: list[Row]) -> tuple[Port, ...]:
 
 
 def identifier(name: str) -> str:
-    """Return a name as an identifier of C.
+    """Return a name converted to a C identifier.
 
     Examples
     --------
@@ -150,7 +151,7 @@ def identifier(name: str) -> str:
 
 
 def _input_unit(model: Model, name: str) -> str:
-    """Return the unit of an input where one force or drive uses it, else none."""
+    """Return the unit of an input if exactly one force or drive uses it, else an empty unit."""
     place = next(i for i, s in enumerate(model.signals) if s.kind == "input" and s.name == name)
     units = set()
     for force in model.forces:
@@ -195,7 +196,7 @@ def _parameters(model: Model, found: Constants) -> Iterator[tuple[str, str, str,
 
 
 def _function_units(model: Model, force: ForceModel) -> Iterator[tuple[int, str]]:
-    """Yield the places of the functions of time of a force, and the units of their values."""
+    """Yield the positions of the time functions of a force, and the units of their values."""
     law, angular = law_in(force), _angular(model, force.coordinate)
     yield force.reference, unit_along(law.reference, angular)
     yield force.signal, unit_along(law.signal, angular)
@@ -212,7 +213,7 @@ def state_units(model: Model) -> list[str]:
 
 
 def _force_numbers(model: Model, force: ForceModel) -> Iterator[tuple[str, str, str, int]]:
-    """Yield name, unit, description and place of the numbers of a force that may change."""
+    """Yield name, unit, description and position of the tunable numbers of a force."""
     law, angular = law_in(force), _angular(model, force.coordinate)
     for name, at in places(struct_of(force.kind)).items():
         unit = law.units.get(name)
@@ -266,7 +267,7 @@ def _law(
 
 
 def refuse(model: Model) -> None:
-    """Raise what an exported program cannot do.
+    """Raise InputError for elements that an exported program cannot contain.
 
     Raises
     ------

@@ -204,7 +204,7 @@ KEYWORDS = frozenset(
 
 
 def _own_name(name: str) -> str:
-    """Return a C identifier that is no keyword and no name of a file around a machine."""
+    """Return a C identifier that is neither a keyword nor the name of another exported file."""
     files = {Path(key).stem for key in (*sources.headers(), *sources.engine())}
     taken = files | sources.hosted() | KEYWORDS
     return f"{name}_model" if name in taken or name.startswith("jo_") else name

@@ -58,12 +58,12 @@ def without_folders(path: Path) -> str:
 
 
 def host(name: str) -> str:
-    """Return the text of a file around a machine."""
+    """Return the text of a file of engine/export, which surrounds a machine."""
     return (folder() / HOST / name).read_text(encoding="utf-8")
 
 
 def hosted() -> set[str]:
-    """Return the names of the files around a machine, without suffix."""
+    """Return the names of the files of engine/export, without suffix."""
     return {path.stem for path in (folder() / HOST).iterdir()} | {"plant"}
 
 
