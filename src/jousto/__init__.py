@@ -3,9 +3,9 @@
 One noun per stage: ``Part`` -> ``reduce`` -> ``ReducedPart`` -> bodies, joints, forces and sensors
 in a ``Mechanism`` -> ``compile`` -> ``Model`` -> ``simulate`` -> ``Solution``. SI units everywhere.
 
-What a first model needs are names of the package itself; more is in its rooms, such as
-``jousto.fatigue``, ``jousto.gauges`` and ``jousto.simulation``. All of them stand in files
-``__init__.pyi`` and are loaded when they are first used, so that importing the package is quick.
+Names for a first model are in the package itself; others are in subpackages such as
+``jousto.fatigue``, ``jousto.gauges`` and ``jousto.simulation``. All names are listed in files
+``__init__.pyi`` and loaded at first use, so that importing the package is fast.
 """
 
 import sys
@@ -17,7 +17,7 @@ VERBS = ("plot", "write")
 
 
 def _gone(name: str) -> str:
-    """Return how a name that was one of the package itself is written now."""
+    """Return the new name of a name that has moved out of the package itself."""
     if name.startswith("_"):
         return ""
     verb = name.partition("_")[0]

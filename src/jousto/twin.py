@@ -1,4 +1,4 @@
-"""Stress where no gauge is, from those that are: the public name of `jousto.measurement.twin`."""
+"""Stress everywhere from a few strain gauges: the public name of `jousto.measurement.twin`."""
 
 import sys
 from typing import TYPE_CHECKING

@@ -55,7 +55,7 @@ def certify(
     solver: str | None = None,
     progress: bool | Report | None = None,
 ) -> Certificate:
-    """Return the certificate of a part and its modes: correct and doubtful points, and remedies.
+    """Return the certificate of a part and its modes: passed checks, doubtful points, remedies.
 
     The certificate contains mass, centre, inertia and size; the strain energy of the six rigid
     motions; plausibility of SI units; missing data (rotary inertia, loose nodes, mechanisms,

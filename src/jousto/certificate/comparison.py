@@ -50,7 +50,7 @@ def orthonormality(full: FullModel, modes: Modes) -> Check:
 
 
 def hold(full: FullModel, modes: Modes) -> Check:
-    """Return the checks how well each interface fixes the body, and of their modes."""
+    """Return the checks of how well each interface fixes the body, and of the interface modes."""
     topic = "interfaces"
     if not modes.interfaces:
         return Check(

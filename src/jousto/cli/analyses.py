@@ -223,7 +223,7 @@ def path(
     output: Output = None,
     trust: Trust = False,
 ) -> None:
-    """Compute the equilibrium path of a model over a growing input; -o draws it over a sensor."""
+    """Compute the equilibrium path of a model over a growing input; -o plots it over a sensor."""
     import numpy as np
 
     from jousto.output.figures.load_path import sensor_place

@@ -85,7 +85,7 @@ def friction(
 
 
 def _names(source: Path, asked: list[str] | None, flexible: list[str]) -> list[str]:
-    """Return the names of the bodies to compare; raise for a body that is not flexible."""
+    """Return the names of the bodies to compare; raise an error for a body that is not flexible."""
     names = asked or flexible
     unknown = [name for name in names if name not in flexible]
     if unknown or not names:

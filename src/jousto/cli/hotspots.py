@@ -83,7 +83,8 @@ def hotspots(
     """Rank the places with the largest stress and prove that no other place exceeds them.
 
     -o draws the largest stress on the surface with the hot spots and their histories. The error
-    error budget of the first estimates the error of its stress; finer runs complete it.
+    budget of the first hot spot estimates the error of its stress; runs with a finer mesh complete
+    it.
     """
     from jousto.recovery.budget import error_budget
     from jousto.recovery.fields.build import stress_field

@@ -61,8 +61,8 @@ def live(
 ) -> None:
     """Run a model in real time on a page in the browser, until Ctrl-C.
 
-    Inputs become sliders, the mouse pulls bodies; pause, step, reset, change parameters and record
-    there. At the end it prints how well it kept time.
+    Inputs become sliders, and the mouse pulls bodies; the page can pause, step, reset, change
+    parameters and record. At the end the command prints how well the machine kept real time.
     """
     from jousto.simulation.live.ranges import parse_ranges
     from jousto.viewer.live.live import live as run

@@ -60,14 +60,14 @@ def optimise(
     picture: Drawing = None,
     trust: Trust = False,
 ) -> None:
-    """Find the dimensions of least mass that keep the limits of a model at all instants.
+    """Find the dimensions of least mass that satisfy the limits of a model at all instants.
 
     The design variables are the parameters with bounds; limits of stress, deflection, frequency,
     life and damage come from the model file or from --limit. The command prints the design, the
     active limits, and the residual of the optimality conditions. -o writes the history (.csv), or a
     page with history and active limits (.html); --compare puts the three methods side by side in
-    all of these. With --reliable, parameters with a distribution scatter, and each limit, of any
-    outcome, is exceeded with the probability that its index of reliability permits.
+    all of these. With --reliable, parameters with a distribution are random, and each limit is
+    exceeded at most with the probability of its reliability index.
     """
     from jousto.schema.read import read_model
 

@@ -54,8 +54,8 @@ def reduce_part(
 
     A reduction that was killed continues after its last finished stage when it is started again.
 
-    Ends with the certificate: what the part weighs, whether it is sound, and how its modes compare
-    with the full model.
+    At the end the command prints the certificate: mass properties, checks of the part, and accuracy
+    of its modes against the full model.
     """
     from jousto.schema.output_paths import REDUCED_PART, output_path
     from jousto.schema.read import read_part_file
@@ -150,7 +150,7 @@ def advise(
     """Propose the modes of a part for a frequency limit or for loads, with the gain of each mode.
 
     The interfaces are those of the part's `reduce` entry; without --frequency-limit and --load its
-    frequency_limit counts.
+    frequency_limit applies.
     """
     from jousto.certificate.advice import advise as propose
     from jousto.reduction.methods import CraigBampton

@@ -61,9 +61,9 @@ def reliability(
     """Compute the probability that limits of a model are exceeded.
 
     The random variables are the parameters with a distribution; limits come from the model file or
-    from --limit. "by mean" and "by deviation" are the changes of beta for an increase of these by
-    one standard deviation. -o writes a table with a row for each limit; the picture shows the limit
-    with the largest probability.
+    from --limit. "by mean" and "by deviation" are the changes of beta if the mean or the standard
+    deviation of a variable increases by one standard deviation. -o writes a table with a row for
+    each limit; the picture shows the limit with the largest probability.
     """
     from jousto.base.files import write_table
     from jousto.design.reliability.errors import DesignPointError, LimitStateError

@@ -32,7 +32,7 @@ def problems_of(check: Callable[[], Any]) -> list[Problem]:
 
 
 def check_choice(option: str, word: str, known: tuple[str, ...]) -> None:
-    """Raise InputError for a word outside the choices of an option."""
+    """Raise InputError for a value that is not one of the choices of an option."""
     if word not in known:
         raise InputError(Problem(option, f"is {word!r}{suggest(word, known)}"))
 
@@ -50,7 +50,7 @@ def check_index(target: float | None) -> None:
 
 
 def nothing_varied(known: dict[str, Any]) -> str:
-    """Return the sentence that explains how to name parameters to vary."""
+    """Return the message that explains how to name the parameters to vary."""
     if not known:
         return "the model has no parameters; add parameters: {wall: 4 mm} and use ${wall}"
     return f"name the parameters to vary: {', '.join(known)}"

@@ -101,7 +101,7 @@ class Cells:
 
 
 def instead(kinds: Sequence[str]) -> str:
-    """Return the end of a message: what can be done with a mesh of beams or shells only."""
+    """Return the end of a message: the remedy for a mesh of beams or shells only."""
     if any(kind in SURFACES for kind in kinds):
         return (
             "; shells are not supported: mesh plates as solids, or use the matrices of another "

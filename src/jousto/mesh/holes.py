@@ -151,7 +151,7 @@ def _smooth(corners: list[Ints], normals: Array) -> Ints:
 
 
 def _fit(nodes: Array, corners: Ints, all_nodes: Ints, normals: Array) -> _Wall | None:
-    """Return the cylinder of a wall; None if it is none or its normals point outwards."""
+    """Return the cylinder of a wall; None if it is no cylinder or its normals point outwards."""
     if len(normals) < 3:
         return None
     # normals of a cylinder have almost no component along its axis (facets may be inclined)

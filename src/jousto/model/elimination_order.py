@@ -17,7 +17,7 @@ pivot would vanish, since the stiffness of a fixed half decreases with the cube 
 
 
 class TooDense(Exception):
-    """Error of a factor with too many products of blocks.
+    """Error raised if a factor has too many products of blocks.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def eliminate(
     after: Mapping[int, Iterable[int]] | None = None,
     most: float = math.inf,
 ) -> Elimination:
-    """Return an order of the joints with little fill, none for chains and trees.
+    """Return an elimination order of the joints with little fill-in (none for chains and trees).
 
     Greedy minimum fill: a joint whose neighbours are all coupled with one another is always
     preferred, which eliminates any tree of bodies without fill (its joint graph is chordal). In

@@ -1,4 +1,4 @@
-"""The numbers of a force by the names that the header of the engine has for them."""
+"""Numbers of a force, by their names in the header of the engine."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ def struct_of(kind: str) -> str:
 
 
 def numbers_of(force: ForceModel) -> Any:
-    """Return the numbers of a force, an attribute each."""
+    """Return the numbers of a force as attributes."""
     return named(struct_of(force.kind), force.data)
 
 
 def law_in(force: ForceModel) -> EngineLaw:
-    """Return what is known of the law of a force with its numbers."""
+    """Return the declared law of a force with its numbers."""
     return force.law.with_numbers(numbers_of(force))

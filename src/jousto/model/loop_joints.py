@@ -63,7 +63,7 @@ def spanning(edges: Sequence[tuple[int, int, int]]) -> list[int]:
 
 
 def cut_joints(model: Model, links: Iterable[LinkModel]) -> list[int]:
-    """Return the joints, couplings and drives that are no links of the tree."""
+    """Return the joints, couplings and drives that are not links of the tree."""
     taken = {place for link in links for place in (link.joint, link.drive)}
     return [k for k, joint in enumerate(model.joints) if k not in taken and joint.lock < 0]
 
@@ -118,7 +118,7 @@ def _meet_often(model: Model) -> bool:
 
 
 def _meets(seen: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return the pairs of reaches of one link, each with itself too."""
+    """Return the pairs of reaches of one link, including each reach with itself."""
     of_link: dict[int, list[int]] = {}
     for link, place in seen:
         of_link.setdefault(link, []).append(place)

@@ -284,7 +284,7 @@ class ForceModel:
 
     @property
     def law(self) -> EngineLaw:
-        """What is known of its law."""
+        """Declared law of the force."""
         return law_of(self.kind)
 
     @property
@@ -487,9 +487,9 @@ class Model:
         return bool(self.links) and self.links[0].kind == "body"
 
     def keeping_tree(self, of: Model) -> Model:
-        """Return this model with the links of another one, if that has links.
+        """Return this model with the links of another one, if the other one has links.
 
-        It is for changes that do not affect any link: added objects act on no joint of the tree.
+        For changes that affect no link, such as added objects that act on no joint of the tree.
         """
         return replace(self, tree_of=self.parts_of_tree) if of.links else self
 

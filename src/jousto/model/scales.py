@@ -1,4 +1,4 @@
-"""Scales of the quantities of a model, to detect readings that are zero but for rounding."""
+"""Scales of the quantities of a model, to detect readings that are zero except for round-off."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Symbols of a mechanism: where its joints, forces and sensors are, and which way they point."""
+"""Symbols of a mechanism: positions and directions of its joints, forces and sensors."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape
 
 
 class Symbols(Sequence[SymbolShape]):
-    """The symbols of a mechanism, made when one is looked at: few models are drawn.
+    """Symbols of a mechanism, created at first use, since few models are drawn.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Symbols(Sequence[SymbolShape]):
 
 
 class SymbolMaker:
-    """Makes symbols of declarations.
+    """Builder of symbols from declared items.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class SymbolMaker:
         return SymbolShape(coupling.name, kind, "joint", points, axis, text=_text(coupling))
 
     def force(self, force: ForceElement) -> SymbolShape:
-        """Return the symbol of what pushes."""
+        """Return the symbol of a force element."""
         points, axis, fixed = self._pushed(force)
         return SymbolShape(force.name, force.symbol, "force", points, axis, fixed, _text(force))
 
@@ -118,7 +118,7 @@ class SymbolMaker:
         return SymbolShape(friction.name, "friction", "force", made.points, made.axis, text=text)
 
     def sensor(self, sensor: Sensor) -> Iterator[SymbolShape]:
-        """Return the symbol of a sensor; energies and signals are nowhere and have none."""
+        """Return the symbol of a sensor; energies and signals have no position and no symbol."""
         points, axis = self._sensed(sensor)
         if points:
             text = f"{sensor.name}: {sensor.description}"
@@ -128,7 +128,7 @@ class SymbolMaker:
             )
 
     def named(self, body: RigidBody | FlexibleBody) -> Iterator[SymbolShape]:
-        """Return the named points of a body: of a flexible one its interfaces."""
+        """Return the named points of a body; for a flexible body its interfaces."""
         if isinstance(body, BeamNode):
             return
         if isinstance(body, FlexibleBody):
@@ -156,7 +156,7 @@ class SymbolMaker:
         )
 
     def place(self, body: Any, position: Array) -> SymbolPoint:
-        """Return a point of a body: of a flexible one it moves as the section at its next node."""
+        """Return a point of a body; in a flexible body it moves with the nearest node's section."""
         place = self._index.get(id(body), -1)
         if not isinstance(body, FlexibleBody):
             return SymbolPoint(place, np.array(floats(position)), NO_TURN)
@@ -181,7 +181,7 @@ class SymbolMaker:
     def _along(
         self, coordinates: Sequence[Coordinate]
     ) -> tuple[tuple[SymbolPoint, ...], Array | None]:
-        """Return the points and the direction of what acts along coordinates."""
+        """Return the points and the direction of a force along coordinates."""
         markers = [marker for s in coordinates for marker in (s.a, s.b)]
         points = tuple(self.point(marker) for marker in markers)
         first = coordinates[0]
@@ -207,7 +207,7 @@ class SymbolMaker:
         return (self.origin(push.body),), None, False
 
     def _sensed(self, sensor: Sensor) -> tuple[tuple[SymbolPoint, ...], Array | None]:
-        """Return the points of a sensor and its direction; none if it is nowhere."""
+        """Return the points of a sensor and its direction; none without a position."""
         if isinstance(sensor, Bridge):
             points = [self.place(sensor.body, gauge.position) for gauge in sensor.gauges]
             return tuple(points), np.array(floats(sensor.gauges[0].axis))
@@ -246,7 +246,7 @@ class SymbolMaker:
 
 
 def _text(thing: Any) -> str:
-    """Return one line about a declaration: ``revolute 'hinge': ground.origin - rod.origin``."""
+    """Return one line that describes an item: ``revolute 'hinge': ground.origin - rod.origin``."""
     given = vars(thing).values()
     facts = [x.label for x in given if isinstance(x, Marker)]
     facts = facts or [x.name for x in given if isinstance(x, Coordinate | BeamBody)]

@@ -1,4 +1,4 @@
-"""A second formulation of the same mechanisms, in natural coordinates, to check the engine with."""
+"""Second formulation of mechanisms, in natural coordinates, as a check of the engine."""
 
 from jousto.base.lazy_exports import open_room
 

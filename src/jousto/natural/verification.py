@@ -108,8 +108,9 @@ class Verification:
     def undecided(self) -> bool:
         """Whether the comparison is inconclusive.
 
-        That is so if the engine stopped before a difference occurred, or if the runs of two
-        methods, the only criterion, do not resolve the vibration or did not reach their end.
+        The comparison is inconclusive if the engine stopped before a difference occurred, or if the
+        runs of two methods are the only criterion and do not resolve the vibration or did not reach
+        their end.
         """
         if not self.unknown:
             return not (self.ended or self.different or self.open_joints)

@@ -61,10 +61,10 @@ def verify(
     with the step and with half of it, whose differences must decrease with the order of the
     methods. Further runs of the engine use another method, flexible bodies in another body frame,
     and bodies of small meshes with twice the modes. If the moving frame does not support the
-    mechanism, two methods of the engine and the energy balance are the criterion. Compared are all
-    sensors, the accelerations of all bodies, the reactions of all joints and drives, all forces and
-    the energies. Of a run that does not reach its end the states are compared (if the engine
-    stopped, those of the first half), and the verdict contains the reason. If the engine cannot
+    mechanism, two methods of the engine and the energy balance are the criterion. The comparison
+    includes all sensors, the accelerations of all bodies, the reactions of all joints and drives,
+    all forces and the energies. If a run does not reach its end, only states are compared (those of
+    the first half if the engine stopped), and the verdict contains the reason. If the engine cannot
     start, the verdict is undecided.
 
     Parameters
@@ -315,7 +315,7 @@ def is_still(run: Solution, last: int, every: int) -> bool:
 
 
 def not_known(mechanism: Mechanism) -> tuple[str, ...]:
-    """Return the items of a mechanism that the moving frame does not support, as sentences."""
+    """Return messages on the items of a mechanism that the moving frame does not support."""
     try:
         check_known(mechanism, sensors=False)
     except InputError as error:

@@ -70,7 +70,7 @@ class LinearCoupling:
         return self.T.shape[0], self.T.shape[1]
 
     def f(self, q: Array) -> Array:
-        """Slave displacements."""
+        """Return the slave displacements."""
         return np.asarray(self.T @ q + self.u0)
 
     def B(self, q: Array) -> Array:
@@ -181,7 +181,7 @@ class FunctionCoupling:
         self.function, self.shape = function, (slaves, masters)
 
     def f(self, q: Array) -> Array:
-        """Slave displacements."""
+        """Return the slave displacements."""
         u = np.asarray(self.function(q))
         return u.astype(np.result_type(q, float)).reshape(-1)
 
@@ -230,7 +230,7 @@ class BlockCoupling:
         self.blocks = [(np.asarray(r), np.asarray(c), m) for r, c, m in blocks]
 
     def f(self, q: Array) -> Array:
-        """Slave displacements."""
+        """Return the slave displacements."""
         u = np.zeros(self.shape[0], dtype=q.dtype)
         for rows, columns, part in self.blocks:
             u[rows] = part.f(q[columns])
@@ -280,20 +280,20 @@ class ChainCoupling:
         return self.outer.shape[0], self.inner.shape[1]
 
     def f(self, q: Array) -> Array:
-        """Slave displacements."""
+        """Return the slave displacements."""
         return self.outer.f(self.inner.f(q))
 
     def B(self, q: Array) -> Array:
-        """Return the product of both matrices B (chain rule)."""
+        """Return ``B_outer B_inner`` (chain rule)."""
         return np.asarray(self.outer.B(self.inner.f(q)) @ self.inner.B(q))
 
     def B1(self, q: Array, v: Array) -> Array:
-        """Return the time derivative of B by the product rule."""
+        """Return the time derivative of ``B_outer B_inner`` by the product rule."""
         w, b = self.inner.f(q), self.inner.B(q)
         return np.asarray(self.outer.B1(w, b @ v) @ b + self.outer.B(w) @ self.inner.B1(q, v))
 
     def B2(self, q: Array, v: Array, a: Array) -> Array:
-        """Return the second time derivative of B by the product rule."""
+        """Return the second time derivative of ``B_outer B_inner`` by the product rule."""
         w, b, b1 = self.inner.f(q), self.inner.B(q), self.inner.B1(q, v)
         wv, wa = b @ v, b @ a + b1 @ v
         return np.asarray(

@@ -24,7 +24,7 @@ class Method(Protocol):
 
     @property
     def weights(self) -> tuple[float, float, float, float]:
-        """Return alpha_m, alpha_f, beta, gamma."""
+        """Return the coefficients alpha_m, alpha_f, beta, gamma."""
 
 
 class PlanarNewmark(Declared, by_value=True):
@@ -45,7 +45,7 @@ class PlanarNewmark(Declared, by_value=True):
 
     @property
     def weights(self) -> tuple[float, float, float, float]:
-        """Return alpha_m, alpha_f, beta, gamma."""
+        """Return the coefficients alpha_m, alpha_f, beta, gamma."""
         return 0.0, 0.0, 0.25 * (1.0 + self.damping) ** 2, 0.5 + self.damping
 
 
@@ -67,7 +67,7 @@ class PlanarGeneralizedAlpha(Declared, by_value=True):
 
     @property
     def weights(self) -> tuple[float, float, float, float]:
-        """Return alpha_m, alpha_f, beta, gamma."""
+        """Return the coefficients alpha_m, alpha_f, beta, gamma."""
         am, af = (2.0 * self.rho - 1.0) / (self.rho + 1.0), self.rho / (self.rho + 1.0)
         return am, af, 0.25 * (1.0 - am + af) ** 2, 0.5 - am + af
 

@@ -1,4 +1,4 @@
-"""Robots: descriptions of other programs, and trees of joints seen from their coordinates."""
+"""Robots: readers of robot descriptions, and kinematics and dynamics of their joint trees."""
 
 from jousto.base.lazy_exports import open_room
 

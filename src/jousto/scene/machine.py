@@ -158,7 +158,7 @@ def _bodies(
 
 
 def sensor_of(run: Solution, name: str, symbols: Sequence[Symbol]) -> Sensor:
-    """Return a sensor of a run with the place of its symbol."""
+    """Return a sensor of a run with the position of its symbol."""
     about = run.about(name)
     units = component_units(about)
     side: Side | None = next((one.sides[-1] for one in symbols if one.sensor == name), None)

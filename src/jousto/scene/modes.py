@@ -78,9 +78,9 @@ def part_modes(reduced: ReducedPart) -> Scene:
 def machine_modes(found: MechanismModes) -> Scene:
     """Return the scene of the modes of a machine about its state.
 
-    A mode changes the row by ``[A x, e * (0, theta) / 2, p]`` of its increments x (translation) and
-    theta (rotation), both in the frames of the bodies, and the resultants of exact beams by their
-    slope along it.
+    A mode with the increments x (translation) and theta (rotation), both in the frames of the
+    bodies, changes the row by ``[A x, e * (0, theta) / 2, p]``, and the resultants of exact beams
+    by their derivative along the mode.
     """
     run = at_state(found.model, found.state)
     rows, _ = rows_of(run)

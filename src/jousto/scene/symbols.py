@@ -52,7 +52,7 @@ def side_of(point: SymbolPoint, bodies: Sequence[BodyShape]) -> Side:
 
 
 def ground_symbols(symbols: Sequence[Symbol]) -> tuple[Symbol, ...]:
-    """Return a support for every world point that a joint or force connects to a body."""
+    """Return a support symbol for every ground point that a joint or force connects to a body."""
     points = [
         side.u
         for one in symbols

@@ -37,7 +37,7 @@ def rank_places(
     """Return the places of the largest values of a measure, largest first.
 
     Each is `body`, `vertex`, `position` (world, at that time), `value`, `time` and `label`.
-    `fields` are those of `stress_fields`, where several measures are asked for.
+    Pass `fields`, the result of `stress_fields`, to rank several measures.
 
     Raises
     ------

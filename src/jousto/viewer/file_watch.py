@@ -90,7 +90,7 @@ def content_mark(file: Path) -> Any:
 
 
 def unfinished_note(run: Solution | None) -> str:
-    """Return a sentence on an unfinished or killed run; empty for a complete one."""
+    """Return a message for an unfinished or killed run; empty for a complete one."""
     if run is None or run.complete:
         return ""
     last = float(run.time[-1]) if run.nt else 0.0

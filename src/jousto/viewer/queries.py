@@ -1,6 +1,6 @@
 """Answers to requests of the page, computed from the opened objects in double precision.
 
-Of a run only the columns and instants that a question needs are read from its file.
+Only the columns and instants that a question needs are read from the file of a run.
 """
 
 from __future__ import annotations

@@ -332,7 +332,7 @@ class _Client:
 
 
 def unexpected(error: BaseException) -> str:
-    """Return a sentence on an unexpected exception."""
+    """Return a message for an unexpected exception."""
     return f"This failed unexpectedly ({type(error).__name__}: {error}); please report it."
 
 

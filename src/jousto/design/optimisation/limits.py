@@ -34,7 +34,7 @@ class Criteria(Field[Any, Any]):
     noun = "str or Plane"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the criterion."""
+        """Return the criterion, or report an unknown one."""
         try:
             return check_criterion(value, where=where)
         except InputError as error:
@@ -49,7 +49,7 @@ class Places(Field[Any, "tuple[str, ...] | None"]):
     noun = "sequence of str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the names as a tuple."""
+        """Return the names as a tuple, or report wrong ones."""
         found = (value,) if isinstance(value, str) else value
         found = tuple(found) if isinstance(found, Iterable) else ()
         if not found or not all(isinstance(word, str) for word in found):
@@ -139,7 +139,7 @@ class Place(Field["str | None", "str | None"]):
 class DisplacementLimit(BodyLimit, tag="displacement"):
     """Limit on the elastic displacement of a node at every instant.
 
-    n . u| <= maximum`` along|``|n . u| <= maximum`` along a direction n, else ``|u| <= maximum``.
+    ``|n . u| <= maximum`` along a direction n, else ``|u| <= maximum``.
     For a body without supports the displacement is relative to a node, for example the foot of a
     boom.
     """
@@ -185,7 +185,7 @@ class Mean(AnyField):
     """Type of fields: a mean-stress correction, or None."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the correction."""
+        """Return the correction, or report that the value is none."""
         if not isinstance(value, MeanStress):
             problems.add(where, f"{self.name} is {value!r}, must be a correction such as Goodman")
         return value

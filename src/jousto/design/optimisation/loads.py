@@ -123,7 +123,7 @@ class Deformed:
 def deformed(
     problem: Problem, x: Array, loads: Sequence[EquivalentLoad] | None = None
 ) -> list[Deformed]:
-    """Return the deformed bodies of a design under equivalent loads, or (None) in its motion."""
+    """Return the deformed bodies of a design under equivalent loads, or in its motion for None."""
     bodies = problem.bodies(x)
     if loads is None:
         return [

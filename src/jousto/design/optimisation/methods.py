@@ -34,7 +34,7 @@ def solve(
 ) -> Array:
     """Minimise the cost between bounds with all ratios at most 1 by SLSQP; return the design.
 
-    If no design keeps all limits, the result is the design of least violation.
+    If no design satisfies all limits, the result is the design of least violation.
     """
     span, scale = problem.high - problem.low, abs(problem.cost(x)) or 1.0
 

@@ -34,7 +34,7 @@ def optimise(
     starts: int = 1,
     seed: int = 0,
 ) -> Optimum:
-    """Find the parameters of least cost that keep all limits at all instants of the motion.
+    """Find the parameters of least cost that satisfy all limits at all instants of the motion.
 
     With equivalent static loads ``f(t) = K z(t)`` each cycle runs the machine once (order 0), or
     once and twice for each parameter (order 1), and then optimises a static problem. Order 0, the

@@ -101,7 +101,7 @@ class Optimum(Tabular):
 
     @property
     def kept(self) -> bool:
-        """Whether all ratios are below 1 + 1e-3."""
+        """Whether all limits are satisfied: ratios below 1 + 1e-3."""
         return self.ratio <= 1.0 + ACTIVE
 
     def _facts(self) -> str:

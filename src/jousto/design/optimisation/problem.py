@@ -19,7 +19,7 @@ from jousto.design.studies.parameters.parameter import Parameter
 
 @described
 class Problem(ABC):
-    """Base class: minimise the cost over parameters x with all limits kept at all instants.
+    """Base class: minimise the cost over parameters x subject to all limits at all instants.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Problem(ABC):
         """Run the machine and return the deformation of each flexible body by load case."""
 
     def bodies(self, x: Array) -> tuple[Elastic, ...]:
-        """Return the static models of a design from a small cache."""
+        """Return the static models of the bodies of a design, from a small cache."""
         key = x.tobytes()
         if key not in self._elastic:
             self._elastic[key] = self.elastic(x)
@@ -97,7 +97,7 @@ class Problem(ABC):
         return self._elastic[key]
 
     def motions(self, x: Array) -> tuple[Motion, ...]:
-        """Return the deformations of a design from a small cache."""
+        """Return the deformations of the bodies of a design, from a small cache."""
         key = x.tobytes()
         if key not in self._motions:
             self._motions[key] = self.run(x)

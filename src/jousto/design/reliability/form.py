@@ -105,7 +105,7 @@ class FormResult:
         """Derivatives of beta by the mean of each variable at constant standard deviation.
 
         Lognormal, Weibull and gamma variables keep their family. Empty for conditional variables
-        and joint distributions, whose moments are no parameters.
+        and joint distributions, whose moments are not parameters.
         """
         return Frozen(self._moments(0))
 
@@ -130,7 +130,7 @@ def moment_derivatives(variables: Transformation, u: Array, which: int) -> dict[
 def moment_derivative(
     variables: Transformation, u: Array, x: Array, one: Random, which: int, *, tied: bool = False
 ) -> Array:
-    """Return ``dx`` by the mean (0) or deviation (1) of one variable.
+    """Return the derivative ``dx`` by the mean (0) or the deviation (1) of one variable.
 
     `tied`: a change of the mean also changes the deviation of variables with constant
     coefficient of variation.
@@ -169,8 +169,8 @@ def form(
     of Hasofer, Lind, Rackwitz and Fiessler, hlrf, takes the nearest point of the tangent,
     ``u+ = (grad g^T u - g) grad g / |grad g|^2``, with a line search on ``|u|^2 / 2 + c |g|``
     (Y. Zhang and A. Der Kiureghian, IFIP WG 7.5 (1995)); sqp adds the curvature of the surface,
-    learnt on the way (BFGS), and needs fewer calls. Where its line search fails, hlrf continues as
-    sqp.
+    estimated from the gradients (BFGS), and needs fewer calls. Where its line search fails, hlrf
+    continues as sqp.
 
     Parameters
     ----------

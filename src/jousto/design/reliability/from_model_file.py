@@ -32,8 +32,8 @@ def file_rbdo(
 ) -> RbdoResult:
     """Return the design of least cost of a model file with a reliability index for each limit.
 
-    Parameters with bounds are the design, those with a distribution scatter. What has both scatters
-    about its design value with the deviation of its distribution.
+    Parameters with bounds are design variables, those with a distribution are random. A parameter
+    with both is random about its design value, with the deviation of its distribution.
 
     Parameters
     ----------

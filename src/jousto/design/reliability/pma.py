@@ -355,7 +355,8 @@ def _sphere(
 ) -> tuple[Array, float, Array]:
     """Return the least point by quadratic programs, each step followed by a return to the sphere.
 
-    u|^2|``L = g + lam (|u|^2 - beta^2) / 2``, with a BFGS approximation B of its Hessian.
+    The Lagrangian is ``L = g + lam (|u|^2 - beta^2) / 2``, with a BFGS approximation B of its
+    Hessian.
     """
     g = space.g(u)
     slope = slope_at(space, u, g, rows)

@@ -64,12 +64,13 @@ def gradient(
     parameter with complex numbers (Squire and Trapp, SIAM Rev. 40, 1998), exact to rounding. Where
     a machine can be built from real numbers only (``math.sin(x)``, ``float(x)``, solids, exact
     beams), the derivative of its model comes from fourth-order differences between four models, and
-    the run is complex. Central differences with two real runs per parameter replace what complex
-    numbers cannot run (events, sticking friction, solvers with step control), and results for which
-    complex steps and differences disagree. ``how`` of the result has the reason.
+    the run is complex. Central differences with two real runs per parameter are used for models
+    that complex numbers cannot run (events, sticking friction, solvers with step control), and for
+    results for which complex steps and differences disagree. ``how`` of the result contains the
+    reason.
 
-    The derivative of a largest value over time is that at its instant, of a hot spot that at its
-    place, of a damage that of the cycles counted at the point.
+    The derivative of a largest value over time is taken at its instant, that of a hot spot at its
+    place, and that of a damage for the cycles counted at the point.
 
     Parameters
     ----------
@@ -258,7 +259,7 @@ class Work:
             self._jacobian[i, j] = slope
 
     def _size(self, j: int) -> float:
-        """Return a length along a parameter over which outcomes change."""
+        """Return a scale of the parameter over which the outcomes change."""
         parameter: Parameter = self._parameters[j]
         return parameter.reach(self._x[j])
 
@@ -344,7 +345,7 @@ class Work:
             self._why[i][j] += "; it jumps here"
 
     def _one_sided_slopes(self, j: int, h: float) -> tuple[Array, Array, str]:
-        """Return the slopes above and below the point, and the remark on them.
+        """Return the slopes above and below the point, and a remark on their difference.
 
         If the machine fails on one side, both slopes are the second-order slope of the other side.
         """

@@ -88,7 +88,7 @@ class ReadingWord(Choice):
     """Field with the name of a reading; a message suggests the nearest name."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the name if it is valid."""
+        """Return the name, or report an unknown one."""
         if value not in self.words:
             problems.add(where, f"{self.name} is {value!r}{suggest(value, self.words)}")
         return value
@@ -98,7 +98,7 @@ class Triple(Vector):
     """Field with three numbers, stored as a tuple."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the numbers as a tuple."""
+        """Return the three numbers as a tuple, or report wrong ones."""
         found = super().check(problems, where, value)
         return None if found is None else tuple(found.tolist())
 

@@ -173,7 +173,7 @@ def sn_curve(name: str, *, rule: str | None = None) -> SN:
 
 
 def _tell_no_class(number: float, *, shear: bool) -> None:
-    """Warn about a number that is no FAT class, such as 17 in place of 71."""
+    """Warn about a number that is not a FAT class, such as 17 in place of 71."""
     classes = SHEAR_CLASSES if shear else CLASSES
     if number in classes:
         return

@@ -107,7 +107,7 @@ class GaugeComparison(Tabular):
 
 
 def likely_unit(pair: GaugePair) -> str:
-    """Return a sentence if the scale suggests another unit of strain; else an empty text."""
+    """Return a message if the scale suggests another unit of strain; else an empty text."""
     if pair.unit != STRAIN or not abs(pair.correlation) > 0.9:
         return ""
     for factor, unit, remedy in (

@@ -178,8 +178,8 @@ def _remarks(t: Array, channels: dict[str, Array]) -> list[str]:
 def saturated(x: Array, level: float) -> int:
     """Return the number of samples of a signal that are clipped at an end of its range.
 
-    Counted are sequences of at least `FLAT` samples at the end of the range that the signal enters
-    or leaves with a step, unlike a signal that comes to rest.
+    A clipped sequence has at least `FLAT` samples at the end of the range, and the signal enters or
+    leaves it with a step, unlike a signal that comes to rest.
     """
     if abs(level) < 0.5 * float(np.abs(x).max()):
         return 0

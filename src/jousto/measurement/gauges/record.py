@@ -288,7 +288,7 @@ class Record(Tabular):
 
 
 def too_large(name: str, values: Array) -> str:
-    """Return a sentence if values are too large for strains in m/m; else an empty text."""
+    """Return a message if values are too large for strains in m/m; else an empty text."""
     good = values[np.isfinite(values)]
     if not len(good):
         return ""

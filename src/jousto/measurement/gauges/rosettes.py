@@ -70,7 +70,7 @@ class RosetteState:
         return bool(len(angle) and not (np.isfinite(angle[0]) and sd[0] < 0.5 * np.pi))
 
     def __str__(self) -> str:
-        """Return a table of the values; of a history those at the first instant."""
+        """Return a table of the values; for a history the values at the first instant."""
 
         def text(name: str, factor: float, unit: str) -> str:
             value = factor * np.ravel(getattr(self, name))[0]

@@ -424,7 +424,7 @@ class Stream:
         return _Row(time * header.time_factor, values, kinds, self._line, start)
 
     def _order(self, row: _Row, rows: list[_Row]) -> None:
-        """Accept a row whose time follows; hold other rows until enough of them agree."""
+        """Accept a row with increasing time; store other rows until enough of them agree."""
         place = self.place
         time = row.time + place.shift
         if self._origin is not None:

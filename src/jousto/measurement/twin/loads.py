@@ -86,8 +86,8 @@ def identify_fourier(
 
     ``f_0 = W2 B^+ e_0``, ``f_j - i s_j = (W2 - j^2 w^2 + 2 i j w Z W) B^+ (e_j - i k_j)``: exact
     for strains that repeat with the window; the response before it must have died away or repeat.
-    Errors grow with the square of the frequency: keep harmonics below the highest mode that the
-    gauges tell.
+    Errors grow with the square of the frequency: keep the harmonics below the highest mode that the
+    gauges can distinguish.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ def locate_load(
     nodes: Sequence[str],
     components: Sequence[str] = ("fx", "fy", "fz"),
 ) -> list[tuple[str, float]]:
-    """Return nodes, best first, with the share of modal loads that a load at each leaves over.
+    """Return nodes, best first, with the share of the modal loads not explained by a load there.
 
     Parameters
     ----------
@@ -295,7 +295,7 @@ def identify_payload(
 
     Least squares of ``F = -m s`` over the record, with the estimated force F at the node, and the
     node's acceleration minus gravity s from the reference; the deviation comes from sampled
-    histories (`sample_posterior`). Components that are no unknown loads are left out.
+    histories (`sample_posterior`). Components that are not unknown loads are left out.
 
     Parameters
     ----------

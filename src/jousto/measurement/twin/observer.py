@@ -50,12 +50,12 @@ MEMORY = ("F", "Gu", "K", "whiten", "predicted", "P")
 class Observer:
     """Real-time estimate of modal coordinates and unknown loads of a flexible body.
 
-    State ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)`` and
-    loads a that wander at random; the channels are strains ``e = B p``, accelerations, and the
-    balance of the body. The filter is linear with gains that become constant, so that a step
-    costs a tenth of a millisecond. What the motion of the frame does to the modes (inertia
-    coupling ``-M_fr r''`` and velocity terms ``Q_v``) is a known force from the reduced part's
-    invariants.
+    The state is ``x = [p p' a]`` with ``p'' + D p' + W2 p = Phi^T L a + f(motion of the frame)``
+    and loads a that are random walks; the channels are strains ``e = B p``, accelerations, and the
+    balance of the body. The filter is linear with gains that become constant, so that a step costs
+    a tenth of a millisecond. The effect of the frame motion on the modes (inertia coupling ``-M_fr
+    r''`` and velocity terms ``Q_v``) is a known force, computed from the invariants of the reduced
+    part.
 
     Parameters
     ----------

@@ -76,12 +76,12 @@ class InnovationTest:
 
     @property
     def significant(self) -> tuple[bool, bool]:
-        """Whether size or whiteness differ significantly; long records always do."""
+        """Whether innovations differ significantly in size or whiteness, as in any long record."""
         return not self.low <= self.size <= self.high, abs(self.whiteness) > self.limit
 
     @property
     def relevant(self) -> tuple[bool, bool]:
-        """Whether size or whiteness differ by more than the tolerance of the bands."""
+        """Whether innovations differ in size or whiteness by more than the tolerance."""
         wide = 1.0 + self.tolerance
         return not 1.0 / wide <= self.ratio <= wide, abs(self.whiteness) > self.largest_correlation
 
@@ -117,9 +117,9 @@ def innovation_test(
     """Return the test of innovations for independence and size.
 
     Mehra, IEEE Trans. Automatic Control 15 (1970) 175: with the right noise they are white, and
-    their mean square over their own covariance is chi-squared. No model is exact, and a record that
-    is long enough shows it; so the verdict also depends on its size, on whether the bands are
-    wrong by more than the tolerance.
+    their mean square over their own covariance is chi-squared. No model is exact, and a long record
+    proves it; therefore the verdict also depends on whether the bands are wrong by more than the
+    tolerance.
 
     Parameters
     ----------

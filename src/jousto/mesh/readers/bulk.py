@@ -128,7 +128,7 @@ def _free(words: list[str], wide: int, where: str) -> list[str]:
 
     A line may continue beyond its data fields: with the continuation marks of its last field and of
     the first field of the next line (``..., 6, +A, +A, 7, 8``; the marks may be blank), or with
-    data directly (``..., 6, 7, 8``). A word there that is no data is a mark or a comment.
+    data directly (``..., 6, 7, 8``). A word there that is not data is a mark or a comment.
     """
     fields, rest = words[1 : 1 + wide], words[1 + wide :]
     while any(rest):

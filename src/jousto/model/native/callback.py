@@ -12,7 +12,7 @@ SIGNATURE = "int (*)(double, const double *, double *, void *)"
 
 
 class BadAnswer(ValueError):
-    """Error of a user's Python function that returned no force and torque."""
+    """Error raised if a user's Python function does not return a force and a torque."""
 
 
 def callback(ffi: Any, function: Any, raised: list[BaseException]) -> tuple[Any, Any, Any]:

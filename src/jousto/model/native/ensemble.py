@@ -1,4 +1,4 @@
-"""Ensemble: machines of one structure that step together, each in a lane of a vector."""
+"""Ensemble: machines of equal structure that step together, each in one vector lane."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ _LAID: WeakKeyDictionary[Model, tuple[str, _Laid | None]] = WeakKeyDictionary()
 
 
 def machines() -> int:
-    """Return how many machines step together on this processor; 1: there is no build for it."""
+    """Return the number of machines that this processor steps together; 1 without a build."""
     return 1 if library.lanes() is None else int(library.lanes().jo_machines())
 
 
 def structure(model: Model) -> str:
-    """Return what machines have in common that can step together; empty if this one cannot.
+    """Return a key that is equal for machines that can step together; empty if this one cannot.
 
-    Machines of one structure agree in everything but numbers: bodies and their modes, joints,
-    forces, signals, sensors, in the same order. A machine with friction, beams, events, damage
-    meters, moving loads or functions of the user steps alone, and so does a tree in joint
-    coordinates, which alone is as fast.
+    Machines of equal structure differ only in numbers: they have the same bodies and modes, joints,
+    forces, signals and sensors, in the same order. A machine with friction, beams, events, damage
+    meters, moving loads or user functions steps alone, and so does a tree in joint coordinates,
+    which is as fast alone.
     """
     if model not in _LAID:
         laid = _Laid(model) if _is_plain(model) else None
@@ -54,14 +54,14 @@ def _is_plain(model: Model) -> bool:
 
 @functools.cache
 def _pointers(struct: str) -> tuple[int, ...]:
-    """Return which words of a struct are pointers; a number has none."""
+    """Return a mask of the words of a struct that are pointers; empty for a number."""
     kind = library.ffi().typeof(struct)
     fields = kind.fields if kind.kind == "struct" else ()
     return tuple(f.offset // 8 for _, f in fields if f.type.kind in ("pointer", "function"))
 
 
 class _Laid:
-    """A model in the memory of the engine for single runs, as arrays of bytes.
+    """Memory of a model for single runs of the engine, as arrays of bytes.
 
     Attributes
     ----------
@@ -89,9 +89,9 @@ class _Laid:
         self.ends = self.starts + np.array(sizes, np.uint64)[self.order]
 
     def places(self, pointers: Words) -> tuple[NDArray[np.intp], Words]:
-        """Return to which room or block (then counted on) pointers lead, and how far into it.
+        """Return the array or block to which each pointer leads, and the offset in it.
 
-        -1 where they are none.
+        The index is -1 for null pointers.
         """
         at = np.searchsorted(self.starts, pointers, side="right") - 1
         found = np.maximum(at, 0)
@@ -100,7 +100,7 @@ class _Laid:
         return place, np.where(inside, pointers - self.starts[found], pointers)
 
     def sign(self) -> str:
-        """Return a digest of everything but numbers."""
+        """Return a hash of the structure: of everything except the numbers."""
         digest = hashlib.blake2b(digest_size=16)
         for room in self.rooms:
             digest.update(f"{room.size} ".encode())
@@ -125,14 +125,14 @@ def _start(array: NDArray[Any]) -> int:
 
 
 def _aligned(count: int, machines: int) -> Array:
-    """Return zeros (count, machines) that begin on a cache line."""
+    """Return an array of zeros (count, machines) that begins on a cache line."""
     raw = np.zeros(count * machines + 8)
     first = -_start(raw) % 64 // 8
     return raw[first : first + count * machines].reshape(count, machines)
 
 
 class Ensemble:
-    """Machines of one structure that step together.
+    """Machines of equal structure that step together.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ class Ensemble:
             ).T
 
     def _interleaved(self, laid: list[_Laid]) -> Any:
-        """Return the jo_model of all: numbers side by side, the rest from the first."""
+        """Return the jo_model of all machines: interleaved numbers, the rest from the first."""
         first, count = laid[0], len(laid)
         rooms = []
         for i in range(len(first.rooms)):
@@ -197,9 +197,9 @@ class Ensemble:
         return self._ffi.cast("jo_model *", _start(blocks[-1]))
 
     def run(self, solver: Any, steps: int, every: int) -> Array:
-        """Advance all by `steps` and return rows (machines, k, row_size), one every `every` steps.
+        """Advance all machines; return rows (machines, k, row_size), one per `every` steps.
 
-        A machine that cannot go on has numbers that are not finite from there to the last row.
+        The rows of a machine that failed are not finite from the failure on.
         """
         room = _aligned(
             ((int(self._count[0]) % every) + steps) // every * self.row_size, machines()
@@ -213,7 +213,7 @@ class Ensemble:
         return np.ascontiguousarray(room.T).reshape(machines(), -1, self.row_size)
 
     def row(self) -> Array:
-        """Return the present states as rows (machines, row_size)."""
+        """Return the current states as rows (machines, row_size)."""
         room = _aligned(self.row_size, machines())
         self._library.jo_row(self._model, self._data, self._pointer(room))
         return np.ascontiguousarray(room.T)

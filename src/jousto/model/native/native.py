@@ -55,7 +55,7 @@ class Tangent:
 
 
 class SingularJoints(InputError):
-    """Error of redundant constraint rows."""
+    """Error raised for redundant or contradictory constraint rows."""
 
 
 @explained
@@ -147,7 +147,7 @@ class Engine:
     # -- evaluations -----------------------------------------------------------------------
 
     def start_states(self) -> None:
-        """Set the states of forces to their values at the beginning of a run at time, q, v."""
+        """Set the states of forces to their values at the start of a run, at time, q, v."""
         self._library.jo_start_states(self._model, self._data)
 
     def accelerations(self) -> tuple[Scalars, Scalars]:

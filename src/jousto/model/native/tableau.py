@@ -1,4 +1,4 @@
-"""Coefficients of a method of integration, as the engine has them."""
+"""Coefficients of an integration method, as stored in the engine."""
 
 from __future__ import annotations
 

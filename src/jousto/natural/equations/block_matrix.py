@@ -102,7 +102,7 @@ class Slopes:
         return np.asarray(np.einsum("kew,kew->k", self.blocks, V[self.ends.bodies]))
 
     def sizes(self, v: Array) -> Array:
-        """Return the largest term (k,) of each rate, as a scale of its round-off."""
+        """Return the largest summand (k,) of each rate, the scale of its round-off error."""
         V = np.zeros((self.ends.nb + 1, self.blocks.shape[2]))
         V[:-1] = v.reshape(self.ends.nb, -1)
         return np.asarray(np.abs(self.blocks * V[self.ends.bodies]).max(axis=(1, 2), initial=0.0))
@@ -113,7 +113,7 @@ class Slopes:
         return np.asarray((self.ends.gather @ flat).ravel())
 
     def term(self, numbers: Index, H: Array) -> Term:
-        """Return the term ``B^T H B`` of functions given by their indices."""
+        """Return the matrix ``B^T H B`` of the scalar functions with given indices."""
         return Term(self.ends.bodies[numbers], self.blocks[numbers], H)
 
 

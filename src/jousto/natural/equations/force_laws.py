@@ -1,4 +1,4 @@
-"""Laws of forces: what each does to the points and axes of markers, and its slopes."""
+"""Laws of forces: forces on the points and axes of markers, and their derivatives."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jousto.natural.equations.frames import Frames, Pose, tangent
 
 @dataclass(eq=False)
 class Instant:
-    """Where a machine is when forces are asked for.
+    """State of a machine for the evaluation of forces.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Instant:
 
 @dataclass(eq=False)
 class Action:
-    """What forces do: sums over all of them.
+    """Sums of the effects of all forces.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ def factor(signal: Any, t: float) -> float:
 
 
 def load(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a force and a torque at a marker."""
+    """Return the law of a force and a torque at a marker."""
     assert push.b is not None
     at = frames.place(push.b)
     F, T = (np.asarray(push.data[key], dtype=float) for key in ("force", "torque"))
@@ -126,7 +126,7 @@ def load(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def along(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a spring, damper, servo or actuator along a coordinate."""
+    """Return the law of a spring, damper, servo or actuator along a coordinate."""
     assert push.coordinate is not None
     place = scalars.coordinate(push.coordinate)
     k, c, free, preload, limit = (
@@ -164,7 +164,7 @@ def along(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def stop(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a push back beyond the limits of a coordinate."""
+    """Return the law of a stop at the limits of a coordinate."""
     assert push.coordinate is not None
     place = scalars.coordinate(push.coordinate)
     k, low, high, loss, speed = (
@@ -191,10 +191,10 @@ def stop(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
-    """Return ``[d, theta]`` (6,) of b against a, resolved in a, and its gradients (6, 4, 3) each.
+    """Return ``[d, theta]`` (6,) of b relative to a, resolved in a, and its gradients (6, 4, 3).
 
-    ``exp(theta~) = A_a^T A_b``; a turn ``delta`` of b against a, resolved in a, changes theta by
-    ``T(theta)^-1 delta`` with the T of ``exp(theta~)' = (T theta')~ exp(theta~)``.
+    ``exp(theta~) = A_a^T A_b``; a small rotation ``delta`` of b relative to a, resolved in a,
+    changes theta by ``T(theta)^-1 delta`` with the T of ``exp(theta~)' = (T theta')~ exp(theta~)``.
     """
     d = b[0] - a[0]
     theta = Rotation.from_matrix(a[1:] @ b[1:].T).as_rotvec()
@@ -210,7 +210,7 @@ def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
 
 
 def bushing(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a support in six directions."""
+    """Return the law of a bushing."""
     assert push.a is not None
     assert push.b is not None
     ends = np.array([frames.place(push.a), frames.place(push.b)])
@@ -238,7 +238,7 @@ def bushing(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def modal_load(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a pattern of nodal forces that turns with a body."""
+    """Return the law of a pattern of nodal forces that turns with a body."""
     assert push.body is not None
     body = frames.index(push.body)
     F, T = (np.asarray(push.data[key], dtype=float) for key in ("force", "torque"))
@@ -261,7 +261,7 @@ def modal_load(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def moving(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a force that travels along a path on a body."""
+    """Return the law of a force that travels along a path on a body."""
     assert push.reference is not None
     assert push.body is not None
     position = push.reference
@@ -291,7 +291,7 @@ def moving(push: Push, frames: Frames, scalars: Scalars) -> Law:
 
 
 def user(push: Push, frames: Frames, scalars: Scalars) -> Law:
-    """Return a force by a function of Python."""
+    """Return the law of a force computed by a Python function."""
     assert push.a is not None
     assert push.b is not None
     ends = frames.place(push.a), frames.place(push.b)

@@ -119,13 +119,13 @@ class Stepper:
         return np.asarray(out.ravel())
 
     def step(self, old: Motion) -> Motion:
-        """Return the motion one step later.
+        """Return the motion after one step.
 
         The multipliers of a step belong to the accelerations of the trapezoidal rule, which differ
         from those at the end of the step by ``h/3 q'''``. If friction or work depends on
-        multipliers, those of the equations of motion are computed after the step. The difference of
-        both, `lead`, changes little from one step to the next and is subtracted for the normal
-        forces of friction.
+        multipliers, the step is followed by a solution of the equations of motion for the
+        multipliers at its end. The difference of the two sets of multipliers, `lead`, changes
+        little from step to step; it is subtracted for the normal forces of friction.
 
         Raises
         ------

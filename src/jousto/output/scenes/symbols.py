@@ -91,7 +91,7 @@ def coil(a: Array, b: Array, size: float) -> Array:
 
 
 def ground_lines(point: Array, size: float) -> Lines:
-    """Return the support drawn below a point of ground: a triangle on hatched ground."""
+    """Return the lines of the support symbol below a ground point: a triangle on hatched ground."""
     x, y = point
     low = y - 1.5 * size
     base = [(x - 1.5 * size, low), (x + 1.5 * size, low)]

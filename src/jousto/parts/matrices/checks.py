@@ -35,7 +35,7 @@ def check_matrices(
 ) -> tuple[Sparse, Sparse, Array, int]:
     """Return checked M, K, nodes and degrees of freedom per node, or raise with all problems.
 
-    A K of several disconnected pieces is an error only if `whole`, that is without ties.
+    A K of several disconnected pieces is an error only if `whole` is True, for a part without ties.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def check_matrices(
 def points_from_blocks(M: Sparse, nodes: Array, dofs: int) -> MassPoints | None:
     """Return the mass points of a mass matrix whose blocks are rigid masses on the nodes.
 
-    The result is The result is None if M couples different nodes, or if a block is not of the form
+    The result is None if M couples different nodes, or if a block is not of the form
     ``[[m E, -m c~], [m c~, J]]``.
     """
     nn, ndof = len(nodes), M.shape[0]

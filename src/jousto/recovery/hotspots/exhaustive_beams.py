@@ -1,4 +1,4 @@
-"""Hot spots of beams: all values are computed, since a site depends on six resultants alone."""
+"""Hot spots of beams: all values are computed, since a site depends on only six resultants."""
 
 from __future__ import annotations
 

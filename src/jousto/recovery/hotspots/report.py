@@ -74,7 +74,7 @@ def certificate_lines(found: Found) -> list[str]:
 
 
 def _mesh(found: Found) -> str:
-    """Return a line on the error of the mesh in the column `+-` of the table."""
+    """Return the line that explains the column `+-` of the table, the error of the mesh."""
     if found.fields[0].strain:
         return "error of the mesh: not known for strain; use the stress"
     blind = [field.name for field in found.fields if field.modes.scatter is None]

@@ -174,7 +174,7 @@ def search(
 
 
 def _refuse_standstill(places: Index, lower: Array, upper: Array) -> None:
-    """Raise an error for sites without an exact value after two passes, which would never end."""
+    """Raise an error if sites have no exact value after two passes: the search would not end."""
     if len(places):
         k = int(places[0])
         raise JoustoError(

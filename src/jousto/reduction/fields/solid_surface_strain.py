@@ -79,7 +79,7 @@ class Weights:
 
 
 class LeavesSurface(Exception):
-    """Error of a grid that extends beyond the surface or around a sharp edge.
+    """Error raised if a grid extends beyond the surface or around a sharp edge.
 
     Attributes
     ----------

@@ -46,7 +46,7 @@ STALE = 86400.0
 
 
 class NotHashable(Exception):
-    """Error for input whose content cannot be hashed, such as a function."""
+    """Error raised for input whose content cannot be hashed, such as a function."""
 
 
 @described
@@ -99,7 +99,7 @@ class ReductionCache:
     def entries(self) -> tuple[Path, ...]:
         """Return the folders of all reductions, least recently used first.
 
-        Folders with other names or other content are no reductions.
+        Folders with other names or other content do not count as reductions.
         """
         if not self.path.is_dir():
             return ()

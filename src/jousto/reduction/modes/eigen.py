@@ -22,7 +22,7 @@ from jousto.reduction.sparse.factor import Solver
 
 
 class MissingModesError(InputError):
-    """There are fewer modes than were asked for, or none."""
+    """Error raised if there are fewer modes than requested, or none."""
 
 
 DENSE_LIMIT = 500

@@ -23,7 +23,7 @@ PIVOT = 1e-14
 
 
 class NotPositiveDefinite(Exception):
-    """Error of a factorisation with a pivot that is not positive.
+    """Error raised if a pivot of a factorisation is not positive.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class NotPositiveDefinite(Exception):
 
 
 class Backend(Protocol):
-    """The factor of one matrix."""
+    """Base of the factors of one matrix."""
 
     memory: int
 

@@ -43,7 +43,7 @@ class Front:
 
 
 class IndefiniteBlock(Exception):
-    """Error of a pivot that is not positive.
+    """Error raised if a pivot is not positive.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Step:
 
 
 def build_steps(parts: Parts) -> tuple[tuple[Step, ...], tuple[int, ...], Names]:
-    """Return the steps from the ground outward, the step index of each body, the coordinates."""
+    """Return elementary motions from the ground outward, that of each body, and the coordinates."""
     joined: dict[int, list[int]] = {}
     for k, joint in enumerate(parts.joints):
         for end in {joint.a, joint.b}:

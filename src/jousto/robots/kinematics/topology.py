@@ -196,7 +196,7 @@ def of_mechanism(mechanism: Mechanism) -> Parts:
 
 
 class _Look:
-    """Conversion of joints and coordinates of a mechanism, with indices of its bodies."""
+    """Converter of joints and coordinates of a mechanism, with indices of its bodies."""
 
     def __init__(self, numbers: dict[int, int]) -> None:
         self.numbers = numbers

@@ -67,7 +67,7 @@ def held_links(made: Robot) -> set[str]:
 def without_idle_inertia(
     add: Adder, made: Robot, whole: Robot, homes: dict[str, str]
 ) -> tuple[Link, ...]:
-    """Return merged links with inertia removed where the mass is zero; warn of these links."""
+    """Return merged links, without the inertia of links of zero mass; warn of these links."""
     empty = {link.name for link in whole.links if link.mass == 0.0}
     for link in made.links:
         if link.mass == 0.0 and homes[link.name] in empty and np.any(link.inertia != 0.0):

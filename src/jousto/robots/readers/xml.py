@@ -58,7 +58,7 @@ class Element:
 
 
 class Refused(Exception):
-    """Error of a file with forbidden contents."""
+    """Error raised for a file with forbidden content."""
 
 
 class _Builder:

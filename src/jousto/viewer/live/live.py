@@ -204,8 +204,8 @@ def live(
 ) -> Live:
     """Run a machine in real time on a page: inputs become sliders, the mouse pulls its bodies.
 
-    The pull is a spring and a damper from a point of a body to the mouse,
-    ``F = k (x - r) - c r'``, k and c from the mass that it moves (`Live.pull`).
+    The mouse pulls by a spring and a damper at a point of a body, ``F = k (x - r) - c r'``; k and c
+    depend on the effective mass of the point (`Live.pull`).
 
     Parameters
     ----------

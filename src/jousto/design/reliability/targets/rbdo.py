@@ -120,11 +120,10 @@ def rbdo(
 ) -> RbdoResult:
     """Return the design of least cost with ``P(G_i <= 0) <= Phi(-beta_i)``.
 
-    "sora" alternates (X. Du and W. Chen, *J. Mech. Des.* 126 (2004) 225-233): an optimisation
-    without scatter, with each limit state at its most probable point of the last cycle, shifted
-    with the design; then new most probable points by `pma`. "pma" and "ria" are nested: for every
-    trial design they compute the limit states on the sphere of the target, or the indices by
-    `form`.
+    "sora" alternates (X. Du and W. Chen, *J. Mech. Des.* 126 (2004) 225-233): a deterministic
+    optimisation, with each limit state at its most probable point of the last cycle, shifted with
+    the design; then new most probable points by `pma`. "pma" and "ria" are nested: for every trial
+    design they compute the limit states on the sphere of the target, or the indices by `form`.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class Redesign:
 
     @property
     def fixed(self) -> list[str]:
-        """Design variables without scatter."""
+        """Design variables that are not random."""
         return [name for name in self.designs if name not in self.variables.names]
 
     def space_at(self, d: Array, i: int) -> Space:

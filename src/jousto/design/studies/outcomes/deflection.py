@@ -20,7 +20,7 @@ from jousto.mechanism.bodies.body import FlexibleBody
 class Deflection(Outcome):
     """Largest elastic displacement of a node over the run, in the frame of another node, m.
 
-    u - (u_0|``|u - (u_0 + theta_0 x (r - r_0))|`` with the displacement u_0 and the rotation
+    The value is ``|u - (u_0 + theta_0 x (r - r_0))|`` with the displacement u_0 and the rotation
     theta_0 of the other node.
     """
 

@@ -294,7 +294,7 @@ class Damage(Outcome):
         return float(found.life.min() if self.life else found.damage.max())
 
     def _laws(self, case: Case) -> Laws:
-        """Return the S-N curve and the set options of `damage_field`."""
+        """Return the S-N curve and the given options of `damage_field`."""
         check = self._check(case)
         if self.sn is not None or check is None:
             options: Mapping[str, Any] = self.options

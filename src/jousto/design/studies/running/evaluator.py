@@ -202,7 +202,7 @@ class Evaluator:
             yield
 
     def out_of_bounds(self, x: Array) -> str:
-        """Return the sentence on a value outside its bounds; empty if there is none."""
+        """Return the message for a value outside its bounds; empty if there is none."""
         for parameter, value in zip(self.parameters, x, strict=True):
             if not np.isfinite(value):
                 return f"{parameter.name} is {value}, must be finite"

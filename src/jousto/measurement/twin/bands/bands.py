@@ -104,7 +104,7 @@ def stress_band(
     """Return the stress of sites over time with its confidence band.
 
     Components and normal stresses of planes are exact: ``s = S p`` with the covariance
-    ``S P S^T``, and the discrepancy of the model (a strain) times the modulus besides. Criteria
+    ``S P S^T``, plus the model error (a strain) times the modulus. Criteria
     are linearised,
     ``var = g^T S P S^T g``, where their second-order bias is below a twentieth of the standard
     deviation, and sampled elsewhere (near zero a von Mises stress is not normally distributed).

@@ -36,11 +36,11 @@ def drive_part(
 
     ``M_pp p'' + D p' + K p = Q_e,p + Q_v,p - C_p^T lam - M_pr r''`` with the reference motion r of
     the run (Altarriba 2010, eq. 42): the frame moves as in the run, and the reactions of the joints
-    act at their nodes, ``Phi^T A^T F + Psi^T A^T T``. The run may have had the body rigid, or with
-    fewer modes: stress of a detailed part costs no other run. What the deformation does to the
-    motion is that of the run. Newmark's method (average acceleration) over the stored instants,
-    with accelerations of the frame from differences: errors fall with the square of the output
-    step, which has to resolve the vibrations that matter.
+    act at their nodes, ``Phi^T A^T F + Psi^T A^T T``. In the run the body may be rigid or have
+    fewer modes, so that the stress of a detailed part needs no new run. The effect of the
+    deformation on the motion is that of the run. Newmark's method (average acceleration) over the
+    stored instants, with accelerations of the frame from differences: errors decrease with the
+    square of the output step, which must resolve the relevant vibrations.
 
     Parameters
     ----------
