@@ -23,7 +23,7 @@ struct jo_data {
     jo_valid valid;
     jo_split split;
 
-    /* the state, which a caller sees: one block of state_bytes, with what methods remember */
+    /* the state, visible to the caller: one block of state_bytes, including the history of methods */
     char *state;
     size_t state_bytes;
     jo_real time[1];
@@ -39,13 +39,13 @@ struct jo_data {
     jo_counts counts;
     int error_index;
 
-    /* what is integrated, and stages of a step: (nq) and (nw) */
+    /* integrated quantities, and stages of a step: (nq) and (nw) */
     jo_real *y, *w, *wd;    /* integrated quantities: q, v, a or, in joint coordinates, x, u, ud */
     int ny, nw;             /* number of positions and of velocities; the latter include the states of forces, which come last */
     jo_real *q0, *v0, *dq, *dv, *rate;
-    jo_real *acc;           /* (nw) residual of Newton's method; what damping acts on in a stage of a Rosenbrock method, dv: stiffness */
+    jo_real *acc;           /* (nw) residual of Newton's method; Rosenbrock stage: argument of the damping; dv: stiffness */
 
-    /* what the last evaluation has found */
+    /* results of the last evaluation */
     jo_work power;          /* rates, W */
     jo_real drive;          /* power of the drives, W, which power.forces includes */
     jo_work power0;         /* rates at the start of the last step, W; half of its work is added by jo_add_step_work */
@@ -56,7 +56,7 @@ struct jo_data {
     jo_joint_work *joint;
     jo_force_work *force;
 
-    /* what each room keeps */
+    /* data of each folder of the engine */
     double gh;              /* g h of the constants of set 1, s */
     jo_schur schur;
     jo_newton newton;

@@ -20,7 +20,7 @@ void jo_damage_layout(const jo_model *m, jo_data *d, jo_arena *a)
     d->damage.list = jo_take_many(a, m->nmeter ? m->nsensor : 0, sizeof *d->damage.list);
 }
 
-/* the metered sensors alone */
+/* model with the metered sensors only */
 void jo_damage_setup(const jo_model *m, jo_data *d)
 {
     jo_sensor *list = d->damage.list;

@@ -1,4 +1,4 @@
-/* fatigue_data.h - what the files of this room keep; other rooms reach it by the functions of fatigue.h. */
+/* fatigue_data.h - data of the files of this folder; other folders use the functions of fatigue.h. */
 #ifndef JO_FATIGUE_DATA_H
 #define JO_FATIGUE_DATA_H
 

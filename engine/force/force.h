@@ -11,7 +11,7 @@ typedef struct { jo_real value, rate, second; } jo_signal_work;
 typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 
-/* what the file of each kind of force defines; the rows of the kinds stand in jousto.h. */
+/* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */
 typedef struct {
     /* forces on the bodies, result in y; adds dissipated power to d->power.damping and power of forces to d->power.forces, W */
     int (*apply)(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f, jo_force_work *y);
@@ -36,8 +36,8 @@ jo_signal_work jo_signal_at(const jo_model *m, const jo_data *d, int signal, jo_
 /* force_table.c */
 int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
-jo_real jo_stored(const jo_model *m, const jo_data *d);   /* in springs, where markers and coordinates stand */
-void jo_state_nominals(const jo_model *m, double duration, double *x);   /* (nstate) sizes whose errors matter */
+jo_real jo_stored(const jo_model *m, const jo_data *d);   /* energy of springs at the present coordinates */
+void jo_state_nominals(const jo_model *m, double duration, double *x);   /* (nstate) nominal values for error control */
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 #endif

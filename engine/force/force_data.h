@@ -3,7 +3,7 @@
 #define JO_FORCE_DATA_H
 
 typedef struct {
-    struct jo_slopes_of_state *slopes;   /* (nstate) that a Rosenbrock method has in its matrix */
+    struct jo_slopes_of_state *slopes;   /* (nstate) derivatives of states in a Rosenbrock method's matrix */
 } jo_forces;
 
 #endif

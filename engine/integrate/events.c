@@ -231,12 +231,12 @@ static int events_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
             if (m->event[i].stop && *stop < 0) *stop = i;
         }
         if (d->events.logged == before) break;
-        jo_state_changed(d);   /* forces are others now */
+        jo_state_changed(d);   /* forces have changed */
         jo_forces_jumped(d);
         memcpy(d->events.below, d->events.above, (size_t)m->nevent * sizeof *d->events.below);
         const int status = watched_values(m, d, d->events.above);
         if (status != JO_OK) return status;
-        for (int i = 0; i < m->nevent; i++) {   /* changes by round-off are no crossings */
+        for (int i = 0; i < m->nevent; i++) {   /* changes by round-off do not count as crossings */
             const double jump = fabs(d->events.above[i] - d->events.below[i]), small = JO_JUMP * d->events.scale[i];
             if (crosses(m, d, i, d->events.above[i]) && !(fabs(d->events.above[i]) > small && jump > small)) d->events.above[i] = 0.0;
         }

@@ -80,12 +80,12 @@ int jo_event_happen(const jo_model *m, jo_data *d, int *chain);
 int jo_log_room(const jo_model *m);
 int jo_log_has_room(const jo_model *m, const jo_data *d);
 
-/* what happened in the last call, see jo_data_log */
+/* events of the last call, see jo_data_log */
 static inline const double *jo_log_entries(const jo_data *d) { return d->events.log; }
 static inline int jo_log_count(const jo_data *d) { return d->events.logged; }
 
 /* integrate_layout.c */
-void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a);   /* the part of it that is state */
+void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a);   /* the arrays that belong to the state */
 void jo_integrate_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
 #endif

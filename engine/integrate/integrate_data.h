@@ -34,11 +34,11 @@ typedef struct {
 /* The adaptive method: stages of its step, and what its errors are measured against. */
 typedef struct {
     jo_real *stages;        /* (7 x (2 nw + 3)) rates of increments, velocities and work in a step; see also jo_kept_rates */
-    jo_real *change;        /* (2 nw + 3) what the step changed */
+    jo_real *change;        /* (2 nw + 3) changes in the step */
     jo_real *q1, *v1, *lam1;   /* the state at its end, while rows before it are written */
     jo_real *defect[2];     /* (nv) estimated errors of increments and velocities of the bodies of a tree */
     double *extent;         /* (3 x nbody) largest speed, modal coordinates and their speed so far, (nstate) states */
-    double *nominal;        /* (nstate) size of states whose errors matter */
+    double *nominal;        /* (nstate) nominal values of states */
 } jo_adaptive;
 
 /* Generalised alpha: what it remembers of the end of its last step, and its kept factors. */
@@ -47,7 +47,7 @@ typedef struct {
     jo_real *end_time;      /* (1) */
     jo_real *whole;         /* (nv + nrow) the increment that is being shortened */
     jo_weights weights;     /* with which N was factored */
-    double aged;            /* rad, by which a body has turned since then, at most */
+    double aged;            /* largest rotation of a body since then, rad */
 } jo_alpha;
 
 /* Events and frictions that are watched, (jo_watched) each. */

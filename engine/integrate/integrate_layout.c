@@ -1,7 +1,7 @@
 /* integrate_layout.c - memory of the methods of integration and of events. */
 #include "integrate/integrate.h"
 
-/* what generalised alpha remembers is part of the state */
+/* the history of generalised alpha is part of the state */
 void jo_integrate_layout_state(const jo_model *m, jo_data *d, jo_arena *a)
 {
     jo_alpha *w = &d->alpha;

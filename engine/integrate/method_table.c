@@ -1,4 +1,4 @@
-/* method_table.c - the methods of integration: the rows of JO_METHODS in jousto.h with what their families do; one step of them. */
+/* method_table.c - integration methods: rows of JO_METHODS in jousto.h with the functions of their families; one step. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "beam/beam.h"
@@ -50,7 +50,7 @@ int jo_one_step(const jo_model *m, jo_data *d, const jo_solver *s)
     if (status != JO_OK) return status;
     if (jo_tree_active(d)) {
         if (m->nturn) jo_tree_count_turns(m, d);
-    } else if (m->nturn) {   /* without projection the coordinates are those of the last stage, near enough to count */
+    } else if (m->nturn) {   /* without projection: last stage, accurate enough to count turns */
         if (!s->projection) jo_coordinates(m, d, m->ncoordinate);
         jo_count_turns(m, d);
     }

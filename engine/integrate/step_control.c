@@ -100,7 +100,7 @@ static double state_error(const jo_model *m, jo_data *d, const jo_solver *s)
     for (int i = 0; i < m->nstate; i++) {
         const double largest = jo_larger(d->adaptive.extent[3 * m->nbody + i], fabs(JO_RE(jo_states(m, d)[i])));
         const double defect = jo_error_estimate(d, 2 * d->nw - m->nstate + i, 1);
-        if (defect == 0.0) continue;   /* such as an unused state, without size */
+        if (defect == 0.0) continue;   /* a state without size, such as an unused one */
         const double ratio = defect / (s->tolerance * jo_larger(largest, d->adaptive.nominal[i]));
         if (ratio > error || ratio != ratio) error = ratio;
         if (error != error) return error;

@@ -67,7 +67,7 @@ static void store_stage(jo_data *d, int k, const jo_real *rate)
     *work_of(d, x) = d->power;
 }
 
-/* the accelerations and the power of a stage, kept, belong to the present state again, bodies and markers do not */
+/* the stored accelerations and power of a stage are valid again for the present state; bodies and markers are not */
 void jo_restore_stage(jo_data *d, int last)
 {
     jo_real *x = d->adaptive.stages + (last ? JO_STAGES - 1 : 0) * width(d);

@@ -14,7 +14,7 @@
 #include "newton/newton.h"
 #include "integrate/integrate.h"
 
-/* the tableau in the terms that a step needs */
+/* coefficients of the tableau in the form that a step needs */
 typedef struct {
     double rate[JO_MOST_STAGES][JO_MOST_STAGES];           /* -s_ij */
     double acceleration[JO_MOST_STAGES][JO_MOST_STAGES];   /* -z_ij */
@@ -107,8 +107,8 @@ static void leave_modes(const jo_model *m, jo_data *d)
         for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
 }
 
-/* The same of beams. A stage that keeps the factors of the first one starts from its accelerations: (g h D + (g h)^2 K) v_1' is gone
- * already. */
+/* The same of beams. A stage that keeps the factors of the first one starts from its accelerations: (g h D + (g h)^2 K) v_1' has
+ * already vanished. */
 static JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
@@ -121,8 +121,8 @@ static JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w
     else jo_coupled_lag(m, d, d->rate, d->dv);
 }
 
-/* The work of a stage. To order 2 that of damping and loads is the trapezoidal rule over the ends of the step: the stages say little
- * about modes that the step does not resolve. */
+/* Work of a stage. For order 2 the work of damping and loads follows from the trapezoidal rule over the ends of the step, since
+ * stages are inaccurate for modes that the step does not resolve. */
 static JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
 {
     const double h = d->control.length, share = jo_tableau_weights(t)[k] * h;
@@ -137,10 +137,10 @@ static JO_INLINE void add_work(jo_data *d, const jo_tableau *t, const int k)
         d->power0.forces -= d->drive;
     }
     d->work.friction += share * d->power.friction;
-    d->work.forces += share * d->drive;   /* multipliers lead in stage 1 as they lag in stage 2 */
+    d->work.forces += share * d->drive;   /* the lead of the multipliers in stage 1 balances their lag in stage 2 */
 }
 
-/* stage k: where it is, its rates, its work */
+/* stage k: state, rates, work */
 static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const weights *w, const int k, jo_real t0, jo_stage *stage)
 {
     if (k) {
@@ -150,9 +150,9 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     stage->earlier = k;
     stage->rate = w->rate[k];
     stage->acceleration = w->acceleration[k];
-    stage->lead = t->order > 2 ? 0.0 : w->lead[k] * stage->gh;   /* A knows the time derivative of the forces, to order 2 */
+    stage->lead = t->order > 2 ? 0.0 : w->lead[k] * stage->gh;   /* order 2: A contains the time derivative of the forces */
     stage->second = k && t->order <= 2 && m->nbeam > 0;
-    if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* else nothing reads it */
+    if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* otherwise not used */
     push_modes(m, d, stage);
     if (k && m->nbeam) push_beams(m, d, w, k, stage);
     const int status = jo_evaluate(m, d, stage);
@@ -162,7 +162,7 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
         return status;
     }
     if (k) jo_position_rate(m, d, d->rate, d->dq);
-    else {   /* what is prescribed at the start stands since the evaluation */
+    else {   /* prescribed coordinates are already set by the evaluation at the start */
         jo_real *const q0 = d->q0, *const v0 = d->v0, *const y = d->y, *const v = d->w;
         const int ny = d->ny, nw = d->nw;
         JO_EACH(i, ny) JO_STORE(q0 + i) = JO_LOAD(y + i);
@@ -194,7 +194,7 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     return jo_close_step(m, d, s, &stage);
 }
 
-/* the rows of this family */
+/* cases of the methods of this family */
 #define JO_ROS_rosenbrock(name, order, stages, ...) \
     case JO_METHOD_##name: { \
         static const double coefficient[] = {__VA_ARGS__}; \
@@ -210,6 +210,6 @@ int jo_step_rosenbrock(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     switch (s->method) {
     JO_METHODS(JO_ROS_ROW)
-    default: return JO_NO_CONVERGENCE;   /* of another family */
+    default: return JO_NO_CONVERGENCE;   /* method of another family */
     }
 }

@@ -16,13 +16,13 @@ static JO_INLINE int lasting(const jo_tableau *t, const int k)
     return needed;
 }
 
-/* Stage k joins the sums of increments and velocities with its weight, and both move on to the next stage. Where nothing has moved
- * yet increments grow by the velocities. */
+/* Add stage k with its weight to the sums of increments and velocities, and move both to the next stage. In the first stage,
+ * without increments, their rates are the velocities. */
 static JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, double h)
 {
     jo_real *const rate = d->rate, *const dq = d->dq, *const dv = d->dv, *const w = d->w, *const v0 = d->v0, *const wd = d->wd;
     const int n = d->nw, last = k == t->stages - 1;
-    const double *a = jo_tableau_row(t, k + 1);   /* of the last stage not read */
+    const double *a = jo_tableau_row(t, k + 1);   /* row of the stage after; not used in the last stage */
     const double share = jo_tableau_weights(t)[k] * h, next = last ? 0.0 : a[k] * h;
     if (lasting(t, k)) jo_keep_rates(d, k, k ? rate : w);
     JO_EACH(i, n) {
@@ -43,7 +43,7 @@ static JO_INLINE void gather(jo_data *d, const jo_tableau *t, const int k, doubl
     }
 }
 
-/* stage k: where it is, its accelerations, the sums */
+/* stage k: state, accelerations, weighted sums */
 static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t, const int k, double h, jo_real t0, const jo_stage *stage)
 {
     const int baumgarte = jo_stabilised(stage);
@@ -84,7 +84,7 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     return jo_close_step(m, d, s, &stage);
 }
 
-/* the rows of this family */
+/* cases of the methods of this family */
 #define JO_RK_runge_kutta(name, order, stages, ...) \
     case JO_METHOD_##name: { \
         static const double coefficient[] = {__VA_ARGS__}; \
@@ -100,6 +100,6 @@ int jo_step_runge_kutta(const jo_model *m, jo_data *d, const jo_solver *s)
 {
     switch (s->method) {
     JO_METHODS(JO_RK_ROW)
-    default: return JO_NO_CONVERGENCE;   /* of another family */
+    default: return JO_NO_CONVERGENCE;   /* method of another family */
     }
 }

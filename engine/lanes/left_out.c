@@ -9,7 +9,7 @@
 #include "integrate/integrate.h"
 #include "fatigue/fatigue.h"
 
-/* memory of these rooms */
+/* memory of the omitted folders */
 void jo_beam_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
     (void)m; (void)d; (void)a;

@@ -26,7 +26,7 @@ static void lay_bodies(const jo_model *m, jo_data *d, jo_arena *a)
     }
 }
 
-/* the same of markers */
+/* arrays of the markers */
 static void lay_markers(const jo_model *m, jo_data *d, jo_arena *a)
 {
     for (int i = 0; i < m->nmarker; i++) {

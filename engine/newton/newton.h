@@ -36,7 +36,7 @@ void jo_relative_velocity(const jo_model *m, const jo_data *d, const jo_force *f
 void jo_push_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_force_work *out);
 void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const jo_real *y, jo_real (*X)[12]);
 
-/* what jo_newton_solve solves, in place: (nv + nrow), and where the unknowns of a body or joint lie in it */
+/* right-hand side and solution of jo_newton_solve: (nv + nrow), and the position of the unknowns of a body or joint in it */
 static inline jo_real *jo_newton_vector(jo_data *d) { return d->newton.x; }
 static inline int jo_newton_place(const jo_model *m, int item) { return m->node[m->place[item].node].at + m->place[item].local; }
 

@@ -53,7 +53,7 @@ static void astm(void)
     CHECK(near(damage, 2.07025146e-6, 1e-8));
     CHECK(near(jo_meter_damage(&r, memory, JO_RESIDUE_HALF, scratch), damage, 1e-14));
     CHECK(near(jo_meter_damage(&r, memory, JO_RESIDUE_IGNORE, scratch), pow(0.5, 5.0) / 1e6, 1e-14));
-    /* repeated, from the largest range on: 9, 7 and 3 inside, and the 4 that is closed already */
+    /* history repeated, starting at the largest range: cycles 9, 7 and 3, and the 4 closed before */
     double before[SIZE];
     memcpy(before, memory, sizeof before);
     const double repeated = jo_meter_damage(&r, memory, JO_RESIDUE_REPEAT, scratch);

@@ -19,7 +19,7 @@ int main(void)
     for (int t = 0; t < NT; t++) s[6 * t] = t % 2 ? 120e6 : -120e6;
     rows[0] = 1.0;                        /* across the tension: no shear */
     rows[18] = 0.5, rows[18 + 6] = 0.5;   /* at 45 degrees: half of it normal, half shear */
-    rows[36 + 1] = 1.0;                   /* along it: nothing */
+    rows[36 + 1] = 1.0;                   /* along the tension: no stress */
     for (int j = 0; j < TURNS; j++) turn[2 * j] = cos(0.25 * 3.14159265358979 * j), turn[2 * j + 1] = 0.5;
     jo_meter curve = {0};
     curve.amplitude = 100e6, curve.cycles = 1e6, curve.slope = curve.below = 5.0;

@@ -186,7 +186,7 @@ static void hang(tree *t, int i, int parent, kind which)
     if (which == HINGE || which == SLIDE) add_spring(t);
 }
 
-/* parent link: a fixed body stands for the body that it is fixed to */
+/* parent link: a fixed body is replaced by the body that it is fixed to */
 static int bears(const tree *t, int link)
 {
     while (link >= 0 && t->link[link].type == JO_LINK_FIXED) link = t->link[link].parent;
@@ -411,7 +411,7 @@ static void check_accelerations(const tree *t)
         CHECK(fabs(fabs(same) - 1.0) < 1e-13);
     }
     for (int i = 0; i < t->m.nu; i++) CHECK(fabs(joint[t->m.nx + i] - t->x[t->m.nx + i]) < 1e-13);
-    CHECK(unbalanced(t, f, d) < 1e-11);   /* forces of 100 N through seven bodies */
+    CHECK(unbalanced(t, f, d) < 1e-11);   /* round-off of forces of 100 N passed through seven bodies */
     jo_data_free(d);
 }
 
@@ -570,7 +570,7 @@ static void check_damage(void)
     for (int loose = 0; loose < 2; loose++) {
         make(&t, 3, loose);
         const double wrong[] = {NAN, INFINITY, -INFINITY, 1e300, 1e16};
-        for (int i = 0; i < t.m.nlink; i++) {   /* numbers by which links are found: without joints nothing else is looked at */
+        for (int i = 0; i < t.m.nlink; i++) {   /* numbers that identify links: without joints no other numbers are read */
             const jo_link *k = &t.link[i];
             const int loose_one = k->type == JO_LINK_FREE, turning = k->type == JO_LINK_HINGE || k->type == JO_LINK_BALL;
             if (k->body < 0 || !(loose_one || turning)) continue;
@@ -580,7 +580,7 @@ static void check_damage(void)
             }
         }
     }
-    for (int seed = 0; seed < KINDS; seed++) {   /* the last body, nothing beyond it, hangs on every kind of joint */
+    for (int seed = 0; seed < KINDS; seed++) {   /* the last body, without children, is connected by each kind of joint in turn */
         const int last = BODIES - 1;
         make(&t, (unsigned)seed, 0);
         const int type = t.link[t.m.nlink - 1].type;

@@ -12,10 +12,10 @@ typedef struct jo_reach_work jo_reach_work;
 
 /* A dense symmetric matrix S of n rows and its factors, see dense_cholesky.c. */
 typedef struct {
-    int n, ld, rank;        /* columns in memory; rows that do not repeat others */
+    int n, ld, rank;        /* columns in memory; number of independent rows */
     jo_real *S, *inverse, *y;   /* (n x ld), (n) of the pivots, (n) scratch */
-    double *scale;          /* (n) what a diagonal may be like: a pivot that vanishes against it repeats others */
-    int *order;             /* (n) rows as they were eliminated */
+    double *scale;          /* (n) scales of the diagonal: a row with a pivot far below its scale depends on others */
+    int *order;             /* (n) rows in elimination order */
 } jo_gram;
 
 /* Trees in joint coordinates, see tree.c. While a model runs in them, x and u are the state; q, v, a and lam are updated on demand. */

@@ -2,7 +2,7 @@
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
 
-/* links of a tree, with the ground, and what forces need of it */
+/* links of a tree, including the ground, and lists for forces */
 static void lay_links(const jo_model *m, jo_data *d, jo_arena *a)
 {
     jo_tree *t = &d->tree;
@@ -34,7 +34,7 @@ static void lay_loops(const jo_model *m, jo_data *d, jo_arena *a)
         if (!n) continue;
         t->ngroup++;
         g->n = n;
-        g->ld = jo_pad(n) + 8;   /* whole vectors are written from any row on */
+        g->ld = jo_pad(n) + 8;   /* padded: whole vectors are written beginning at any row */
         g->S = jo_take_reals(a, (n + 1) * g->ld);   /* and a right-hand side */
         g->inverse = jo_take_reals(a, n);
         g->y = jo_take_reals(a, n);

@@ -254,6 +254,6 @@ static inline double jo_link_sign(const jo_link *k) { return k->reversed ? -1.0 
 /* dense_cholesky.c */
 int jo_gram_factor(jo_gram *g, int *row);   /* 1, 0: a pivot vanishes, -1: it is not finite; `row` says which */
 int jo_gram_factor_pivoted(jo_gram *g, double least);   /* largest pivots first, down to `least` of their scale: 1, or -1 */
-void jo_gram_solve(const jo_gram *g, jo_real *x);   /* S x = x; 0 in rows that repeat others */
+void jo_gram_solve(const jo_gram *g, jo_real *x);   /* x = S^-1 x; 0 in dependent rows */
 
 #endif
