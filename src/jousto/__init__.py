@@ -28,5 +28,5 @@ def _gone(name: str) -> str:
 
 open_room(__name__, _gone)
 
-if "IPython" in sys.modules:  # its cells show tables and pictures
+if "IPython" in sys.modules:  # register HTML output of objects in notebook cells
     import_module("jousto.viewer.notebook").register()

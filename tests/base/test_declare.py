@@ -185,7 +185,9 @@ def test_a_unit_of_other_words_is_refused_where_the_class_is_written():
             load: Number = field("What it carries", unit="Nn/m3")
             free: Number = field("What files cannot give", unit="N or N m", file=False)
 
-    assert str(error.value) == ("Odd.load: its unit is 'Nn/m3': no unit 'Nn'; did you mean 'N'?")
+    assert str(error.value) == (
+        "Odd.load: its unit is 'Nn/m3': unknown unit 'Nn'; did you mean 'N'?"
+    )
     assert "odd" not in SECTIONS["matter of the test"]
 
 

@@ -45,7 +45,7 @@ def test_value_and_unit(text: str, value: float, unit: str) -> None:
     ("text", "message"),
     [
         ("wal", "no parameter 'wal'; did you mean 'wall'?"),
-        ("wall + 1", "0.004 m (a length) and 1 (a number) do not go together"),
+        ("wall + 1", "0.004 m (a length) and 1 (a number) have different dimensions"),
         ("wall ^ 2", "powers are written with **"),
         ("2 foo", "no unit 'foo'"),
         ("sine(1)", "no function 'sine'; did you mean 'sin'?"),
@@ -59,7 +59,7 @@ def test_value_and_unit(text: str, value: float, unit: str) -> None:
         ("n if n else n", "only numbers, names"),
         ("sqrt(1, 2)", "sqrt takes one number"),
         ("min()", "min takes one number or more"),
-        ("n % 2", "only + - * / and ** are known"),
+        ("n % 2", "only + - * / and ** are supported"),
         ("(" * 400 + "1" + ")" * 400, "is"),
         ("1 + " * 500, "longer than 1000"),
     ],

@@ -89,7 +89,7 @@ def test_lines_without_end(name: str, reader: Callable[[Path], Any], tmp_path: P
     path = tmp_path / name
     with path.open("wb") as file:  # sparse: takes no place on the disk
         file.truncate(1 << 40)
-    with pytest.raises(InputError, match=r"a line of more than 64 MB, which is no text"):
+    with pytest.raises(InputError, match=r"a line of more than 64 MB, which is not text"):
         reader(path)
 
 

@@ -25,7 +25,7 @@ def test_the_twin_of_a_model_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     text = (tmp_path / "boom.h").read_text()
     assert "extern const jo_plan boom_plan;" in text and ".damage (1): sum of Miner" in text
     assert export(str(path), "--twin", "-o", str(tmp_path / "boom.fmu")) == 2
-    assert "--twin: makes .c or .zip of a model file" in capsys.readouterr().err
+    assert "--twin: converts a model file to .c or .zip" in capsys.readouterr().err
 
 
 def test_a_model_without_a_monitor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

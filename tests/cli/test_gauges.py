@@ -123,7 +123,7 @@ def test_mistakes(folder, tmp_path):
     (tmp_path / "m.csv").write_text("time,g1 [um/m]\n0,1\n1,2\n2,4\n")
     none = jousto("gauges", folder / "bar.h5", "--measured", tmp_path / "m.csv")
     assert none.exit_code == 2
-    assert "none of its channels (g1) is called like a sensor of the run (top, low," in none.stderr
+    assert "none of its channels (g1) has the name of a sensor of the run (top, low," in none.stderr
     wrong = jousto(
         "gauges", folder / "bar.h5", "--measured", tmp_path / "m.csv", "--pair", "g1=tip"
     )

@@ -116,7 +116,7 @@ def test_a_comparison_says_by_how_much_a_method_misses() -> None:
     with pytest.raises(InputError, match="must be an Optimum"):
         jo.design.Comparison([3.0])  # type: ignore[list-item]
     other = replace(found.optima[0], values={"b": 1.0})
-    with pytest.raises(InputError, match="other parameters"):
+    with pytest.raises(InputError, match="different parameters"):
         jo.design.Comparison([found.optima[0], other])
 
 
@@ -241,7 +241,7 @@ def test_all_mistakes_are_told(model: Path) -> None:
         "its bound depends on height, which the optimisation varies",
         "an optimisation supports residue repeat and a plain S-N curve only, not residue half",
         "no check 'rot' under fatigue; did you mean 'root'?",
-        "3 kg (a mass) is no bound for stress(bar), which is in Pa",
+        "3 kg (a mass) is not a bound for stress(bar), which is in Pa",
         "needs a run at every design; the cost must follow from the dimensions",
     ]
     with pytest.raises(InputError, match="is neither an outcome nor"):

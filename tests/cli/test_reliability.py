@@ -145,7 +145,7 @@ def test_a_limit_of_what_the_machine_does_not_have(model: Path) -> None:
     code, out = jousto("reliability", model, "--limit", "last(wy) <= 1 m")
     assert code == 2 and "no sensor 'wy'; did you mean 'way'?" in out
     code, out = jousto("reliability", model, "--limit", "last(way) <= 3 kg")
-    assert code == 2 and "is no bound for last(way), which is in m" in out
+    assert code == 2 and "is not a bound for last(way), which is in m" in out
 
 
 @pytest.mark.parametrize("method", ["form", "sorm", "mc", "is", "subset"])

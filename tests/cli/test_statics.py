@@ -89,4 +89,4 @@ def test_what_is_missing_is_said(model):
     model.write_text(MODEL.replace("{type: input, name: load}", "{type: constant, value: 1}"))
     code, out = jousto("buckle", model)
     assert code == 2
-    assert "name the growing input with --input NAME; inputs: none" in out
+    assert "name the load parameter with --input NAME; inputs: none" in out

@@ -215,7 +215,7 @@ def test_what_makes_no_sense_is_said() -> None:
     for text, message in {
         "last(wy) <= 1": r"the study has no outcome 'last\(wy\)'",
         "last(way)": "a limit is an outcome, <= or >=, and a value",
-        "last(way) <= 3 kg": r"3 kg \(a mass\) is no bound for last\(way\), which is in m",
+        "last(way) <= 3 kg": r"3 kg \(a mass\) is not a bound for last\(way\), which is in m",
         "last(way) <= strength": "'strength'",
         "lost(way) <= 1": "no outcome 'lost'",
     }.items():
@@ -227,7 +227,7 @@ def test_what_makes_no_sense_is_said() -> None:
     pair = {("mass", "force"): 1.2}
     with pytest.raises(InputError, match="correlation"):
         jo.design.limit_state(study, "last(way) <= 1", correlation=pair)
-    with pytest.raises(InputError, match="parameter 'force' is one of the study, too"):
+    with pytest.raises(InputError, match="parameter 'force' is also a parameter of the study"):
         jo.design.limit_state(study, "last(way) <= 1", parameters=parameters()[1:])
     with pytest.raises(InputError, match="no random variables are given, and the limit state"):
         jo.design.form(lambda x: x["a"])

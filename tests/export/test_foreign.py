@@ -539,7 +539,7 @@ def test_a_hostile_or_foreign_archive_is_refused(tmp_path: Path, oil: Path) -> N
     with pytest.raises(jo.InputError, match=r"no such file '.*baad\.fmu'; did you mean 'bad\.fmu'"):
         jo.Fmu(tmp_path / "baad.fmu")
     (tmp_path / "no.fmu").write_bytes(b"no zip")
-    with pytest.raises(jo.InputError, match="is no zip archive of a functional mock-up unit"):
+    with pytest.raises(jo.InputError, match="is not a zip archive of a functional mock-up unit"):
         jo.Fmu(tmp_path / "no.fmu")
     with zipfile.ZipFile(oil) as old, zipfile.ZipFile(tmp_path / "win.fmu", "w") as new:
         new.writestr("modelDescription.xml", old.read("modelDescription.xml"))

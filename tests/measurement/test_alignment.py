@@ -78,7 +78,7 @@ def test_what_is_told():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert abs(jo.gauges.align(record, other, "wave", max_shift=0.2).shift) < 1e-6
-    with pytest.warns(jo.JoustoWarning, match="hardly agree anywhere"):
+    with pytest.warns(jo.JoustoWarning, match="hardly agree at any shift"):
         jo.gauges.align(record, other, "g", "noise", max_shift=0.3)
     with pytest.raises(jo.InputError) as error:
         jo.gauges.align(record, other, "flat", "nothing", max_shift=-1.0)

@@ -198,7 +198,7 @@ def test_a_beam_that_is_missing_is_named_as_such():
         ({"mass": 1.5}, "must be from 0"),
         ({"up": (1, 0, 0)}, "parallel to the beam"),
         ({"up": (0, 0, 0)}, "must have a direction"),
-        ({"corners": [9]}, "no inner node"),
+        ({"corners": [9]}, "is not an inner node"),
         ({"markers": {"start": 2}}, "a node has this name already"),
         ({"markers": {"grip": 9}}, "no node 9"),
         ({"twist": [0, 1]}, "twist has shape"),

@@ -104,7 +104,7 @@ BAD_RIGID = [
     ({"markers": {"tip": (0, 0)}}, "body 'b': markers['tip'] has shape (2,), must be (3)"),
     (
         {"markers": {"center": (0, 0, 0)}},
-        "body 'b': marker 'center': the name is taken by the body's own center",
+        "body 'b': marker 'center': the name is reserved for the body's own center",
     ),
     (
         {"markers": [(0, 0, 0)]},

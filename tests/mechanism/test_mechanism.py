@@ -212,7 +212,7 @@ def test_forces_and_torques_share_their_names():
 def test_several_gravities():
     b = ball()
     assert problems(b, pivot(b), G, Gravity((0, 0, -9.81))) == [
-        "gravity: 2 Gravity items, only one makes sense"
+        "gravity: 2 Gravity items, only one is allowed"
     ]
 
 
@@ -262,7 +262,7 @@ def test_items_that_are_no_items(rod):
     joint = pivot(b)
     found = problems(b, joint, G, ground, [b], b["tip"], rod, 3)
     assert found == [
-        "item 4: the ground is always there, leave it out",
+        "item 4: the ground always exists, leave it out",
         "item 5: is a list; write Mechanism(*items)",
         "item 6: is the marker ball.tip; give the body 'ball' instead",
         "item 7: is a ReducedPart; make a body of it, FlexibleBody(name, reduced)",

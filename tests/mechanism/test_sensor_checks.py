@@ -215,7 +215,7 @@ def test_a_joint_on_a_node_that_is_no_interface_warns(connect, where):
     found = warned(reduce(part(), few), connect)
     assert len(found) == 1
     assert found[0].startswith(
-        f"{where}: beam.node2 is no interface of part 'boom' (those are start, end): "
+        f"{where}: beam.node2 is not an interface of part 'boom' (the interfaces are start, end): "
     )
     assert "reduce it with 'node2' among the interfaces" in found[0]
     # what the sentence asks for helps, and so do many modes

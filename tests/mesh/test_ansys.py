@@ -130,7 +130,7 @@ def test_nodes_without_solid_model_entities(end: str, tmp_path: Path) -> None:
             "        4    0.000000000E+000    one",
             "cdb:8: 'one",
         ),
-        ("        3    1", "      3.5    1", "brick.cdb:7: '3.5' is no whole number"),
+        ("        3    1", "      3.5    1", "brick.cdb:7: '3.5' is not a whole number"),
     ],
 )
 def test_wrong_nodes_are_told(found: str, instead: str, sentence: str, tmp_path: Path) -> None:

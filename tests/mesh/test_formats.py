@@ -48,7 +48,7 @@ def test_no_model_file(suffix: str, tmp_path: Path) -> None:
 def test_no_geometry(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"part{suffix}"
     path.write_text("no mesh")
-    with pytest.raises(InputError, match=r"is a mesh, no geometry"):
+    with pytest.raises(InputError, match=r"is a mesh, not a geometry"):
         jo.mesh_cad(path, size=1e-2)
 
 

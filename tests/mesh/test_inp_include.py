@@ -103,7 +103,7 @@ def test_included_files_are_searched_beside_both(tmp_path: Path) -> None:
         ("2, 2, 3, 4\n", "deck.inp:5: .ELEMENT: '3, 2, 5, 3, 6' has too many"),
         ("*INCLUDE, INPUT=there.txt\n", "elements.txt:1: .INCLUDE: the included file 'there.txt'"),
         ("*INCLUDE\n", "elements.txt:1: .INCLUDE: the included file ''"),
-        ("2, 2, 3, x, 5\n", "'x' is no whole number"),
+        ("2, 2, 3, x, 5\n", "'x' is not a whole number"),
     ],
 )
 def test_wrong_includes_are_refused(tmp_path: Path, text: str, sentence: str) -> None:

@@ -316,7 +316,7 @@ def test_abaqus_deck(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("found", "instead", "sentence"),
     [
-        (" 31, 2.,", " 31, two,", r"bar.inp:4: \*NODE: ' *31, two, 0., 0.' is no node"),
+        (" 31, 2.,", " 31, two,", r"bar.inp:4: \*NODE: ' *31, two, 0., 0.' is not a node"),
         (" 5, 11, 31", " 5, 11, 77", "element 5 needs node 77, which the file does not contain"),
         (" 5, 11, 31,", " 5, 11,", "8 numbers do not make whole C3D8 elements of 9 numbers"),
         (" RANGE, 42,", " RAGNE, 42,", "'RAGNE' is neither a number nor a set"),
@@ -327,8 +327,8 @@ def test_abaqus_deck(tmp_path: Path) -> None:
         ("*STEP", "*INCLUDE, INPUT=more.inp", "the included file 'more.inp' does not exist"),
         ("*HEADING", "*INSTANCE, NAME=a, PART=b", "INSTANCE: there is no part 'b' above it"),
         (" 5, 11, 31", " 7, 11, 31", "number 7 belongs to more than one element"),
-        (" 5, 11, 31", " 5, 11.9, 31", r"\*ELEMENT: '11.9' is no whole number"),
-        (" 31, 2.,", " 31.7, 2.,", r"\*NODE: '31.7' is no whole number"),
+        (" 5, 11, 31", " 5, 11.9, 31", r"\*ELEMENT: '11.9' is not a whole number"),
+        (" 31, 2.,", " 31.7, 2.,", r"\*NODE: '31.7' is not a whole number"),
         (" 31, 2.,", f" {10**19}, 2.,", f"'{10**19}' is too large for a number"),
         (" EVERYTHING, S2", " EVERYTHING, S9", "face 9 of element 7; a hexahedron has 6"),
         ("*Nset, nset=range,", "*Nset,", r"\*NSET: has no name; add NSET="),
@@ -404,7 +404,7 @@ def test_fractions_in_gmsh_files(tmp_path: Path) -> None:
     assert jo.read_mesh(path).volume == pytest.approx(1 / 6)
     for found, instead in (("1 1 1 2 3 4", "1 1 1 2 3.5 4"), ("\n3 0 1 0", "\n3.5 0 1 0")):
         path.write_text(text.replace(found, instead))
-        with pytest.raises(InputError, match=r"'3\.5' is no whole number"):
+        with pytest.raises(InputError, match=r"'3\.5' is not a whole number"):
             jo.read_mesh(path)
     # an element in two groups stands there twice; another element may not have its number
     path.write_text(

@@ -115,7 +115,7 @@ def test_without_a_wish_the_fastest_build_runs(monkeypatch):
 
 def test_unknown_and_impossible_builds_are_told(monkeypatch):
     monkeypatch.setenv("JOUSTO_CPU", "v9")
-    with pytest.raises(jo.InputError, match="JOUSTO_CPU: is 'v9'; known are baseline, v3"):
+    with pytest.raises(jo.InputError, match="JOUSTO_CPU: is 'v9'; allowed: baseline, v3"):
         library.real_library.__wrapped__()
     monkeypatch.setitem(library.BUILDS, "v3", 99)
     monkeypatch.setenv("JOUSTO_CPU", "v3")

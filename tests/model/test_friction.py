@@ -402,7 +402,7 @@ def test_lengths_that_carry_nothing_get_a_sentence():
     with pytest.raises(jo.InputError, match="a prismatic joint does not turn"):
         jo.Friction("rub", slide, 0.1, radius=0.1)
     pin = jo.Cylindrical("pin", jo.ground["origin"], body["origin"])
-    with pytest.raises(jo.InputError, match="no force along its axis that could press a collar"):
+    with pytest.raises(jo.InputError, match="no force along its axis that could load a collar"):
         jo.Friction("rub", pin, 0.1, radius=0.1, collar_radius=0.1)
     with pytest.raises(jo.InputError, match="velocity is 0 m/s"):
         jo.mechanism.Regularised(0.0)

@@ -141,7 +141,7 @@ def test_what_is_wrong_is_said():
     assert "position" in text
     with pytest.raises(jo.InputError, match="two nodes or more"):
         jo.mechanism.MovingLoad("load", body, "start", (0, 0, 1), 0.0)
-    with pytest.raises(jo.InputError, match="follow one another"):
+    with pytest.raises(jo.InputError, match="two successive corners"):
         jo.mechanism.MovingLoad("load", body, ("end", "end"), (0, 0, 1), 0.0)
 
 

@@ -9,14 +9,14 @@ import pytest
 from natural.gallery import FOLDER, MACHINES, motion
 
 PAGE = Path(__file__).parents[2] / "docs" / "verify-gallery.md"
-STICKS, BEAMS = "does not know StickSlip", "does not know exact beams"
+STICKS, BEAMS = "does not support StickSlip", "does not support exact beams"
 UNKNOWN = {
     "belt_friction.yaml": STICKS,
     "lcd_robot": STICKS,
     "steel_strip.yaml": BEAMS,
     "beam_benchmarks": BEAMS,
     "robot_hose": BEAMS,
-    "spin_up.yaml": "does not know second-order displacements",
+    "spin_up.yaml": "does not support second-order displacements",
     "slewing_limit": "does not stop at events",
 }
 WEIGHTLESS = "study_pendulum"  # all of its bob in a point: 1e-9 kg m2

@@ -20,7 +20,7 @@ from natural.machines import differences, everything, read, rod, rssr
 SAME = 1e-8
 # compile closes velocities that joints change, and says so
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*contradict the joints", "ignore:.*is no interface"
+    "ignore:.*contradict the joints", "ignore:.*is not an interface"
 )
 
 

@@ -45,7 +45,7 @@ def test_damaged_full_file(tmp_path: Path) -> None:
     path = tmp_path / "job.full"
     nodes = np.zeros((321, 3))
     path.write_text("not a full file at all\n" * 30)
-    with pytest.raises(InputError, match="job.full: is no Ansys .full file"):
+    with pytest.raises(InputError, match="job.full: is not an Ansys .full file"):
         jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(Path(examples.rstfile).read_bytes())
     with pytest.raises(InputError, match="is a binary file of Ansys of another kind"):
@@ -55,5 +55,5 @@ def test_damaged_full_file(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=f"job.full: is truncated: {message}"):
             jo.parts.read_matrices(path, nodes=nodes)
     path.write_bytes(b"")
-    with pytest.raises(InputError, match="job.full: is no Ansys .full file"):
+    with pytest.raises(InputError, match="job.full: is not an Ansys .full file"):
         jo.parts.read_matrices(path, nodes=nodes)

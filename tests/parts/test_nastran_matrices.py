@@ -101,11 +101,11 @@ def test_damaged_files(tmp_path: Path) -> None:
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
     with pytest.raises(
-        InputError, match="rod.op4: (is no OP4 file, or it is truncated|contains no)"
+        InputError, match="rod.op4: (is not an OP4 file, or it is truncated|contains no)"
     ):
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     path.write_text("solid brick\n")
-    with pytest.raises(InputError, match="rod.op4: (is no OP4 file|holds no matrix)"):
+    with pytest.raises(InputError, match="rod.op4: (is not an OP4 file|holds no matrix)"):
         jo.parts.read_matrices(path, nodes=ROD.nodes)
     write_op4(path, KAA=ROD.K, PHI=ROD.M)
     with pytest.raises(InputError, match="contains no matrix M .* it has KAA, PHI"):

@@ -328,7 +328,7 @@ def test_refused_by_the_part(functions: Any, message: str) -> None:
     ("make", "message"),
     [
         (lambda: ShapeFunctions([]), "functions is empty"),
-        (lambda: ShapeFunctions(3.0), "function 3.0 is no shape function: give BeamFunctions"),
+        (lambda: ShapeFunctions(3.0), "function 3.0 is not a shape function: give BeamFunctions"),
         (lambda: ShapeFunctions(np.array([1.0, np.inf])), "columns of shape functions"),
         (lambda: ShapeFunctions(square, modes=0), "modes"),
         (lambda: BeamFunctions("clamped", 2), "ends is 'clamped'"),

@@ -87,7 +87,7 @@ bodies:
     text = "\n".join(found)
     for part in (
         "'a' and 'b' depend on one another",
-        "c.bounds.0: 1 (a number) and 0.003 m (a length) do not go together",
+        "c.bounds.0: 1 (a number) and 0.003 m (a length) have different dimensions",
         "no unit 'foo'",
         "value is 3, must be between 4 and 5",
         "no distribution 'normel'; did you mean 'normal'?",

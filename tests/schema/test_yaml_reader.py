@@ -152,8 +152,8 @@ SYNTAX = {
 OTHERS = {
     "%YAML 1.1\n---\na: yes\n": "model:1: is YAML 1.1, in which words mean other things; model "
     "files are 1.2",
-    "a: \x01\n": "model:1: contains '\\x01', which no text of YAML has: leave it out",
-    "b: 1\na: \ud800": "model:2: contains '\\ud800', which no text of YAML has: leave it out",
+    "a: \x01\n": "model:1: contains '\\x01', which YAML does not allow: leave it out",
+    "b: 1\na: \ud800": "model:2: contains '\\ud800', which YAML does not allow: leave it out",
     "a: !x 1": "model:1: a: unknown tag !x",
 }
 

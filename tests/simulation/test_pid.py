@@ -183,7 +183,7 @@ def test_equilibrium_is_where_the_controller_wants_it(core: str, method: Any) ->
 def test_a_limited_controller_rests_where_its_limit_does() -> None:
     """cos(angle) = limit / (m g l), below the reference."""
     model = jo.compile(arm(limit=5.0))
-    with pytest.warns(jo.JoustoWarning, match=r"'hold' is at a limit of its force and rests 1\."):
+    with pytest.warns(jo.JoustoWarning, match=r"'hold' is at a limit of its force and stays 1\."):
         rest = jo.equilibrium(model)
     engine = Engine(model)
     engine.q[:], engine.v[:] = rest.q, 0.0
@@ -199,7 +199,7 @@ def test_what_has_no_rest_is_one_sentence() -> None:
     wheel = jo.RigidBody("wheel", 1.0, (0.01, 0.01, 0.02))
     axle = jo.Revolute("axle", jo.ground["origin"], wheel["origin"])
     motor = jo.mechanism.SpeedPID("motor", axle.angle, 5.0, kp=0.1, ki=1.0)
-    with pytest.raises(jo.SimulationError, match="'motor' wants a speed other than 0"):
+    with pytest.raises(jo.SimulationError, match="'motor' has a reference speed other than 0"):
         jo.equilibrium(jo.compile(jo.Mechanism(wheel, axle, motor)))
     integral = jo.compile(arm(kp=0.0, ki=8.0, kd=0.0, tracking=0.3, limit=10.0))
     with pytest.raises(jo.SimulationError):  # unstable there: gravity is stiffer than kp
@@ -389,8 +389,8 @@ def test_the_command_shows_the_force_at_rest(
         ({"limit": None, "lower": 0.0}, "lower goes with limit"),
         ({"lower": 2.0}, "lower is 2, must be below the limit of 1.5"),
         ({"ki": -1.0}, "ki is -1, must not be negative"),
-        ({"limit": -1.0}, "limit is -1, must not be negative; None is no limit"),
-        ({"limit": 0.0}, "limit is 0: it does nothing; for pulling alone give lower, too"),
+        ({"limit": -1.0}, "limit is -1, must not be negative; None for no limit"),
+        ({"limit": 0.0}, "limit is 0: the controller has no effect; for a force that only"),
         ({"filter": 0.0}, "filter is 0 s, must be positive"),
     ],
 )

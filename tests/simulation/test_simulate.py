@@ -489,7 +489,7 @@ def test_round_off_is_no_energy_error():
     assert jo.simulate(jo.compile(mechanism), 10.0, solver=jo.RK4(1e-3)).complete
 
 
-@pytest.mark.filterwarnings("ignore:.*is no interface")
+@pytest.mark.filterwarnings("ignore:.*is not an interface")
 def test_a_blow_up_is_not_taken_for_redundant_joints(rod):
     """Baumgarte terms far too stiff for the step tear a tree apart that has no redundancy."""
     a = jo.FlexibleBody("a", rod)

@@ -40,7 +40,7 @@ def test_a_spinning_disc_whirls_forwards_and_backwards(spin: float) -> None:
 
 
 def test_modes_at_rest_of_a_spinning_disc_say_what_they_leave_out() -> None:
-    with pytest.warns(jo.JoustoWarning, match=r"'disc' turns with 40 rad/s.*damped=True") as said:
+    with pytest.warns(jo.JoustoWarning, match=r"'disc' rotates at 40 rad/s.*damped=True") as said:
         found = jo.modes(disc(40.0))
     assert len(said) == 1
     # those of the disc that stands still: k = J w^2, twice

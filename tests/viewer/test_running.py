@@ -231,4 +231,4 @@ def test_other_files_have_no_ranges(tmp_path: Path) -> None:
     model = Path(__file__).parents[2] / "examples" / "crane.yaml"
     words = ["export", str(model), "-o", str(tmp_path / "crane.c"), "--input", "a=0..1"]
     found = CliRunner().invoke(app, words)
-    assert found.exit_code and "--input is of files .html" in found.output
+    assert found.exit_code and "--input applies to .html files only" in found.output

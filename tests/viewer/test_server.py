@@ -211,7 +211,7 @@ def test_other_methods_and_garbage_do_not_hurt(server: Server) -> None:
         ("{", "is not JSON"),
         ("", "is not JSON"),
         ("[" * 100_000, "is not JSON"),
-        ('{"id": 1, "ask": "rows", "first": NaN}', "NaN is no number"),
+        ('{"id": 1, "ask": "rows", "first": NaN}', "NaN is not a number"),
         ("[1, 2]", "must be an object"),
         ('"text"', "must be an object"),
         ("{}", "needs its number"),

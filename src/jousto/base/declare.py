@@ -80,7 +80,8 @@ class Declared:
         if by_value is not None:
             cls.by_value = by_value
         said = {key: value for key, value in vars(cls).items() if isinstance(value, Facts)}
-        here = sys._getframe(1)  # where the class is written: its annotations mean names of there
+        # frame of the class statement, whose names the annotations refer to
+        here = sys._getframe(1)
         while here.f_back and here.f_globals.get("__name__") == "abc":
             here = here.f_back
         types = inspect.get_annotations(
@@ -105,14 +106,14 @@ class Declared:
         inherited = [vars(base).get("fields", {}) for base in reversed(cls.__mro__[1:])]
         cls.fields = {key: kind for some in (*inherited, own) for key, kind in some.items()}
         cls.spread = tuple(key for key, kind in cls.fields.items() if kind.spread)
-        # dataclasses look words up in the module, which code that is only executed has not
+        # dataclasses look up annotations in the module, which does not exist for code run by exec
         words = cls.__module__ in sys.modules
         cls.__annotations__ = {key: made.annotation if words else Any for key, made in own.items()}
         own_repr = "__repr__" in vars(cls)
         shown = cls.by_value and not own_repr
         dataclasses.dataclass(frozen=True, eq=cls.by_value, repr=shown)(cls)
         _answer(cls)
-        for key in own:  # defaults live in the constructor alone
+        for key in own:  # defaults belong to the constructor only
             if key in vars(cls):
                 delattr(cls, key)
         for key in [key for key, value in vars(cls).items() if value is MISSING]:
@@ -178,7 +179,8 @@ def _answer(cls: Any) -> None:
         try:
             made(self, *given, **named)
         except TypeError as error:
-            if error.__traceback__ is None or error.__traceback__.tb_next:  # not of this call
+            # the TypeError was raised inside the constructor, not by this call
+            if error.__traceback__ is None or error.__traceback__.tb_next:
                 raise
             raise _refused(cls, given, named) from None
 

@@ -278,7 +278,7 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     # names given by the user come before names of numbered nodes
     known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"n(ode)?\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
-    if not near:  # other capitals, such as PID for pid
+    if not near:  # another capitalisation, such as PID for pid
         small = {one.lower(): one for one in known}
         near = [small[x] for x in difflib.get_close_matches(str(name).lower(), small, n=1)]
     if near:

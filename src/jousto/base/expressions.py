@@ -200,7 +200,7 @@ def _value(node: ast.AST, known: Mapping[str, Quantity], used: set[str]) -> Quan
             raise ExpressionError(f"no function {name!r}{suggest(name, FUNCTIONS)}")
         return _called(name, [_value(argument, known, used) for argument in node.args])
     raise ExpressionError(
-        "only numbers, names, + - * / ** ( ) and functions such as sqrt(x) may stand here"
+        "only numbers, names, + - * / ** ( ) and functions such as sqrt(x) are allowed here"
     )
 
 
@@ -243,7 +243,7 @@ def _operation(sign: ast.operator, a: Quantity, b: Quantity) -> Quantity:
         return Quantity(power(a.value, b.value), exponents)
     if type(sign) not in OPERATIONS:
         hint = "; powers are written with **" if isinstance(sign, ast.BitXor) else ""
-        raise ExpressionError(f"only + - * / and ** are known{hint}")
+        raise ExpressionError(f"only + - * / and ** are supported{hint}")
     work, sense = OPERATIONS[type(sign)]
     if not sense:
         _alike([a, b])
@@ -255,7 +255,7 @@ def _operation(sign: ast.operator, a: Quantity, b: Quantity) -> Quantity:
 def _alike(values: list[Quantity]) -> None:
     for other in values[1:]:
         if other.exponents != values[0].exponents:
-            raise ExpressionError(f"{values[0].said} and {other.said} do not go together")
+            raise ExpressionError(f"{values[0].said} and {other.said} have different dimensions")
 
 
 ANGLE = (0.0, 0.0, 0.0, 1.0)

@@ -32,7 +32,7 @@ KINDS = {
 ENDLESS = 1 << 26
 """Largest length of a line of text, bytes."""
 
-ENDLESS_LINE = f"a line of more than {ENDLESS >> 20} MB, which is no text"
+ENDLESS_LINE = f"a line of more than {ENDLESS >> 20} MB, which is not text"
 
 POINTER = b"version https://git-lfs.github.com/spec/"
 """Beginning of the pointer that Git LFS stores in place of a large file."""

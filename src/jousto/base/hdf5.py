@@ -84,7 +84,7 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
         file = opened(path)
     except DAMAGE as error:
         if path.is_file() and not h5py.is_hdf5(path):
-            told = f"not {what}: it is no HDF5 file, because it is damaged or of another kind"
+            told = f"not {what}: it is not an HDF5 file, because it is damaged or of another kind"
         else:
             told = f"not readable as HDF5, damaged ({said(error)})"
         raise InputError(Problem(str(path), told)) from error
@@ -140,7 +140,7 @@ class Group:
         here = self._group
         for step in name.split("/"):
             if not isinstance(here, h5py.Group):
-                raise ValueError(f"{_name(here)} is no group")
+                raise ValueError(f"{_name(here)} is not a group")
             here = _step(here, step)
         return Group(here) if isinstance(here, h5py.Group) else _checked(here)
 
@@ -156,14 +156,14 @@ class Group:
         """Yield names and groups within a subgroup."""
         for key, found in self.group(name).items():
             if not isinstance(found, Group):
-                raise ValueError(f"{name}/{key} is no group")
+                raise ValueError(f"{name}/{key} is not a group")
             yield key, found
 
     def group(self, name: str) -> Group:
         """Return a subgroup."""
         found = self[name]
         if not isinstance(found, Group):
-            raise ValueError(f"{name} is no group")
+            raise ValueError(f"{name} is not a group")
         return found
 
     def array(
@@ -187,7 +187,7 @@ class Group:
 def check_dataset(dataset: Any, shape: tuple[int | None, ...], kinds: str = "f") -> None:
     """Raise ValueError unless a data set has a shape (None: any length) and kind of numbers."""
     if not isinstance(dataset, h5py.Dataset):
-        raise ValueError(f"{_name(getattr(dataset, '_group', dataset))} is no data set")
+        raise ValueError(f"{_name(getattr(dataset, '_group', dataset))} is not a data set")
     found = dataset.shape
     fits = (
         found is not None
@@ -217,7 +217,7 @@ def _step(group: h5py.Group, name: str) -> Any:
 
 def _checked(dataset: Any) -> Any:
     if not isinstance(dataset, h5py.Dataset):
-        raise ValueError(f"{_name(dataset)} is no data set")
+        raise ValueError(f"{_name(dataset)} is not a data set")
     plist = dataset.id.get_create_plist()
     if plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL:
         raise ValueError(f"{_name(dataset)} keeps its data in another file")

@@ -147,7 +147,9 @@ def check_unit(problems: Problems, where: str, unit: str) -> None:
     """Report unknown words in the unit of a field."""
     for word in re.findall(r"[^\W\d_]+", unit):
         if word not in vocabulary():
-            problems.add(where, f"its unit is {unit!r}: no unit {word!r}{suggest(word, COMMON)}")
+            problems.add(
+                where, f"its unit is {unit!r}: unknown unit {word!r}{suggest(word, COMMON)}"
+            )
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
@@ -188,7 +190,7 @@ def parse_unit(text: str) -> Any:
 
     plain = text.replace("%", "percent").replace("°", "deg").replace("µ", "u").replace("μ", "u")
     plain = re.sub("[·⋅×]", "*", plain).replace("^", "**")
-    # cm3, cm³ and s-1 are powers; g0 is none
+    # cm3, cm³ and s-1 are powers; g0 is not
     plain = re.sub(r"([A-Za-z])([-⁻]?[¹²³⁴]|-?[1-9])", _power, plain)
     if plain.startswith("/"):
         plain = "1" + plain
@@ -220,7 +222,7 @@ def quantity(value: Any, unit: str) -> float:
     Raises
     ------
     UnitError
-        If the value is no number, not finite, or of another dimension.
+        If the value is not a number, not finite, or of another dimension.
 
     Examples
     --------

@@ -128,7 +128,7 @@ def family_of(full: FullModel, names: tuple[str, ...], limit: float | None, run:
         return Family(full, modes_, omega2, np.zeros((n, 0)), np.eye(n), np.zeros(0))
     values, Y = scipy.linalg.eigh(Z.T @ (omega2[:, None] * Z), Z.T @ Z)
     fixed = Z @ Y
-    # motions without energy together with the fixed modes
+    # motions without coupling energy to the fixed-interface modes
     static = scipy.linalg.null_space((omega2[:, None] * fixed).T / values[:, None], rcond=1e-10)
     f = np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
     return Family(full, modes_, omega2, fixed, static, f)

@@ -309,7 +309,7 @@ def _parameter(compiled: Any, given: str | None, model: Path) -> str:
     raise InputError(
         Problem(
             model.name,
-            f"name the growing input with --input NAME; inputs: {have}; others: gravity, time. "
+            f"name the load parameter with --input NAME; inputs: {have}; others: gravity, time. "
             "A load grows "
             "with signal: {type: input, name: NAME}",
         )
@@ -319,7 +319,7 @@ def _parameter(compiled: Any, given: str | None, model: Path) -> str:
 def _default_component(compiled: Any, model: Path) -> str:
     if not compiled.sensors:
         raise InputError(
-            Problem(model.name, "has no sensor to draw the load over; add a position sensor")
+            Problem(model.name, "has no sensor to plot the load against; add a position sensor")
         )
     sensor = compiled.sensors[0]
     return str(sensor.name) if sensor.count == 1 else f"{sensor.name}.{min(1, sensor.count - 1)}"

@@ -93,9 +93,11 @@ def export(
         shown = what if what == "results" else f"a {what}"
         raise InputError(Problem(str(output), f"must end with {endings} to export {shown}"))
     if suffix != ".fmu" and (on or fmi != 3 or derivatives):
-        raise InputError(Problem(str(output), "--fmi, --on and --derivatives are of files .fmu"))
+        raise InputError(
+            Problem(str(output), "--fmi, --on and --derivatives apply to .fmu files only")
+        )
     if suffix != ".html" and inputs:
-        raise InputError(Problem(str(output), "--input is of files .html"))
+        raise InputError(Problem(str(output), "--input applies to .html files only"))
     if names and (what != "results" or suffix != ".csv"):
         shown = f"a {what}" if what != "results" else f"a file {suffix}"
         raise InputError(Problem(names[0], f"{shown} has no sensors to name"))
@@ -130,7 +132,7 @@ def _twin(file: Path, output: Path, what: str, trust: bool) -> None:
     from jousto.schema.read import read_model
 
     if what != "model" or output.suffix.lower() == ".fmu":
-        raise InputError(Problem("--twin", "makes .c or .zip of a model file"))
+        raise InputError(Problem("--twin", "converts a model file to .c or .zip"))
     found = read_model(file, trust=trust)
     if found.monitor is None:
         raise InputError(

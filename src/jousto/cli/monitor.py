@@ -113,8 +113,7 @@ def reference_run(file: ModelFile, model: Path, quiet: bool) -> Any:
         raise InputError(
             Problem(
                 model.name,
-                "monitor: reference: run needs to know how long to simulate; add "
-                "simulation: {t_end: 10 s}",
+                "monitor: reference: run needs a simulation time; add simulation: {t_end: 10 s}",
             )
         )
     if not quiet:

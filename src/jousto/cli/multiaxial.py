@@ -172,7 +172,7 @@ def _residue(residue: str | None) -> Any:
         raise InputError(
             Problem(
                 "--residue",
-                "is missing: half (ASTM), repeat (the run comes again and again) or ignore; lives "
+                "is missing: half (ASTM), repeat (the run is repeated) or ignore; lives "
                 "may differ tenfold",
             )
         )

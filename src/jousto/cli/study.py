@@ -171,7 +171,7 @@ def _points(
     rest = [k for k, p in enumerate(parameters) if p.name not in axes]
     if not rest:
         if samples is not None:
-            raise InputError(Problem("--samples", "nothing is sampled: all values are listed"))
+            raise InputError(Problem("--samples", "has no effect: all parameter values are listed"))
         return grid
     if samples is None and not axes:
         raise InputError(Problem("--samples", "give the number of samples, --samples 100"))

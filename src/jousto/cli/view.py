@@ -97,6 +97,6 @@ def damage_of(path: Path, sn: str | None, residue: str | None) -> list[DamageFie
     run = read(path)
     if type(run).__name__ != "Solution":
         raise InputError(
-            Problem(str(path), "has no damage: it is counted over the stress of a run")
+            Problem(str(path), "has no damage: damage is counted from the stress of a run")
         )
     return check_fields(run, sn, residue)

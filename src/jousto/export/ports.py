@@ -277,8 +277,8 @@ def refuse(model: Model) -> None:
     problems = [
         Problem(
             f"force {force.name!r}",
-            "is a function of Python, which no program outside of Python can call; "
-            "use an element with a law of its own, or an Input",
+            "is a Python function, which an exported program cannot call; use a force element "
+            "with its own law, or an Input",
         )
         for force in model.forces
         if force.function is not None

@@ -63,7 +63,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
                 problems.add(name, "given twice, leave one out")
             seen.add(id(item))
         elif isinstance(item, Ground):
-            problems.add(place, "the ground is always there, leave it out")
+            problems.add(place, "the ground always exists, leave it out")
         elif isinstance(item, list | tuple):
             problems.add(place, f"is a {type(item).__name__}; write Mechanism(*items)")
         elif isinstance(item, Marker):
@@ -78,7 +78,7 @@ def check_items(problems: Problems, items: tuple[Any, ...]) -> None:
             )
     different = {id(x) for x in items if isinstance(x, Gravity)}
     if len(different) > 1:
-        problems.add("gravity", f"{len(different)} Gravity items, only one makes sense")
+        problems.add("gravity", f"{len(different)} Gravity items, only one is allowed")
     if not any(isinstance(x, RigidBody | FlexibleBody | BeamBody) for x in items):
         problems.add("mechanism", "has no bodies")
 
@@ -559,7 +559,8 @@ def warn_interfaces(mechanism: Members) -> None:
             if marker.node not in nodes and reduced.n < 3 * len(reduced.nodes) - 6:
                 warn(
                     where(item),
-                    f"{marker.label} is no interface of part {reduced.name!r} (those are "
+                    f"{marker.label} is not an interface of part {reduced.name!r} (the "
+                    "interfaces are "
                     f"{', '.join(reduced.interfaces)}): its modes do not contain the deformation "
                     f"of the body under a force there; reduce it with {place} among the "
                     f"interfaces, or "

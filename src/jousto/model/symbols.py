@@ -27,7 +27,7 @@ from jousto.mechanism.sensors.bridge import Bridge
 from jousto.mechanism.sensors.gauge import Attached
 from jousto.model.symbol_record import NO_TURN, SymbolPoint, SymbolShape
 
-MOST_SITES = 32  # places of stress that get a symbol
+MOST_SITES = 32  # maximum number of stress sites with a symbol
 
 
 def symbols(mechanism: Mechanism, index: Mapping[int, int]) -> tuple[SymbolShape, ...]:
@@ -74,7 +74,8 @@ class Symbols(Sequence[SymbolShape]):
         return f"<Symbols {self._given[0].name!r}: {count(len(self), 'symbol')}>"
 
     def __reduce__(self) -> Any:
-        return tuple, (self._made,)  # bodies have other ids elsewhere
+        # pickle the symbols, not the maker: bodies have other ids in another process
+        return tuple, (self._made,)
 
 
 class SymbolMaker:
@@ -122,7 +123,8 @@ class SymbolMaker:
         points, axis = self._sensed(sensor)
         if points:
             text = f"{sensor.name}: {sensor.description}"
-            kind = "force-sensor" if sensor.tag == "force" else sensor.tag  # it is no force
+            # the tag of the sensor is also that of a force
+            kind = "force-sensor" if sensor.tag == "force" else sensor.tag
             yield SymbolShape(
                 sensor.name, kind, "sensor", points, axis, text=text, sensor=sensor.name
             )
@@ -226,7 +228,7 @@ class SymbolMaker:
             return (self.point(of),), None
         if isinstance(of, Coordinate):
             return self._along([of])
-        if isinstance(of, Joint):  # on the body of b, whose reaction it is
+        if isinstance(of, Joint):  # position on the body of marker b, on which the reaction acts
             return (self.point(of.frames[1]),), None
         if isinstance(of, Coupler):
             return self._along(of.coordinates)

@@ -140,7 +140,9 @@ class _Tree:
                 self._grow(body, near)
         if self.model.frictions and (rest := cut_joints(self.model, self.made)):
             friction, joint = self.model.frictions[0].name, self.model.joints[rest[0]].name
-            raise _Unfit(f"friction '{friction}' is beside '{joint}', which is no link of a tree")
+            raise _Unfit(
+                f"friction '{friction}' is beside '{joint}', which is not a link of a tree"
+            )
         self._note_locks()
         return tuple(self.made)
 

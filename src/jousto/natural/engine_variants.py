@@ -140,7 +140,8 @@ def contrasting_method(solver: Solver, model: Model) -> Any:
     """Return a method that differs from this one as much as possible."""
     if not solver.needs_tangent:
         return GeneralizedAlpha()
-    if model.beams:  # index 3 or projection, the opposite, with more numerical damping
+    # the other formulation of constraints (index 3 or projection), with more numerical damping
+    if model.beams:
         index = not solver.projection
         return GeneralizedAlpha(rho=0.6, projection=index)
     return ROS2()

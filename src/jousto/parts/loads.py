@@ -178,9 +178,7 @@ def _spread(
         if np.linalg.eigvalsh(J)[0] < 1e-10 * np.trace(J):
             problems.add(
                 label,
-                "has a moment, but the faces lie on a line; pick a wider surface; "
-                "pick a wider "
-                "surface",
+                "has a moment, but the faces lie on a line; pick a wider surface",
             )
             return
         t = t + np.cross(np.linalg.solve(J, known["moment"]), r)

@@ -160,7 +160,7 @@ def derivatives(
     values = list(np.ravel(np.asarray(f(jets), dtype=object)))
     out = np.zeros((3, k, len(values)), dtype=kind)
     for i, value in enumerate(values):
-        # values that are no jets are constants, with zero derivatives
+        # values that are not jets are constants, with zero derivatives
         if isinstance(value, Jet):
             out[:, :, i] = value.c[1]
     return out[0], out[1], out[2]

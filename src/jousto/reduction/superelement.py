@@ -248,7 +248,7 @@ def _elastic(
             raise InputError(Problem(where, message, path=("modes",)))
         good = min(good, modes)
     if not good:
-        raise InputError(Problem(where, "no elastic mode is left; ask for more"))
+        raise InputError(Problem(where, "no elastic mode is left; request more modes"))
     X = scale[:, None] * scipy.linalg.solve_triangular(C.T, Y[:, :good], lower=False)
     X /= np.sqrt(mu[:good])
     if modes is None and frequency_limit is None and good < len(mu):

@@ -30,7 +30,7 @@ def add_damage(bodies: Sequence[Body], fields: Sequence[DamageField]) -> tuple[B
         body = found[one.body]
         if one.nodes is None or body.nodes is None:
             raise InputError(
-                Problem("damage", f"of '{one.body}' is at places that are no nodes of the body")
+                Problem("damage", f"of '{one.body}' is at places that are not nodes of the body")
             )
         count = int(max(body.nodes.max(), one.nodes.max() + 1))
         there = one.nodes >= 0

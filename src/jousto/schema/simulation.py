@@ -22,20 +22,20 @@ class Simulation(Declared):
     """Arguments of `simulate`, and options of `compile`."""
 
     t_end: Duration = field("End time")
-    solver: SolverField = field("The integrator; that of `simulate` if not given", default=None)
+    solver: SolverField = field("Integration method; by default that of `simulate`", default=None)
     output_step: OptionalDuration = field(
-        "Distance of the recorded times; that of `simulate` if not given", default=None
+        "Time between stored instants; by default that of `simulate`", default=None
     )
     start: Choice = field(
-        "From the initial pose, from the position of rest near it (`equilibrium`), or with elastic "
-        "bodies bent as the motion bends them (`vibration_free_state`)",
+        "Initial state: the initial pose, the equilibrium near it (`equilibrium`), or elastic "
+        "bodies with their quasi-static shape (`vibration_free_state`)",
         words=STARTS,
         default="initial",
     )
 
     core: Choice = field(
-        "What runs it: joint coordinates (`joint`), the positions of all bodies (`maximal`), or "
-        "the faster of them (`auto`)",
+        "Coordinates of the solver: joint coordinates (`joint`), positions of all bodies "
+        "(`maximal`), or the faster choice (`auto`)",
         words=CORES,
         default="auto",
     )

@@ -217,7 +217,8 @@ def content_facts(part: ReducedPart) -> Facts:
         ("I8", f"its change with the modes, {matrix(i.I8, 'kg^0.5 m')}"),
         ("I9", f"with products of modes, {matrix(i.I9, '')}"),
     ]
-    # attachment modes and residual vectors respond to loads on masses that move
+    # attachment modes and residual vectors are mixed with vibration modes, because their loads move
+    # masses
     text = part.provenance.get("method", "")
     mixed = any(word in text for word in ("residuals=", "inertia_relief=True"))
     mixed = (

@@ -54,8 +54,8 @@ def without_controllers(model: Model, where: str) -> None:
     problems = [
         Problem(
             where,
-            f"PID {force.name!r} has states, which depend on the way there; put a Servo or a Drive "
-            "in its place",
+            f"PID {force.name!r} has states that depend on the motion; use a Servo or a Drive "
+            "instead",
         )
         for force in controllers(model)
         if _moves(force)
@@ -107,8 +107,8 @@ def settle_controllers(
     moving = np.flatnonzero(speeds & (np.abs(wanted.state_rates[places]) > 0.0))
     if len(moving):
         raise SimulationError(
-            f"no static equilibrium: speed PID '{found[moving[0]].name}' wants a speed other than "
-            "0; set its reference to 0 at this time, or take it out",
+            f"no static equilibrium: speed PID '{found[moving[0]].name}' has a reference speed "
+            "other than 0; set its reference to 0 at this time, or remove it",
             time=float(engine.time[0]),
         )
     at = begin if state is None else state
@@ -151,8 +151,8 @@ def settle_controllers(
     worst = found[sought[int(np.argmax(np.abs(r[sought]) / (gains * sizes)[sought]))]].name
     raise SimulationError(
         f"no static equilibrium: PID '{worst}' does not bring its coordinate to its reference; "
-        "look whether its force acts along it, whether anything else holds it, and whether kp is "
-        "stiffer than what pushes it away, such as gravity",
+        "check that its force acts along the coordinate, that nothing else fixes the "
+        "coordinate, and that kp is stiffer than destabilising forces such as gravity",
         time=at.time,
     )
 
@@ -205,8 +205,8 @@ def _warn_off(model: Model, forces: list[ForceModel], errors: Array) -> None:
             unit = "rad" if model.coordinates[force.coordinate].kind == "angle" else "m"
             warn(
                 f"equilibrium of {model.name!r}",
-                f"PID '{force.name}' is at a limit of its force and rests {abs(error):.3g} {unit} "
-                "from its reference; it needs a larger limit, or another reference",
+                f"PID '{force.name}' is at a limit of its force and stays {abs(error):.3g} {unit} "
+                "from its reference; give a larger limit, or another reference",
             )
 
 

@@ -115,7 +115,10 @@ def put(engine: Engine, state: State, where: str) -> None:
             if engine.meters_valid(given):
                 room[:] = given
             else:
-                problems.add(where, "the meters of the state are not those of damage sensors")
+                problems.add(
+                    where,
+                    "the meters of the state do not belong to the damage sensors of this model",
+                )
         elif not np.isfinite(given).all():
             problems.add(where, f"the {name} of the state are not finite")
         else:

@@ -89,7 +89,7 @@ def unpack(data: bytes) -> dict[str, Any]:
     head = data[:4] == MAGIC and len(data) >= 8
     start = 8 + int.from_bytes(data[4:8], "little")
     if not head or start > len(data):
-        raise InputError(Problem("container", "begins with no header of jousto's viewer"))
+        raise InputError(Problem("container", "does not begin with a header of jousto's viewer"))
     try:
         header = json.loads(data[8:start])
     except ValueError as error:
@@ -119,10 +119,10 @@ def _plain(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         array = array.astype("u1")
     elif array.dtype.str[1:] not in TYPES:
         if array.dtype.kind not in "iu":
-            raise InputError(Problem("container", f"takes no array of {array.dtype}"))
+            raise InputError(Problem("container", f"does not accept arrays of {array.dtype}"))
         most = np.iinfo(np.int32)
         if array.size and (array.min() < most.min or array.max() > most.max):
-            raise InputError(Problem("container", "takes whole numbers of up to 32 bits"))
+            raise InputError(Problem("container", "accepts whole numbers of up to 32 bits only"))
         array = array.astype("i4")
     kind = TYPES[array.dtype.str[1:]]
     # a scalar keeps its shape ()

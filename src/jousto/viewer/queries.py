@@ -251,7 +251,7 @@ class Answers:
         if name not in known:
             found = f"{', '.join(known)}" if known else "none"
             raise InputError(
-                Problem("request", f"measure is {name!r}{suggest(name, known)}; known are {found}")
+                Problem("request", f"measure is {name!r}{suggest(name, known)}; allowed: {found}")
             )
         return name
 

@@ -351,7 +351,7 @@ def _request(text: str | bytes) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise InputError(Problem("request", f"is not JSON: {error}")) from None
     if not isinstance(found, dict):
-        raise InputError(Problem("request", "must be an object of JSON"))
+        raise InputError(Problem("request", "must be a JSON object"))
     number = found.get("id")
     if isinstance(number, bool) or not isinstance(number, int):
         raise InputError(Problem("request", 'needs its number, such as "id": 1'))
@@ -359,7 +359,7 @@ def _request(text: str | bytes) -> dict[str, Any]:
 
 
 def _no_number(text: str) -> Any:
-    raise ValueError(f"{text} is no number")
+    raise ValueError(f"{text} is not a number")
 
 
 def _response(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Places = dict[str, list[dict[str, Any]]]  # extreme places by measure
 
 FRAMES = 400  # instants in a page
-WORST = 10  # extreme places per measure
+WORST = 10  # number of extreme places per measure
 POINTS = 2000  # instants of a sensor
 ENDINGS = (".html", ".htm")
 LARGEST = 512 << 20  # bytes of unpacked data that browsers handle

@@ -92,7 +92,7 @@ def read(path: Path, *, trust: bool = False) -> Any:
     if kind == REDUCED_PART or suffix in SID:
         return ReducedPart.load(path)
     if not kind and suffix in HDF5 and not is_hdf5(path):
-        raise InputError(Problem(str(path), "is no HDF5 file, in spite of its suffix"))
+        raise InputError(Problem(str(path), "is not an HDF5 file, in spite of its suffix"))
     if kind or suffix in HDF5:
         message = "contains neither results nor a reduced part"
         raise InputError(Problem(str(path), message))
@@ -128,5 +128,5 @@ def modes_of(thing: Any) -> Any:
     if not isinstance(thing, Model):
         if isinstance(thing, ReducedPart):
             return thing  # reduced parts and results of modes are shown with their modes
-        raise InputError(Problem("modes", "are those of a machine: name a model file"))
+        raise InputError(Problem("modes", "need a model file: only a machine has them"))
     return modes(thing, equilibrium(thing))

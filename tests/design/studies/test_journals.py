@@ -44,8 +44,8 @@ def longer(line: bytes) -> bytes:
     [
         (lambda line: line.replace(b'"y":[0.5', b'"y":[5.0'), "line 3 was changed since it was"),
         (lambda line: line.replace(b'"x":[2.0', b'"x":[3.0'), "line 3 was changed since it was"),
-        (lambda line: line.replace(b'"y"', b'"\xffy"'), "line 3 is no row of a study"),
-        (lambda line: line[:20] + line, "line 3 is no row of a study"),
+        (lambda line: line.replace(b'"y"', b'"\xffy"'), "line 3 is not a row of a study"),
+        (lambda line: line[:20] + line, "line 3 is not a row of a study"),
         (longer, "line 3 has 2 values and 2 outcomes, must have 2 values and 1 outcome"),
     ],
 )

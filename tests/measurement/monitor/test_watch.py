@@ -169,8 +169,8 @@ def test_damage_and_life_raise_alarms_once(tmp_path):
     [
         ("", {}, "is empty"),
         ("time,g1,g2\n0,1,2\n", {}, "no column 'g3' for 'g3'"),
-        ("time,g1,g2,g3,g4,g5 [furlong]\n0,0,0,0,0,0\n", {}, "no unit of strain"),
-        ("time,g1,g2,g3,g4,g5\n0,300,20,30,40,50\n", {}, "no strains in m/m"),
+        ("time,g1,g2,g3,g4,g5 [furlong]\n0,0,0,0,0,0\n", {}, "not a unit of strain"),
+        ("time,g1,g2,g3,g4,g5\n0,300,20,30,40,50\n", {}, "not strains in m/m"),
         ("time,g1,g1,g2,g3,g4,g5\n", {}, "more than once"),
         ("time,g1,g2,g3,g4,g5\n0,0,0,0,0,0\n", {"columns": {"gg": "g1"}}, "no channel 'gg'"),
     ],
@@ -226,7 +226,7 @@ def test_units_that_come_later_than_their_names_hold(tmp_path):
     found = watch(monitor(), Pieces(data), tmp_path / "r.h5")
     np.testing.assert_allclose(found.strain, e, atol=1e-10)
     assert not [event for event in found.events if event.kind == "garbage"]
-    with pytest.raises(jo.InputError, match="in 'furlong', which is no unit of strain"):
+    with pytest.raises(jo.InputError, match="in 'furlong', which is not a unit of strain"):
         watch(monitor(), Pieces(data.replace(b"um/m", b"furlong")), tmp_path / "f.h5")
 
 

@@ -130,7 +130,7 @@ def test_bad_windows(beam: Clamped, change: object, message: str) -> None:
 
 
 def test_bad_places(beam: Clamped) -> None:
-    with pytest.raises(jo.InputError, match="2 modes cannot tell 3 loads apart"):
+    with pytest.raises(jo.InputError, match="2 modes cannot distinguish 3 loads"):
         place_loads(np.ones((4, 2)), np.ones((2, 3)))
     with pytest.raises(jo.InputError, match="stiffness is of 2 modes"):
         twin = jo.twin.Reconstruction(beam.strain @ beam.modes[:, :3])

@@ -76,7 +76,7 @@ def test_trajectory_weighs_the_modes_by_their_motion(rng: np.random.Generator) -
         ({"criterion": "I"}, "needs hot="),
         ({"separation": 0.1}, "need positions="),
         ({"count": 0}, "count is 0"),
-        ({"positions": np.zeros((5, 3)), "separation": 0.1}, "only 1 of 3 gauges find a place"),
+        ({"positions": np.zeros((5, 3)), "separation": 0.1}, "only 1 of 3 gauges could be placed"),
         ({"prior": 1.0, "trajectory": np.ones((2, 3))}, "not both"),
         ({"names": ["a"]}, "1 names for 5 candidates"),
     ],

@@ -171,7 +171,7 @@ def test_bad_records(e: object, time: object, message: str) -> None:
         ([1e-6, -1e-6], "noise is -1e-06 m/m, must be positive"),
         (1.0, "noise is 1 m/m; standard deviations are in m/m"),
         ([1e-6] * 3, "noise has 3 values, must be 1 or 2"),
-        ([[1e-12, 2e-12], [2e-12, 1e-12]], "no covariance: its least eigenvalue"),
+        ([[1e-12, 2e-12], [2e-12, 1e-12]], "not a covariance matrix: its smallest eigenvalue"),
         ([[1e-12, 1e-12], [0.0, 1e-12]], "not symmetric"),
         ("much", "must be standard deviations"),
     ],

@@ -36,7 +36,7 @@ class Comparison(Tabular):
         if not optima:
             raise InputError(Problem("Comparison", "there are no optima"))
         if any(set(one.values) != set(optima[0].values) for one in optima):
-            raise InputError(Problem("Comparison", "the optima have other parameters"))
+            raise InputError(Problem("Comparison", "the optima have different parameters"))
         object.__setattr__(self, "optima", optima)
 
     def _facts(self) -> str:

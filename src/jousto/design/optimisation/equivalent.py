@@ -85,7 +85,7 @@ def equivalent_loads(
             "does not contain its part (it was read from a file or is very large): give part=...",
         )
     elif not np.array_equal(part.nodes, body.reduced.nodes[: len(part.nodes)]):
-        problems.add(where, f"was not reduced from part '{part.name}': its nodes are others")
+        problems.add(where, f"was not reduced from part '{part.name}': its nodes are different")
     problems.raise_if_any()
     assert part is not None
     p = run.coordinates(body.name)[:, 7:]

@@ -148,7 +148,7 @@ class DisplacementLimit(BodyLimit, tag="displacement"):
     node: Text = field("Name of the node")
     direction: Direction = field("Direction in part axes", default=None, kw_only=True)
     relative_to: Place = field(
-        "Node in whose frame the displacement is seen", default=None, kw_only=True
+        "Node in whose frame the displacement is measured", default=None, kw_only=True
     )
 
     @property
@@ -198,7 +198,7 @@ class LifeLimit(PlacesLimit, tag="life"):
     the S-N curve: the root grows with the load as a stress does.
     """
 
-    repeats: Positive = field("Runs that the part shall survive", unit="1")
+    repeats: Positive = field("Number of runs that the part must survive", unit="1")
     sn: Item[SN] = field("Its S-N curve")
     mean: Mean = field(
         "Correction for mean stress", form="item", noun="MeanStress", default=None, kw_only=True
@@ -228,7 +228,7 @@ class FrequencyLimit(Limit, tag="frequency", by_value=True):
 
     minimum: Positive = field("Lowest frequency", unit="Hz")
     mode: Whole = field(
-        "Which mode, from 1; motions without stiffness do not count", least=1, default=1
+        "Number of the mode, from 1; motions without stiffness are not counted", least=1, default=1
     )
 
     @property

@@ -26,7 +26,7 @@ HALVINGS = 12
 ROUNDING = 1e-10  # rounding error of merit functions with difference gradients, relative
 PENALTY = 2.0  # safety factor on the smallest penalty that makes the step a descent direction
 FAR = 8.0
-MOVE = 1e-3  # step of central differences by the moments, in standard deviations
+MOVE = 1e-3  # step of central differences with respect to the moments, standard deviations
 
 
 @described
@@ -201,7 +201,7 @@ def form(
         If there is no failure within `far`, the iteration does not end, or the limit state does not
         depend on the variables.
     LimitStateError
-        If the limit state fails or is no number.
+        If the limit state fails or is not a number.
     InputError
         For wrong arguments.
 

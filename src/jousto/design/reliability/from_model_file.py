@@ -97,7 +97,7 @@ def file_rbdo(
         problems.add(WHERE, message)
     if not any(p.distribution is not None for p in every):
         message = "no parameter has a distribution, such as {value: 1 kN, distribution: "
-        problems.add(WHERE, message + "normal(sd=50 N)}: nothing scatters")
+        problems.add(WHERE, message + "normal(sd=50 N)}: no parameter is random")
     problems.raise_if_any()
     required = [read_requirement(one) if isinstance(one, str) else one for one in texts]
     price = read_price(cost, file, every)

@@ -231,7 +231,7 @@ def limit_state(
     more = problems.several("limit state", "parameters", parameters, Parameter)
     known = {p.name for p in study.parameters}
     for name in sorted({p.name for p in more} & known):
-        problems.add("limit state", f"parameter '{name}' is one of the study, too")
+        problems.add("limit state", f"parameter '{name}' is also a parameter of the study")
     scattered = [p for p in (*study.parameters, *more) if p.distribution is not None]
     if not scattered:
         message = "no parameter has a distribution, such as 'normal(sd=0.1 mm)': nothing scatters"

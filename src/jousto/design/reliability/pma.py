@@ -238,7 +238,7 @@ def pma(
     DesignPointError
         If no method ends, or the limit state does not depend on the variables.
     LimitStateError
-        If the limit state fails or is no number.
+        If the limit state fails or is not a number.
     InputError
         For wrong arguments.
 

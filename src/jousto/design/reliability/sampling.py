@@ -129,7 +129,7 @@ def monte_carlo(
     Raises
     ------
     LimitStateError
-        If the limit state fails or is no number, unless that counts.
+        If the limit state fails or is not a number, unless that counts.
     InputError
         For wrong arguments.
 
@@ -267,7 +267,7 @@ def importance_sampling(
     DesignPointError
         If there is no design point.
     LimitStateError
-        If the limit state fails or is no number, unless that counts.
+        If the limit state fails or is not a number, unless that counts.
     InputError
         For wrong arguments.
     """

@@ -240,8 +240,9 @@ def _check_noise(found: FormResult, own: Array, side: float) -> None:
         warn(
             f"limit state '{found.name}'",
             "its curvatures change with the step of their differences, from "
-            f"{_range(own[0])} to {_range(own[1])} with twice the step: G is noisy, or kinked "
-            "there; give a larger step=, or take importance_sampling, which needs no curvature",
+            f"{_range(own[0])} to {_range(own[1])} with twice the step: G is noisy or has a "
+            "kink there; give a larger step=, or take importance_sampling, which needs no "
+            "curvature",
         )
 
 

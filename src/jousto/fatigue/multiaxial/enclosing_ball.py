@@ -73,7 +73,8 @@ def _of_four(four: Array) -> tuple[Array, Array, Array]:
     C, R = np.stack(centres, axis=1), np.stack(radii, axis=1)
     reach = np.linalg.norm(four[:, None] - C[:, :, None], axis=3).max(axis=2)
     R = np.where(reach <= R + 0.1 * SLACK, R, np.inf)
-    # if round-off leaves no circle around all four: the centre with the smallest largest distance
+    # if round-off leaves no circle around all four points: centre with the smallest maximum
+    # distance
     lost = np.isinf(R).all(axis=1)
     R[lost] = reach[lost]
     best = np.argmin(R, axis=1)

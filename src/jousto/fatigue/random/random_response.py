@@ -95,7 +95,7 @@ class RandomResponse:
             None takes all.
         """
         _, S = self.sites(sites)
-        real = self.modal.real  # the density of one quantity depends on the symmetric part alone
+        real = self.modal.real  # the density of one quantity depends on the symmetric part only
         if isinstance(criterion, str) and criterion == "von-mises":
             A = np.einsum("scj,cd,sdk->sjk", S, V, S)
             return np.asarray(np.maximum(np.einsum("sjk,fjk->sf", A, real), 0.0))

@@ -275,7 +275,7 @@ def _make_alignment(
     if r < 0.5:
         warn(
             "align",
-            f"channels '{a}' and '{b}' hardly agree anywhere (correlation {r:.3f}); check that "
+            f"channels '{a}' and '{b}' hardly agree at any shift (correlation {r:.3f}); check that "
             "they are the same gauge",
         )
     return Alignment(record.shifted(shift), shift, r, scale, rms, scatter)

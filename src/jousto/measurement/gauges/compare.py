@@ -215,8 +215,9 @@ def _pairs(measured: Record, virtual: Record, given: Mapping[str, str] | None) -
         raise InputError(
             Problem(
                 measured.name,
-                f"none of its channels ({', '.join(list(measured.channels)[:6])}) is called like a "
-                f"sensor of the run ({', '.join(list(virtual.channels)[:6])}); name the pairs, "
+                f"none of its channels ({', '.join(list(measured.channels)[:6])}) has the name "
+                f"of a sensor of the run ({', '.join(list(virtual.channels)[:6])}); name the "
+                "pairs, "
                 "{channel: sensor}",
             )
         )

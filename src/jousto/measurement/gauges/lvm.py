@@ -30,7 +30,10 @@ def read_lvm(path: Path) -> Raw:
     ends = [i for i, line in enumerate(lines) if line.startswith(END)]
     if not lines or not lines[0].startswith("LabVIEW Measurement") or len(ends) < 2:
         raise InputError(
-            Problem(where, "is no LabVIEW measurement file, or its header is cut off: write again")
+            Problem(
+                where,
+                "is not a LabVIEW measurement file, or its header is cut off: export it again",
+            )
         )
     head = _header(lines[: ends[0]], "\t")
     separator = {"comma": ",", "tab": "\t"}.get(head.get("Separator", ["Tab"])[0].lower(), "\t")

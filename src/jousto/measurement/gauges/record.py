@@ -75,7 +75,7 @@ class Record(Tabular):
             i = int(np.argmax(np.diff(time) <= 0.0))
             problems.add(
                 self.name,
-                f"time does not ascend: {time[i + 1]:g} s follows on {time[i]:g} s at sample "
+                f"time does not increase: {time[i + 1]:g} s follows {time[i]:g} s at sample "
                 f"{i + 1}",
             )
         channels: dict[str, Array] = {}

@@ -23,26 +23,30 @@ class AlarmLimits(Declared, by_value=True):
     """Limits on stress, damage, life and channels from which an alarm begins."""
 
     stress: OptionalPositive = field(
-        "Magnitude of the stress at a hot spot", unit="Pa", default=None
+        "Stress: alarm if its magnitude at a hot spot exceeds this value", unit="Pa", default=None
     )
     damage: OptionalPositive = field(
-        "Miner's sum at a hot spot, such as 0.5", unit="1", default=None
+        "Damage: alarm if Miner's sum at a hot spot exceeds this value, such as 0.5",
+        unit="1",
+        default=None,
     )
     life: OptionalPositive = field(
-        "Remaining life: the lower end of its band is below", unit="s", default=None
+        "Remaining life: alarm if the lower end of its band is below this value",
+        unit="s",
+        default=None,
     )
     channels: OptionalWhole = field(
-        'Channels that are left: fewer of them are "ok"', least=0, default=None
+        'Valid channels: alarm if fewer are "ok"', least=0, default=None
     )
     release: Number = field(
-        "Share of the stress limit below which an alarm ends",
+        "Fraction of the stress limit below which an alarm ends",
         least=0,
         most=1,
         wanted="a share from 0 to 1",
         default=0.9,
     )
     hold: Number = field(
-        "How long it must stay below that share: the hysteresis",
+        "Time for which the stress must stay below that fraction before the alarm ends",
         unit="s",
         least=0,
         wanted="0 or positive",

@@ -37,7 +37,8 @@ class Saturation(Positive):
         if found is not None and found > LARGEST:
             problems.add(
                 where,
-                f"{self.name} is {found:g} m/m, must be at most {LARGEST:g}: no gauge shows more",
+                f"{self.name} is {found:g} m/m, must be at most {LARGEST:g}: no gauge measures "
+                "more",
             )
         return found
 
@@ -46,24 +47,26 @@ class ChannelRules(Declared, by_value=True):
     """Rules for valid values of a channel."""
 
     range: Saturation = field(
-        "Magnitude at which a channel is saturated; at most 0.01", unit="m/m", default=LARGEST
+        "Strain magnitude at which a channel is saturated; at most 0.01",
+        unit="m/m",
+        default=LARGEST,
     )
     stuck: Whole = field(
-        "Samples of exactly the same value, while others change, after which a channel is stuck; "
-        "0 does not look",
+        "Samples of exactly the same value, while others change, after which a channel is "
+        "stuck; 0 for no check",
         least=0,
         wanted=SAMPLES,
         default=50,
     )
     spike: Number = field(
         "Jump, in usual steps of the channel from sample to sample, that is a spike unless the "
-        "next samples confirm it; 0 does not look",
+        "next samples confirm it; 0 for no check",
         least=0,
         wanted="0 or positive",
         default=40.0,
     )
     back: Whole = field(
-        "Good samples in a row before a channel that failed is used again",
+        "Consecutive valid samples before a failed channel is used again",
         least=0,
         wanted=SAMPLES,
         default=10,

@@ -285,4 +285,4 @@ def _check(file: Group, rows: dict[str, int], channels: int, spots: int) -> None
                 )
     kind = file["events/kind"][: rows["events"]]
     if kind.size and kind.max() >= len(KINDS):
-        raise ValueError("events/kind names kinds of events that there are not")
+        raise ValueError("events/kind contains kinds of events that do not exist")

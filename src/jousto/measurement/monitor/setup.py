@@ -53,16 +53,20 @@ class MonitorSettings(GaugeErrors):
     """
 
     kind = "monitor"
-    gauges: Gauges = field("On one flexible body; their names are those of the columns")
+    gauges: Gauges = field(
+        "Strain gauges on one flexible body; their names are the column names of the data"
+    )
     spots: AnyField = field(
-        "Stress sites to watch such as e1.a.top, or how many hot spots of the reference run",
+        "Monitored stress sites such as e1.a.top, or the number of hot spots of the reference run",
         form="spots",
         noun="tuple of str, or int",
     )
-    separation: Number = field("Least distance of hot spots that are found", unit="m", default=0.0)
+    separation: Number = field(
+        "Smallest distance between hot spots of the reference run", unit="m", default=0.0
+    )
     criterion: Text = field("Of the stress", default="signed-von-mises")
     noise: Number = field(
-        "Standard deviation of the gauges; what the modes leave out belongs to it",
+        "Standard deviation of the gauges, including the strain that the modes do not represent",
         unit="m/m",
         above=0,
         wanted="a positive number",
@@ -77,21 +81,23 @@ class MonitorSettings(GaugeErrors):
     )
     sn: Curve = field("S-N curve", default=None)
     mean: Correction = field("Mean stress correction", default=None)
-    residue: Residue = field("What open cycles count", words=RESIDUES, default="half")
-    limits: Item[AlarmLimits] = field("What raises an alarm", default=AlarmLimits())
-    rules: Item[ChannelRules] = field(
-        "When a channel is not believed", key="channels", default=ChannelRules()
+    residue: Residue = field(
+        "Rule for cycles open at the end: how they count", words=RESIDUES, default="half"
     )
-    level: Number = field("Share of the bands", default=0.95)
+    limits: Item[AlarmLimits] = field("Limits that raise an alarm", default=AlarmLimits())
+    rules: Item[ChannelRules] = field(
+        "Rules for invalid values of a channel", key="channels", default=ChannelRules()
+    )
+    level: Number = field("Confidence level of the bands", default=0.95)
     every: Duration = field("Time between summaries", default=1.0)
     columns: AnyField = field(
-        "Column of the data for each gauge; the same name if it is not there",
+        "Column of the data for each gauge; without an entry the column of the same name",
         form="columns",
         noun="mapping of str to str",
         default=None,
     )
     unit: AnyField = field(
-        "Of columns that name none, such as um/m", form="text", noun="str", default=None
+        "Unit of columns without a unit, such as um/m", form="text", noun="str", default=None
     )
     together = ("gauges", "reference")
 

@@ -33,7 +33,7 @@ class Dynamic:
                 Problem(
                     "Monitor",
                     f"the observer has accelerometers ({names}), but a monitor reads strains "
-                    "alone; make the observer of gauges",
+                    "only; build the observer from gauges",
                 )
             )
         twin.reset()

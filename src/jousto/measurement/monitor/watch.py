@@ -302,8 +302,8 @@ class _Run:
             raise InputError(
                 Problem(
                     self.stream.name,
-                    f"{', '.join(wrong)}: values up to {size:.4g} are no strains in m/m; say the "
-                    f"unit in the header, {wrong[0]} [um/m], or with unit: um/m",
+                    f"{', '.join(wrong)}: values up to {size:.4g} are not strains in m/m; give "
+                    f"the unit in the header, {wrong[0]} [um/m], or with unit: um/m",
                 )
             )
 
@@ -378,7 +378,7 @@ def _columns(
         if scale is None:
             problems.add(
                 stream.name,
-                f"column '{column}' is in '{written}', which is no unit of strain; known: "
+                f"column '{column}' is in '{written}', which is not a unit of strain; known: "
                 f"{', '.join(u for u in UNITS if u)}",
             )
         factors.append(scale or 1.0)

@@ -231,7 +231,7 @@ def check_balance(balance: Balance | None, system: System, reference: Any) -> No
             "Observer",
             "balance needs a floating part; one that is fixed by `clamp` has a reaction at its "
             "node "
-            "that is no load here",
+            "that is not a declared load",
         )
     if reference is None:
         problems.add("Observer", "balance needs reference=, the motion that the loads balance")

@@ -253,7 +253,7 @@ def place_loads(
         raise InputError(
             Problem(
                 "place_loads",
-                f"{L.shape[0]} modes cannot tell {L.shape[1]} loads apart; name fewer, or take "
+                f"{L.shape[0]} modes cannot distinguish {L.shape[1]} loads; give fewer, or take "
                 "more modes and gauges",
             )
         )

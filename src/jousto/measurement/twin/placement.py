@@ -248,7 +248,7 @@ class _Search:
                 raise InputError(
                     Problem(
                         "place_gauges",
-                        f"only {k} of {count} gauges find a place: {int(self.free.sum())} of "
+                        f"only {k} of {count} gauges could be placed: {int(self.free.sum())} of "
                         f"{len(self.W)} candidates are outside the zones, {self.separation:g} m "
                         "apart",
                     )

@@ -396,8 +396,9 @@ class Reconstruction:
             if self.prior is None and self.condition > CONDITION:
                 warn(
                     "Reconstruction",
-                    f"condition number {self.condition:.2g}: combinations of modes are seen that "
-                    "much less than others and take up the noise; move gauges (place_gauges), "
+                    f"condition number {self.condition:.2g}: the gauges measure some "
+                    "combinations of modes that much less than others, which amplifies the "
+                    "noise; move gauges (place_gauges), "
                     f"{FEWER}, or give a prior",
                 )
             return

@@ -52,7 +52,7 @@ def read_strain(
     try:
         strain = np.atleast_2d(np.array(e, dtype=np.float64))
     except (TypeError, ValueError):
-        problems.add(where, "e is not an array of numbers, one row an instant")
+        problems.add(where, "e is not an array of numbers, one row per instant")
         return None
     ng = len(names)
     if strain.ndim != 2 or strain.shape[1] != ng:
@@ -69,8 +69,7 @@ def read_strain(
         row, column = endless[0]
         problems.add(
             where,
-            f"channel '{names[column]}' is infinite at row {row}; give nan where nothing was "
-            "measured",
+            f"channel '{names[column]}' is infinite at row {row}; give nan for missing values",
         )
         return None
     part = strain[:, : ng if strains is None else strains]
@@ -152,7 +151,9 @@ def read_noise(
     least = la.eigvalsh(even)[0]
     floor = 0.0 if key == "noise" else -1e-10 * np.abs(even).max(initial=0.0)
     if least < floor or (key == "noise" and least <= 0.0):
-        problems.add(where, f"{key} is no covariance: its least eigenvalue is {least:.3g}")
+        problems.add(
+            where, f"{key} is not a covariance matrix: its smallest eigenvalue is {least:.3g}"
+        )
         return None
     return np.asarray(even)
 
@@ -161,24 +162,24 @@ class GaugeErrors(Declared, kw_only=True):
     """Standard deviations of errors that are constant over a record."""
 
     scale: Number = field(
-        "Of all stress, relative: modulus, common gauge factor, as of `stress_band`",
+        "Relative error of all stress: modulus, common gauge factor; see `stress_band`",
         least=0,
         below=1,
         wanted="from 0 to below 1",
         default=0.0,
     )
     factor: Number = field(
-        "Of each gauge's factor, relative, as of `gauge_errors`",
+        "Relative error of each gauge factor; see `gauge_errors`",
         least=0,
         below=1,
         wanted="from 0 to below 1",
         default=0.0,
     )
     position: Number = field(
-        "Of each gauge's place", unit="m", least=0, wanted="0 or positive", default=0.0
+        "Position error of each gauge", unit="m", least=0, wanted="0 or positive", default=0.0
     )
     angle: Number = field(
-        "Of each gauge's direction",
+        "Angle error of each gauge",
         unit="rad",
         least=0,
         most=0.5,

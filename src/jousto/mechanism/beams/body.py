@@ -59,7 +59,7 @@ class BeamDamping(ProportionalDamping):
             warn(
                 where,
                 f"stiffness is {self.stiffness:g} s: a vibration of 1 Hz has the damping ratio "
-                f"{math.pi * self.stiffness:.3g}, which no vibration survives; the coefficient is "
+                f"{math.pi * self.stiffness:.3g}, so that no vibration is left; the coefficient is "
                 f"in s, check its unit",
                 "stiffness",
             )
@@ -237,7 +237,7 @@ class BeamBody(Posed, tag="beam"):
         kw_only=True,
     )
     straight: AnyField = field(
-        "Whether the unstressed beam is straight: it starts elastically bent to the given shape",
+        "Whether the beam is straight without stress, so that the given shape is elastically bent",
         form="flag",
         noun="bool",
         default=False,
@@ -341,8 +341,8 @@ class BeamBody(Posed, tag="beam"):
         if width > WIDE * lengths.sum():
             warn(
                 where,
-                f"its section is {width:.4g} m wide and the beam {lengths.sum():.4g} m long; were "
-                "millimetres meant?",
+                f"its section is {width:.4g} m wide and the beam {lengths.sum():.4g} m long; "
+                "are its dimensions in millimetres?",
             )
 
     __iter__: ClassVar[None] = None

@@ -182,7 +182,7 @@ def inner_nodes(
     if bad:
         span = f"{allowed.start} to {allowed.stop - 1}" if len(allowed) else "none"
         problems.add(
-            where, f"{bad[0]!r} is no inner node; inner nodes are {span}", name, named=False
+            where, f"{bad[0]!r} is not an inner node; inner nodes are {span}", name, named=False
         )
     return good
 

@@ -71,7 +71,7 @@ class Points(Field["Mapping[str, ArrayLike] | None", "Mapping[str, Array]"]):
             if point in ("origin", "center"):
                 problems.add(
                     where,
-                    f"marker {point!r}: the name is taken by the body's own {point}",
+                    f"marker {point!r}: the name is reserved for the body's own {point}",
                     "markers",
                     point,
                 )
@@ -107,7 +107,7 @@ class Posed(Declared, section="bodies"):
     kind = "body"
     name: Name = field("Unique among the bodies")
     position: Vector = field(
-        "Initial place of the body frame's origin in the world",
+        "Initial position of the body frame's origin in the world",
         unit="m",
         default=ZERO3,
         kw_only=True,

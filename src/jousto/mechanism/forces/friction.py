@@ -36,7 +36,7 @@ class Regularised(Law, tag="regularised"):
     """
 
     velocity: Positive = field(
-        "Speed at which friction is full; a joint that sticks creeps with less than this",
+        "Slip speed at which friction is fully developed; a sticking joint creeps more slowly",
         unit="m/s",
         default=1e-3,
     )
@@ -104,33 +104,37 @@ class Friction(Declared, section="frictions"):
     kind = "friction"
     name: Name = field("Unique among the forces")
     joint: RubbingJoint = field("The joint")
-    mu_kinetic: Number = field("Coefficient of a joint that slips", least=0)
+    mu_kinetic: Number = field("Friction coefficient of a slipping joint", least=0)
     mu_static: DefaultNumber = field(
-        "Coefficient of a joint that sticks, not below mu_kinetic; None for the same",
+        "Friction coefficient of a sticking joint, not below mu_kinetic; None for mu_kinetic",
         least=0,
         default=None,
     )
     radius: OptionalPositive = field(
-        "Pin radius, needed where the joint turns", unit="m", default=None, kw_only=True
+        "Pin radius, required for joints that turn", unit="m", default=None, kw_only=True
     )
     bearing_length: OptionalPositive = field(
-        "Length over which the bearing takes bending moments; None: they do not press",
+        "Length over which the bearing carries bending moments; None: they cause no normal force",
         unit="m",
         default=None,
         kw_only=True,
     )
     collar_radius: OptionalPositive = field(
-        "Radius of the thrust collar of a revolute joint, or arm at which the guide of a prismatic "
-        "joint carries the moment about its axis; None: these do not press",
+        "Radius of the thrust collar of a revolute joint, or lever arm at which the guide of a "
+        "prismatic joint carries the moment about its axis; None: these cause no normal force",
         unit="m",
         default=None,
         kw_only=True,
     )
     preload: Number = field(
-        "Normal force that is always there", unit="N", least=0, default=0.0, kw_only=True
+        "Constant normal force, in addition to the reaction",
+        unit="N",
+        least=0,
+        default=0.0,
+        kw_only=True,
     )
     law: LawField = field(
-        "The law at low speed; None for Regularised()", default=None, kw_only=True
+        "Friction law at low speed; None for Regularised()", default=None, kw_only=True
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
@@ -152,12 +156,14 @@ class Friction(Declared, section="frictions"):
             problems.add(
                 where,
                 "collar_radius is given, but a cylindrical joint carries no force along its "
-                "axis that could press a collar",
+                "axis that could load a collar",
                 "collar_radius",
             )
         if self.mu_kinetic == 0.0 and self.mu_static == 0.0:
             problems.add(
-                where, "mu_kinetic is 0, it never acts; leave the friction out", "mu_kinetic"
+                where,
+                "mu_kinetic is 0, so that friction never acts; leave the friction out",
+                "mu_kinetic",
             )
         if self.mu_static < self.mu_kinetic:
             problems.add(

@@ -16,7 +16,7 @@ from jousto.mechanism.bodies.marker import Marker
 from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.signals.base import OptionalSignal
 
-EVEN = 1e-12  # of a couple: those of two neighbours cancel
+EVEN = 1e-12  # relative moment below which the couples of two neighbouring elements cancel
 
 
 class BeamField(Reference[BeamBody, BeamBody]):
@@ -77,7 +77,7 @@ class LineLoad(ForceElement, tag="line"):
         default=(0.0, 0.0, 0.0),
     )
     torque: Rows = field(
-        "Torque per unstressed length, in the same axes",
+        "Torque per unstressed length, in the axes of the force",
         unit="N m/m",
         default=(0.0, 0.0, 0.0),
         kw_only=True,
@@ -159,7 +159,7 @@ class LineLoad(ForceElement, tag="line"):
         """
         beam, zero = self.beam, np.zeros(3)
         nodes = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
-        along = np.einsum("neji,nej->nei", nodes, beam.ends[..., 0])  # axes of nodes
+        along = np.einsum("neji,nej->nei", nodes, beam.ends[..., 0])  # in the axes of the nodes
         along *= beam.lengths[:, None, None] / 6 * np.array([1.0, -1.0])[:, None]
         F = self._at_ends(self.force, 4.0)
         out = [(0, arms[0] + along[0, 0], F[0, 0], T[0])]

@@ -19,7 +19,9 @@ class Gravity(Declared):
     """Uniform gravity: the acceleration of free fall of all bodies."""
 
     kind = "gravity"
-    acceleration: Vector = field("World frame, for example ``(0, -9.81, 0)``", unit="m/s2")
+    acceleration: Vector = field(
+        "Acceleration of free fall, world frame, for example ``(0, -9.81, 0)``", unit="m/s2"
+    )
 
 
 EngineLaw("load", units={"force": "N", "torque": "N m"}, side_by_side=True).declared()
@@ -30,9 +32,9 @@ class PointLoad(ForceElement):
 
     ties = False
     marker: MarkerField = field("Where it acts")
-    follow: Flag = field("Whether it turns with the marker", default=False, kw_only=True)
+    follow: Flag = field("Whether the vector turns with the marker", default=False, kw_only=True)
     signal: OptionalSignal = field(
-        "Factor as a function of time, or a constant one; None for 1",
+        "Factor on the vector: a function of time or a constant; None for 1",
         unit="1",
         default=None,
         kw_only=True,

@@ -19,7 +19,7 @@ from jousto.mechanism.forces.base import ForceElement, Push
 from jousto.mechanism.forces.law import EngineLaw
 from jousto.mechanism.signals.base import OptionalSignal, SignalField
 
-NEAR = 1e-6  # of the length of a line: nodes that count as on it
+NEAR = 1e-6  # largest distance of a node from the line, relative to the length of the line
 
 TWO = "must name two nodes or more, such as start and end"
 
@@ -41,9 +41,11 @@ class MovingLoad(ForceElement, tag="moving-load"):
     kind = "moving load"
     measured = ("force",)
     together = ("body", "path")
-    body: MovingBodyField = field("The body; the part of a flexible one has rotations at its nodes")
+    body: MovingBodyField = field(
+        "The body; the part of a flexible body must have rotations at its nodes"
+    )
     path: Texts = field(
-        "Corners of the path: names of two nodes or markers or more; s is counted from the first",
+        "Corners of the path: names of two or more nodes or markers; s is measured from the first",
         wanted=TWO,
     )
     vector: Vector = field(
@@ -69,8 +71,8 @@ class MovingLoad(ForceElement, tag="moving-load"):
         if any(self.body.reduced.rotation(k) is None for k in nodes_on(self.body, corners)):
             problems.add(
                 where,
-                f"body {self.body.name!r} knows no rotations of its nodes, so that the way between "
-                "them is unknown; use a part made of beams, or forces at its nodes",
+                f"body {self.body.name!r} has no rotations at its nodes, so that the path "
+                "between them is unknown; use a part made of beams, or forces at its nodes",
                 "body",
             )
 
@@ -118,7 +120,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
         u = reduced.modes[nodes]
         theta = np.stack([np.asarray(reduced.rotation(k)) for k in nodes])
         rise = (u[1:] - u[:-1]) / h
-        # across the line the slope follows the rotations, along it the stretch is even
+        # across the line the slope follows the rotations; along the line the stretch is uniform
         along = t[:, :, None] * np.einsum("ka,kaj->kj", t, rise)[:, None, :]
         first = np.cross(theta[:-1], t[:, :, None], axis=1) + along
         last = np.cross(theta[1:], t[:, :, None], axis=1) + along
@@ -168,7 +170,7 @@ def corners_of(problems: Problems, where: str, body: MovingBody, names: Sequence
         if np.array_equal(a, b):
             problems.add(
                 where,
-                f"two corners that follow one another are at {a.tolist()}",
+                f"two successive corners are both at {a.tolist()}",
                 "path",
                 named=False,
             )
@@ -187,7 +189,7 @@ def nodes_on(body: FlexibleBody, corners: Array) -> tuple[int, ...]:
         off = np.linalg.norm(x - a - np.outer(way, line / length), axis=1)
         on = (off < NEAR * length) & (way > -NEAR * length) & (way < (1 + NEAR) * length)
         found = [int(k) for k in np.flatnonzero(on)[np.argsort(way[on], kind="stable")]]
-        # of nodes at one place the first
+        # first of several nodes at one position
         found = [
             k for i, k in enumerate(found) if not i or way[k] - way[found[i - 1]] > NEAR * length
         ]

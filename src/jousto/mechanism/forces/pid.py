@@ -50,7 +50,7 @@ _OF_VALUE = _PidLaw(
     },
     notes=dict.fromkeys(("filter", "tracking"), "0 for that of its gains"),
     constants=("filter_share", "tracking_share", "start", "speed"),
-    # the integral part, and what is measured behind the filter
+    # integral part, and measured value behind the filter
     states={"integral": FORCE, "filtered": VALUE},
     reference=VALUE,
     signal=FORCE,
@@ -74,21 +74,23 @@ class _Controller(Actuator):
     """Base of controllers of a coordinate or its rate, with gains of different units."""
 
     speed = False
-    coordinate: CoordinateField = field("What is controlled, or whose rate is")
+    coordinate: CoordinateField = field(
+        "The coordinate that is controlled, or whose rate is controlled"
+    )
     reference: SignalField
     kp: Number
     ki: Number
     kd: Number
     limit: OptionalNumber = field(
-        "Largest force, 0 for one that only pulls; None for no limit",
+        "Largest force; 0 for a force that only pulls; None for no limit",
         unit=FORCE,
         least=0,
-        remedy="None is no limit",
+        remedy="None for no limit",
         default=None,
         kw_only=True,
     )
     lower: OptionalNumber = field(
-        "Least force, where it is not -limit", unit=FORCE, default=None, kw_only=True
+        "Smallest force; None for -limit", unit=FORCE, default=None, kw_only=True
     )
     filter: OptionalNumber = field(
         "Time constant of the filter of the derivative; None for 0.1 kd/kp",
@@ -105,16 +107,16 @@ class _Controller(Actuator):
         kw_only=True,
     )
     weight: Number = field(
-        "Share of the reference in the proportional part", unit="1", default=1.0, kw_only=True
+        "Weight of the reference in the proportional part", unit="1", default=1.0, kw_only=True
     )
     feedforward: OptionalSignal = field(
-        "Force that is added before the limits; None for none",
+        "Feedforward force, added before the limits apply; None for zero",
         unit=FORCE,
         default=None,
         kw_only=True,
     )
     initial: Number = field(
-        "Integral part at the start, such as the load that it carries",
+        "Integral part at the start, such as the load that the controller holds",
         unit=FORCE,
         default=0.0,
         kw_only=True,
@@ -123,7 +125,7 @@ class _Controller(Actuator):
     def consistent(self, problems: Problems, where: str) -> None:
         """Report time constants that contradict the gains, and a lower limit above the upper."""
         if not (self.kp or self.ki or self.kd):
-            problems.add(where, "kp, ki and kd are all 0: it does nothing")
+            problems.add(where, "kp, ki and kd are all 0: the controller has no effect")
         if self.kd and self.filter is None and not self.kp:
             message = "filter is missing, which is 0.1 kd/kp only where there is kp; give it in s"
             problems.add(where, message)
@@ -132,10 +134,13 @@ class _Controller(Actuator):
             problems.add(where, message)
         if self.limit == 0.0 and self.lower is None:
             problems.add(
-                where, "limit is 0: it does nothing; for pulling alone give lower, too", "limit"
+                where,
+                "limit is 0: the controller has no effect; for a force that only pulls "
+                "give lower as well",
+                "limit",
             )
         if self.lower is not None and self.limit is None:
-            problems.add(where, "lower goes with limit, the largest force; give it, too", "lower")
+            problems.add(where, "lower needs limit, the largest force; give limit as well", "lower")
         elif self.lower is not None and self.limit is not None and self.lower >= self.limit:
             low, high = f"{self.lower:g}", f"{self.limit:g}"
             problems.add(where, f"lower is {low}, must be below the limit of {high}", "lower")
@@ -212,7 +217,9 @@ class PID(_Controller, tag="pid"):
     ki: Number = field(
         "Gain on the integral of the error", unit=STIFFNESS_RATE, least=0, default=0.0, kw_only=True
     )
-    kd: Number = field("Gain on the rate", unit=DAMPING, least=0, default=0.0, kw_only=True)
+    kd: Number = field(
+        "Gain on the rate of the coordinate", unit=DAMPING, least=0, default=0.0, kw_only=True
+    )
 
 
 class SpeedPID(_Controller, tag="speed-pid"):

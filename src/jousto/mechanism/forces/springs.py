@@ -102,21 +102,25 @@ class Spring(ForceElement, tag="spring"):
         "Spring(name, coordinate, stiffness, ...), or between two markers "
         "Spring.between(name, a, b, stiffness, ...)"
     )
-    coordinate: CoordinateField = field("A distance or displacement (N, m) or an angle (N m, rad)")
+    coordinate: CoordinateField = field(
+        "Coordinate of the spring: a length (N, m) or an angle (N m, rad)"
+    )
     stiffness: Number = field("k", unit=STIFFNESS, least=0, default=0.0)
     damping: Number = field("c", unit=DAMPING, least=0, default=0.0)
     free: OptionalNumber = field(
-        "Value without force; None for that of the initial pose", unit=VALUE, default=None
+        "Value at which the spring has no force; None for the value at the initial pose",
+        unit=VALUE,
+        default=None,
     )
     preload: Number = field("Constant force along +s", unit=FORCE, default=0.0)
     table: CurveField = field(
-        "Force along +s as a function of s, held beyond its ends",
+        "Force along +s as a function of s, constant beyond the ends of the table",
         unit=FORCE,
         at=VALUE,
         default=None,
     )
     damper_table: CurveField = field(
-        "Force along +s as a function of s', held beyond its ends",
+        "Force along +s as a function of s', constant beyond the ends of the table",
         unit=FORCE,
         at=RATE,
         default=None,
@@ -196,16 +200,17 @@ class Bushing(ForceElement, tag="bushing"):
     a: MarkerField = field("Frame a")
     b: MarkerField = field("Frame b")
     stiffness: Matrix6 = field(
-        "K, translation then rotation: symmetric and not negative, six numbers are the diagonal",
+        "Stiffness K, translation then rotation: symmetric, positive semi-definite; six numbers "
+        "are the diagonal",
         units=(("N/m", "N/rad"), ("N", "N m/rad")),
     )
     damping: Matrix6 = field(
-        "D, as the stiffness",
+        "Damping D, in the form of the stiffness",
         units=(("N s/m", "N s/rad"), ("N s", "N m s/rad")),
         default=0.0,
     )
     preload: Wrench = field(
-        "Force, N, and torque, N m, on b, resolved in a; None for none", default=None
+        "Constant force, N, and torque, N m, on b, resolved in a; None for zero", default=None
     )
 
     def __post_init__(self) -> None:
@@ -225,7 +230,9 @@ class JointForce(Actuator, tag="joint-force"):
     """Force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
 
     kind = "joint force"
-    coordinate: CoordinateField = field("It acts along +s on the body of marker b")
+    coordinate: CoordinateField = field(
+        "Coordinate s; the force acts along +s on the body of marker b"
+    )
     signal: SignalField = field("Force as a function of time", unit=FORCE)
 
     @property
@@ -239,7 +246,7 @@ class Servo(Actuator, tag="servo"):
     """PD-controlled force: ``f = clamp(kp (ref - s) + kd (ref' - s'), +-limit)``."""
 
     kind = "servo"
-    coordinate: CoordinateField = field("What is controlled")
+    coordinate: CoordinateField = field("The controlled coordinate")
     reference: SignalField = field("Wanted value", unit=VALUE)
     kp: Number = field("Gain on the error", unit=STIFFNESS, least=0)
     kd: Number = field("Gain on the rate of the error", unit=DAMPING, least=0, default=0.0)
@@ -247,7 +254,7 @@ class Servo(Actuator, tag="servo"):
         "Largest force; None for no limit",
         unit=FORCE,
         above=0,
-        remedy="None is no limit",
+        remedy="None for no limit",
         default=None,
     )
 
@@ -274,7 +281,7 @@ class ModalLoad(ForceElement, tag="modal-load"):
     body: FlexibleField = field("The body")
     pattern: PatternField = field("Force on every node, body frame", unit="N")
     signal: OptionalSignal = field(
-        "Factor as a function of time; None for 1", unit="1", default=None
+        "Factor on the pattern as a function of time; None for 1", unit="1", default=None
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
@@ -357,10 +364,11 @@ class UserForce(ForceElement, tag="user-force"):
 
     kind = "user force"
     ties = False
-    marker: MarkerField = field("Where it acts, frame b of the function")
-    function: FunctionField = field("Force and torque")
+    marker: MarkerField = field("Marker at which the force acts, frame b of the function")
+    function: FunctionField = field("Function that returns force and torque")
     reference: DefaultMarker = field(
-        "Frame a; None for the world, with positions and forces in world axes", default=None
+        "Reference marker, frame a; None for the world, with positions and forces in world axes",
+        default=None,
     )
 
     def __post_init__(self) -> None:
@@ -415,6 +423,8 @@ def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | No
     elif np.linalg.eigvalsh(M.real)[0] < -1e-9 * scale:
         lowest = np.linalg.eigvalsh(M.real)[0]
         problems.add(
-            where, f"{name} has the negative eigenvalue {lowest:g}: it would add energy", name
+            where,
+            f"{name} has the negative eigenvalue {lowest:g}: the bushing would add energy",
+            name,
         )
     return read_only(M)

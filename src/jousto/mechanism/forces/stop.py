@@ -50,12 +50,14 @@ class Stop(ForceElement, tag="stop"):
 
     kind = "stop"
     together = ("lower", "upper")
-    coordinate: CoordinateField = field("A distance or displacement (N, m) or an angle (N m, rad)")
-    lower: OptionalNumber = field("Lower limit; None for none", unit=VALUE, default=None)
-    upper: OptionalNumber = field("Upper limit; None for none", unit=VALUE, default=None)
+    coordinate: CoordinateField = field(
+        "Coordinate of the stop: a length (N, m) or an angle (N m, rad)"
+    )
+    lower: OptionalNumber = field("Lower limit; None for no limit", unit=VALUE, default=None)
+    upper: OptionalNumber = field("Upper limit; None for no limit", unit=VALUE, default=None)
     stiffness: Number = field("k", unit=STIFFNESS, above=0, kw_only=True)
     restitution: Number = field(
-        "e, speed after a blow by the speed before; 1 loses nothing",
+        "Coefficient of restitution e: speed after an impact over speed before it; 1 for no loss",
         unit="1",
         least=0,
         most=1,
@@ -63,8 +65,8 @@ class Stop(ForceElement, tag="stop"):
         kw_only=True,
     )
     speed: OptionalNumber = field(
-        "Speed from which on the restitution holds, slower blows lose less; None for 0.1 rad/s or "
-        "0.02 m/s",
+        "Impact speed above which the restitution applies, slower impacts lose less; None for "
+        "0.1 rad/s or 0.02 m/s",
         unit=RATE,
         above=0,
         default=None,

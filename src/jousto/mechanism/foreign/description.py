@@ -137,7 +137,7 @@ def read_description(path: Path, where: str) -> Description:
     identifier = str(abilities.modelIdentifier)
     if not identifier.isidentifier():
         raise InputError(
-            Problem(where, f"its modelIdentifier {identifier!r} is no valid C identifier")
+            Problem(where, f"its modelIdentifier {identifier!r} is not a valid C identifier")
         )
     _check_binary(fmpy, version, identifier, names, where)
     units = {unit.name: unit.baseUnit for unit in about.unitDefinitions}
@@ -166,7 +166,7 @@ def _names(path: Path, where: str) -> list[str]:
         near = suggest(path.name, [file.name for file in path.parent.glob("*.fmu")])
         raise InputError(Problem(where, f"no such file '{path}'{near}")) from None
     except (zipfile.BadZipFile, OSError, ValueError) as error:
-        message = f"is no zip archive of a functional mock-up unit: {error}"
+        message = f"is not a zip archive of a functional mock-up unit: {error}"
         raise InputError(Problem(where, message)) from None
     for member in members:
         name = member.filename

@@ -179,7 +179,10 @@ class Fmu(Declared, section="fmus"):
                 name,
             )
         elif not found.real:
-            problems.add(where, f"{fit[0]} {name!r} is not one real number; only these can cross")
+            problems.add(
+                where,
+                f"{fit[0]} {name!r} is not one real number; only real numbers can be exchanged",
+            )
         else:
             if found.unit and not found.dimension:
                 warn(where, f"{name!r} is in {found.unit!r}, which is not known: taken as SI", name)
@@ -199,7 +202,7 @@ class Fmu(Declared, section="fmus"):
                         warn(
                             where,
                             f"input {name!r} is in {variable.unit}, sensor {sensor.name!r} "
-                            f"measures {unit}: is it the right one?",
+                            f"measures {unit}: check that it is the right sensor",
                         )
             else:
                 self.inputs[name] = number(problems, where, f"input {name!r}", value)

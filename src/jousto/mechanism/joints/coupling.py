@@ -161,7 +161,7 @@ class Drive(Coupler, tag="drive"):
     coordinate: CoordinateField = field(
         "The driven coordinate, such as ``hinge.angle`` (rad) or ``slide.displacement`` (m)"
     )
-    signal: SignalField = field("Its value as a function of time", unit=VALUE)
+    signal: SignalField = field("Value of the coordinate as a function of time", unit=VALUE)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:

@@ -55,7 +55,7 @@ class ReactionSensor(Sensor, tag="reaction"):
     warning.
     """
 
-    joint: Held = field("What is measured")
+    joint: Held = field("The measured joint, coupling or drive")
     resolved_in: Axes = field(
         "Axes of the components: of the world, of the joint on its side a (z is the axis), or of "
         "a marker; not for couplings and drives",
@@ -153,7 +153,7 @@ class ForceSensor(Sensor, tag="force"):
     the undeformed body.
     """
 
-    force: Pushing = field("What is measured")
+    force: Pushing = field("The measured force element")
     resolved_in: OptionalMarker = field(
         "Axes of the components; None for the world frame", default=None, kw_only=True
     )

@@ -55,8 +55,8 @@ class Temperature(Declared):
     Raises
     ------
     InputError
-        If a value is no number, the material has no ``alpha``, or a coefficient is so large that it
-        was probably given in 1e-6/K.
+        If a value is not a number, the material has no ``alpha``, or a coefficient is so large that
+        it was probably given in 1e-6/K.
 
     Examples
     --------

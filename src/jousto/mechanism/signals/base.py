@@ -373,7 +373,7 @@ class Input(Signal, tag="input", by_value=True):
         raise InputError(
             Problem(
                 f"input {self.name!r}",
-                "comes from outside while the model runs and has no value as a function of time",
+                "is set from outside while the model runs and has no value as a function of time",
             )
         )
 

@@ -42,8 +42,8 @@ class Step(Signal, tag="step", by_value=True):
     """
 
     time: Number = field("Time of the jump", unit="s")
-    before: Number = field("Value until then", unit=USE, default=0.0)
-    after: Number = field("Value from then on", unit=USE, default=1.0)
+    before: Number = field("Value before the jump", unit=USE, default=0.0)
+    after: Number = field("Value from the jump on", unit=USE, default=1.0)
 
     def jet(self, t: Array) -> Jet:
         """Return value, rate and acceleration; the last two are zero."""

@@ -48,7 +48,9 @@ def cad_scale(path: Path, unit: str | None) -> float:
             )
         )
     if is_mesh(path):
-        raise InputError(Problem(where, "is a mesh, no geometry: read it with jo.read_mesh(path)"))
+        raise InputError(
+            Problem(where, "is a mesh, not a geometry: read it with jo.read_mesh(path)")
+        )
     raise InputError(Problem(where, "is neither a STEP nor a BREP file"))
 
 

@@ -236,7 +236,7 @@ def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -
 ANSYS_BRICKS = {45: 8, 64: 8, 65: 8, 185: 8, 95: 20, 186: 20}
 ANSYS_TETRAHEDRA = {92: 10, 187: 10, 285: 4}
 ANSYS_SHELLS = (43, 63, 93, 181, 281)
-ANSYS_FACES = (152, 154)  # surface elements of loads
+ANSYS_FACES = (152, 154)  # surface elements that carry loads
 ANSYS_LINES = {4: BEAM, 44: BEAM, 188: BEAM, 189: BEAM, 8: TRUSS, 180: TRUSS}
 
 

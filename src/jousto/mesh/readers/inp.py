@@ -112,7 +112,7 @@ def read_deck(path: Path) -> Deck:
         raise InputError(
             Problem(
                 path.name,
-                "contains neither *NODE nor *ELEMENT, so it is no Abaqus or CalculiX mesh",
+                "contains neither *NODE nor *ELEMENT, so it is not an Abaqus or CalculiX mesh",
             )
         )
     ties = dict.fromkeys(f"*{block.keyword}" for block in deck.others if block.keyword in _TIES)
@@ -227,7 +227,7 @@ def _nodes(block: Block) -> tuple[Ints, Array]:
             values = [real(word) for word in row[1:4]]
         except ValueError:
             found = ",".join(row)[:40]
-            raise block.wrong(f"'{found}' is no node: number, x, y, z are needed") from None
+            raise block.wrong(f"'{found}' is not a node: number, x, y, z are needed") from None
         table[i, : len(values)] = values
     return block.whole([row[0] for row in rows]), table
 
@@ -250,7 +250,7 @@ def _elements(block: Block, raw: RawMesh, names: Names, instance: Instance) -> N
         )
     table = values.reshape(-1, wide) + instance.shift
     nodes, ids = table[:, 1:], table[:, 0]
-    if known.kind == "line3":  # the middle node stands between the ends
+    if known.kind == "line3":  # in the file the middle node is listed between the ends
         nodes = nodes[:, [0, 2, 1]]
     raw.cells.append(RawCells(known.kind, nodes, ids, formulation=known.formulation, type=etype))
     raw.note(etype, known, len(ids))

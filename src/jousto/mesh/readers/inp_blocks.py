@@ -78,7 +78,7 @@ class Block:
         for word in words:
             plain = re.fullmatch(r"([+-]?\d+)(\.0*)?", word.strip())
             if plain is None or abs(int(plain[1][:25])) > BIG:
-                wrong = "is no whole number" if plain is None else "is too large for a number"
+                wrong = "is not a whole number" if plain is None else "is too large for a number"
                 raise self.wrong(f"'{word[:25]}' {wrong}; the file may be truncated or damaged")
             numbers.append(int(plain[1]))
         return np.array(numbers, dtype=np.int64)

@@ -63,7 +63,9 @@ def read_msh(path: Path) -> RawMesh:
     data = path.read_bytes()
     head = re.match(rb"\s*\$MeshFormat\s+([\d.]+)\s+(\d)\s+(\d+)[ \t]*\r?\n", data)
     if head is None:
-        raise InputError(Problem(path.name, "does not begin with $MeshFormat: no Gmsh mesh"))
+        raise InputError(
+            Problem(path.name, "does not begin with $MeshFormat: this is not a Gmsh mesh")
+        )
     version, binary = head[1].decode(), head[2] == b"1"
     if head[3] not in (b"4", b"8"):
         raise InputError(
@@ -261,7 +263,7 @@ def whole(where: str, values: NDArray[np.float64]) -> Ints:
     bad = values[~((values == np.round(values)) & (np.abs(values) < 2.0**53))]
     if len(bad):
         raise InputError(
-            Problem(where, f"'{bad[0]:g}' is no whole number in range; the file may be damaged")
+            Problem(where, f"'{bad[0]:g}' is not a whole number in range; the file may be damaged")
         )
     return values.astype(np.int64)
 
@@ -275,7 +277,7 @@ class _Text:
             self.values = np.array(data.split(), dtype=np.float64)
         except ValueError:
             raise InputError(
-                Problem(where, "contains a word that is no number; the file may be damaged")
+                Problem(where, "contains a word that is not a number; the file may be damaged")
             ) from None
 
     def floats(self, n: int) -> NDArray[np.float64]:

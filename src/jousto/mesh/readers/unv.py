@@ -107,7 +107,7 @@ def read_unv(path: Path) -> RawMesh:
             raw.length = _length(data)
     if not raw.node_ids:
         held = some([str(data.number) for data in found]) or "none"
-        sentence = f"has no nodes (data set 2411): it is no mesh; it has the data sets {held}"
+        sentence = f"has no nodes (data set 2411): it is not a mesh; it has the data sets {held}"
         raise InputError(Problem(path.name, sentence))
     if raw.unread:
         names = some([f"{n} of type {code}" for code, n in raw.unread.items()])

@@ -81,7 +81,7 @@ class _Laid:
             of = ffi.typeof(array).item
             data = np.frombuffer(ffi.buffer(array), np.uint8)
             self.blocks.append((of.cname, data.reshape(-1, ffi.sizeof(of))))
-        self._keep = structs, layout.model  # and not the layout, which knows the model
+        self._keep = structs, layout.model  # keep only these: the layout would keep the model alive
         memory: list[NDArray[Any]] = [*rooms, *(data for _, data in self.blocks)]
         starts, sizes = [_start(x) for x in memory], [x.nbytes for x in memory]
         self.order = np.argsort(np.array(starts, np.uint64))
@@ -208,7 +208,7 @@ class Ensemble:
         status = self._library.jo_run(
             self._model, self._data, solver, steps, every, self._count, written, self._pointer(room)
         )
-        if kind("jo_status", status) != "ok":  # all of them
+        if kind("jo_status", status) != "ok":  # every machine failed
             room[int(written[0]) * self.row_size :] = np.nan
         return np.ascontiguousarray(room.T).reshape(machines(), -1, self.row_size)
 

@@ -350,7 +350,7 @@ class Layout:
                 for j, side_j in sides[body]:
                     if place[k] >= place[j]:
                         pairs.append((k, side_k, j, side_j, m.elimination.blocks[k, j]))
-        if m.mixed:  # pairs of joints that are no links come first
+        if m.mixed:  # pairs of joints that are not links come first
             inside = {place for link in m.links for place in (link.joint, link.drive)}
             pairs.sort(key=lambda pair: pair[0] in inside or pair[2] in inside)
         return pairs
@@ -439,7 +439,7 @@ class Layout:
         for i in range(len(hubs)):
             s = structs[len(joints) + i]
             s.nrow, s.lock, s.release = 6, -1, -1
-            s.side[0] = s.side[1] = self._on_hub(hubs[i])  # for messages about errors
+            s.side[0] = s.side[1] = self._on_hub(hubs[i])  # body index for error messages
         records["nrow"] = [joint.rows for joint in joints]
         lines = np.array([len(joint.lines) for joint in joints], dtype=np.intc)
         records["nline"], records["line"] = lines, np.cumsum(lines) - lines

@@ -81,7 +81,7 @@ def real_library() -> Any:
     asked = os.environ.get("JOUSTO_CPU", "").strip()
     if asked and asked not in BUILDS:
         known = ", ".join(sorted(BUILDS))
-        raise InputError(Problem("JOUSTO_CPU", f"is {asked!r}; known are {known}"))
+        raise InputError(Problem("JOUSTO_CPU", f"is {asked!r}; allowed: {known}"))
     return build(asked or next(name for name in BUILDS if _runs(name)))
 
 

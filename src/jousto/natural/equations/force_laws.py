@@ -201,7 +201,7 @@ def relative(a: Array, b: Array) -> tuple[Array, Array, Array]:
     ga, gb = np.zeros((6, 4, 3)), np.zeros((6, 4, 3))
     for k in range(3):
         ga[k, 0], ga[k, 1 + k], gb[k, 0] = -a[1 + k], d, a[1 + k]
-    # rows of back: world directions whose turn changes theta_k
+    # rows of back: world axes about which a rotation changes theta_k
     back = np.linalg.inv(tangent(theta)) @ a[1:]
     for k in range(3):
         ga[3 + k, 1:] = -0.5 * crossed(back[k], a[1:])

@@ -37,19 +37,19 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
     problems = Problems()
     for beam in mechanism.beams:
         problems.add(
-            where(beam), "the moving frame does not know exact beams; reduce the beam to modes"
+            where(beam), "the moving frame does not support exact beams; reduce the beam to modes"
         )
     for body in mechanism.bodies:
         if isinstance(body, FlexibleBody) and body.reduced.stiffening is not None:
             problems.add(
                 where(body),
-                "the moving frame does not know second-order displacements; reduce the part "
+                "the moving frame does not support second-order displacements; reduce the part "
                 "without stiffening",
             )
     for friction in mechanism.frictions:
         if friction.law.sticks:
             problems.add(
-                where(friction), "the moving frame does not know StickSlip(); use Regularised()"
+                where(friction), "the moving frame does not support StickSlip(); use Regularised()"
             )
     for event in mechanism.events:
         if event.stop:
@@ -64,7 +64,7 @@ def check_known(mechanism: Mechanism, *, sensors: bool = True) -> None:
     _check_forces(problems, mechanism)
     for sensor in mechanism.sensors if sensors else ():
         if not is_read(sensor):
-            problems.add(where(sensor), "the moving frame has no such sensor; remove it")
+            problems.add(where(sensor), "the moving frame does not support this sensor; remove it")
     problems.raise_if_any()
 
 
@@ -81,7 +81,7 @@ def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
             for s in line.coordinates:
                 if not isinstance(s, Angle | Displacement | Distance):
                     problems.add(
-                        where(joint), f"the moving frame does not know {type(s).__name__}s"
+                        where(joint), f"the moving frame does not support {type(s).__name__}"
                     )
     for force in mechanism.forces:
         for push in force.pushes:
@@ -92,7 +92,7 @@ def _check_forces(problems: Problems, mechanism: Mechanism) -> None:
             elif push.kind == "user" and not callable(push.function):
                 problems.add(
                     where(force),
-                    "the moving frame calls functions of Python only, not compiled ones",
+                    "the moving frame calls Python functions only, not compiled ones",
                 )
             for signal in (push.signal, push.reference):
                 _check_signal(problems, force, signal)
@@ -102,4 +102,6 @@ def _check_signal(problems: Problems, item: Any, signal: Signal | None) -> None:
     for leaf in () if signal is None else leaves(signal):
         if isinstance(leaf, Input | Switched):
             kind = f"input {leaf.name!r}" if isinstance(leaf, Input) else "a switched signal"
-            problems.add(where(item), f"follows {kind}, whose value the moving frame does not know")
+            problems.add(
+                where(item), f"follows {kind}, whose value the moving frame does not compute"
+            )

@@ -137,7 +137,7 @@ def plot_beam(
     """
     names = (beam,) if isinstance(beam, str) else tuple(beam)
     if not names:
-        raise InputError(Problem("plot", "name one beam at least"))
+        raise InputError(Problem("plot", "name at least one beam"))
     t = run.time
     wanted = np.linspace(float(t[0]), float(t[-1]), SHOWN) if times is None else times
     instants = np.atleast_1d(np.asarray(wanted, dtype=np.float64))

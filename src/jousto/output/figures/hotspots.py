@@ -26,7 +26,7 @@ from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 
 WIDTH, LEGEND, GAP = 7.2, 1.1, 0.2  # inch: width, colour legend, gap
-CURVES = 5  # histories in a picture
+CURVES = 5  # maximum number of histories in a picture
 VALUES = 2e8  # maximum number of stress values behind the colours
 POINTS = 4000  # points of a curve
 

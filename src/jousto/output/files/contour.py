@@ -59,7 +59,7 @@ def write_contour(
     ------
     InputError
         For another ending, a path that cannot be written, several instants in a .vtu file, or
-        places that are no nodes.
+        places that are not nodes.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def write_contour(
     shape = find_body(run, field.name)
     nodes = field.modes.nodes
     if nodes is None or not np.any(nodes >= 0):
-        message = "its places are no nodes of the body: there is nothing to colour"
+        message = "its places are not nodes of the body: there is nothing to colour"
         raise InputError(Problem(f"stress of '{field.name}'", message))
     name, cells = f"{criterion} ({field.unit})", cells_of(shape.elements)
     if out.suffix == ".vtu" and times is None:

@@ -66,7 +66,7 @@ def exposed_nodes(
         else:
             chosen[int(item)] = None
     if not chosen and not problems.found:
-        problems.add(where, "no node is to be written; name one at least")
+        problems.add(where, "no node is selected for writing; name at least one")
     problems.raise_if_any()
     index = np.array(list(chosen), dtype=np.intp)
     return index, [own.get(int(i), f"node{i + 1}") for i in index]

@@ -227,7 +227,7 @@ def make_stage(
     Raises
     ------
     InputError
-        If there is nothing to draw, a trail is not of a position sensor, the scale is no number,
+        If there is nothing to draw, a trail is not of a position sensor, the scale is not a number,
         or no body has the stress to be shown.
     """
     problems = Problems()
@@ -355,8 +355,8 @@ def _limit(
     if highest < 0.0:
         problems.add(
             "stress",
-            "no body of this run has a surface with stress; of modal beams in files of older "
-            "versions 'jousto hotspots RESULT BODY -o FILE.png' colours the lines, and "
+            "no body of this run has a surface with stress; for modal beams in files of older "
+            "versions, 'jousto hotspots RESULT BODY -o FILE.png' colours the lines, and "
             "'jousto stress RESULT BODY -o FILE.pvd' writes a film for ParaView",
         )
     return max(highest, 1e-300) if wanted is True else float(wanted)

@@ -81,13 +81,13 @@ class FrameArrays(BeamOptions):
         noun="(ne, 2) array_like of int",
     )
     sections: AnyField = field(
-        "One for all elements or one for each",
+        "One for all elements, or one per element",
         form="sections",
         noun="Section or sequence of Section",
         kw_only=True,
     )
     materials: AnyField = field(
-        "One for all elements or one for each",
+        "One for all elements, or one per element",
         form="materials",
         noun="Material or sequence of Material",
         kw_only=True,

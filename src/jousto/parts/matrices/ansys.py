@@ -113,7 +113,7 @@ def _check_binary(path: Path, kind: str) -> None:
     number = {".full": 4, ".rst": 12}[kind]
     words = np.fromfile(path, dtype="<i4", count=205)
     if len(words) < 4 or words[0] != 100 or words[1] != -(2**31):
-        raise refuse(path, f"is no Ansys {kind} file, or it is damaged")
+        raise refuse(path, f"is not an Ansys {kind} file, or it is damaged")
     if words[2] != number:
         raise refuse(path, f"is a binary file of Ansys of another kind; a {kind} file is needed")
     if kind == ".full":
@@ -136,4 +136,4 @@ def _open(path: Path, kind: str) -> Any:
     except NotImplementedError as error:  # raised by the reader for unknown kinds of files
         raise refuse(path, f"cannot be used: {error}") from None
     except Exception:
-        raise refuse(path, f"is no Ansys {kind} file, or it is damaged") from None
+        raise refuse(path, f"is not an Ansys {kind} file, or it is damaged") from None

@@ -55,7 +55,7 @@ def read_op4(path: Path) -> tuple[Sparse, Sparse]:
     except Exception as error:
         # the reader raises the exceptions of its parsers, of any type
         reason = str(error).strip().partition("\n")[0] or "the file ends too early"
-        raise refuse(path, f"is no OP4 file, or it is truncated: {reason}") from None
+        raise refuse(path, f"is not an OP4 file, or it is truncated: {reason}") from None
     matrices = {name: as_csr(sp.csr_array(value)) for name, value in found.items()}
     k, m = _choose(path, matrices, STIFFNESS, "K"), _choose(path, matrices, MASS, "M")
     return matrices[k], matrices[m]

@@ -31,7 +31,7 @@ def surface_stress(
         problems.raise_if_any()
     assert model is not None
     if on is None:
-        # loads act on interfaces
+        # leave out faces of interfaces, on which loads act
         chosen = [np.ones(len(face), dtype=bool) for face in model.faces]
         for nodes in ties:
             tied = np.zeros(len(part.nodes), dtype=bool)

@@ -157,7 +157,7 @@ def _dense(problem: Flexibility, M: sp.csr_array, where: str) -> tuple[Flexibili
         raise InputError(
             Problem(
                 where,
-                f"more than a third of all {problem.size} modes are requested; ask for fewer modes "
+                f"more than a third of all {problem.size} modes are requested; request fewer modes "
                 "or a lower frequency_limit",
             )
         )
@@ -301,8 +301,8 @@ def select(
             Problem(
                 where,
                 f"{modes} {kind} modes are requested, but there are only {len(mu)}: motions "
-                f"without mass (rotations of nodes without rotary inertia) have no frequency; ask "
-                f"for "
+                "without mass (rotations of nodes without rotary inertia) have no frequency; "
+                "request "
                 "fewer modes, use more elements, or give rotary_inertia=True",
             )
         )
@@ -314,6 +314,6 @@ def select(
         warn(
             where,
             f"{kind} modes {count} and {count + 1} have the same frequency and only the first is "
-            f"kept, so that a symmetric body becomes unsymmetric; ask for one mode more or less",
+            f"kept, so that a symmetric body becomes unsymmetric; request one mode more or less",
         )
     return mu[:count], X[:, :count]

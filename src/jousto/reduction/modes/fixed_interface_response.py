@@ -63,7 +63,7 @@ class Inside:
         self._factorise = factorise
         K_z, inside, held = K, z.dof[self.rows], z.columns(b.held)
         if np.any(inside < 0):
-            # a rigid tie that is no interface: its reference node belongs to the interior
+            # a rigid tie that is not an interface: its reference node belongs to the interior
             K_z, inside = z.restrict(K), self.rows
             held = sp.csr_array(sp.eye_array(z.size, format="csr")[:, b.held])
         K_I, K_T = K_z[inside], sp.csr_array(K_z @ held)

@@ -152,7 +152,7 @@ def read_functions(where: str, given: Any, problems: Problems) -> tuple[Any, ...
         else:
             problems.add(
                 where,
-                f"function {item!r} is no shape function: give BeamFunctions(...), "
+                f"function {item!r} is not a shape function: give BeamFunctions(...), "
                 f"Polynomials(...), "
                 "Splines(...), a function of the positions (nn, 3), or columns (ndof, m)",
                 "function",

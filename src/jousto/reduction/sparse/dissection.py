@@ -81,7 +81,7 @@ def dissect(matrix: sp.csr_array, points: Array) -> Dissection:
             parents[half] = last
         return last
 
-    # nodes connected to a large part of the body, such as those of ties, are no separators
+    # nodes connected to a large part of the body, such as those of ties, are not used as separators
     plain = np.flatnonzero(~hubs)
     below = cut(plain) if len(plain) else -1
     if hubs.any():

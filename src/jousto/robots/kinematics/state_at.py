@@ -52,7 +52,7 @@ def state_at(tree: Tree, model: Model, q: ArrayLike) -> State:
     _check_kinds(tree, model)
     _check_limits(tree, q)
     poses = tree.forward_kinematics(q)
-    # bodies of the model must be in the tree; the base of a robot is in the tree alone
+    # bodies of the model must be in the tree; the base of a robot is in the tree only
     missing = [body.name for body in model.bodies if body.name not in poses]
     if missing:
         message = f"the tree has no body {missing[0]!r} of {model!r}; give the tree of this model"

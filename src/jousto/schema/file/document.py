@@ -13,7 +13,7 @@ from jousto.base.garbage_collection import uncollected
 from jousto.base.object_repr import described
 from jousto.mesh.formats import is_cad, is_mesh
 
-DOCUMENTS = (".yaml", ".yml", ".json")  # endings of files that people write
+DOCUMENTS = (".yaml", ".yml", ".json")  # suffixes of hand-written files
 
 Loc: TypeAlias = tuple[int | str, ...]
 
@@ -108,7 +108,7 @@ def _geometry(path: Path) -> str:
     if is_cad(path):
         what, mesh, look = "a CAD file", f"{{cad: {path.name}, size: 8 mm}}", " --size '8 mm'"
     else:
-        # VTK files say metres, as jousto writes them; decks leave the unit to who reads them
+        # VTK files written by jousto are in metres; decks contain no unit
         unit = "" if path.suffix.lower() in (".vtu", ".vtk") else ", unit: mm"
         what, mesh, look = "a mesh", f"{{file: {path.name}{unit}}}", ""
     return (
@@ -130,7 +130,7 @@ def is_hdf5(path: Path) -> bool:
 @uncollected()
 def parse_document(text: str, *, name: str = "model", folder: Path | None = None) -> Document:
     """Parse YAML or JSON text; see `read_document`."""
-    # imported here: it is needed for model files only
+    # local import: needed for model files only
     from yaml import MarkedYAMLError, YAMLError
 
     from jousto.schema.file.syntax_errors import syntax_problem, wrong_sign

@@ -55,5 +55,5 @@ def _read(path: Path, readers: dict[str, Any]) -> Any:
     except InputError:
         raise
     except Exception as error:
-        # the readers raise whatever their parsers do
+        # the readers pass on exceptions of any type from their parsers
         raise InputError(Problem("", f"{path.name!r} cannot be read: {error}")) from None

@@ -6,18 +6,18 @@ import re
 
 EXPRESSION = re.compile(r"\$\{([^{}\n]*)\}")
 
-SHIELD = 0xE000  # the private area of Unicode, to which hidden signs are moved
-BREAKS = re.compile("[\x85\u2028\u2029]")  # ends of lines in YAML 1.1 alone
+SHIELD = 0xE000  # start of Unicode's private area, to which replaced characters are moved
+BREAKS = re.compile("[\x85\u2028\u2029]")  # line ends of YAML 1.1 that YAML 1.2 does not have
 SHIELDED = re.compile("[\ue020-\ue07e\ue085\uf028\uf029]")
 MOVED = {0x85: 0xE085, 0x2028: 0xF028, 0x2029: 0xF029}
 RESTORED = {new: old for old, new in MOVED.items()}
 RESTORED |= {SHIELD + k: k for k in range(0x20, 0x7F)}
 
-ESCAPE = "\uf0d8"  # in the place of the backslash before what follows
-# halves of characters of UTF-16, which libyaml refuses, and signs that stand for hidden ones
+ESCAPE = "\uf0d8"  # replaces the backslash of the escapes below
+# escaped surrogates, which libyaml refuses, and escapes of replaced characters
 ESCAPES = re.compile(r"(?<!\\)((?:\\\\)*)\\(?=u(?:[dD][89a-fA-F]|[eEfF]0)[0-9a-fA-F]{2})")
 HIDDEN_ESCAPE = re.compile(ESCAPE + "u([0-9a-fA-F]{4})")
-SURROGATE = re.compile("[\ud800-\udfff]")  # halves of characters, which UTF-8 does not have
+SURROGATE = re.compile("[\ud800-\udfff]")  # surrogates, which UTF-8 cannot encode
 UTF16 = "utf-16-le"
 
 

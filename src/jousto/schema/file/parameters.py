@@ -86,7 +86,7 @@ class _Expander:
         self.found: list[tuple[Loc, Problem]] = []
         self.texts: dict[Loc, str] = {}
         self.used: set[str] = set()
-        self.needs: dict[str, set[str]] = {}  # of parameters that depend on others
+        self.needs: dict[str, set[str]] = {}  # names used by each parameter that depends on others
         self.parameters: dict[str, Parameter] = {}
         self.given: dict[str, Any] = {}
         self.quantities: dict[str, Quantity] = {}
@@ -190,7 +190,7 @@ class _Expander:
             names = set(re.findall(r"[^\W\d]\w*", text))
             broken = names & (set(self.given) - set(self.quantities))
             self.used |= broken
-            if not broken:  # else what is wrong with the parameter has been said
+            if not broken:  # otherwise the problem of the parameter is already reported
                 self.note(loc, f"${{{text}}}: {error}")
             return None
 

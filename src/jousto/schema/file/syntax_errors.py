@@ -53,7 +53,7 @@ SENTENCES: dict[str, tuple[str, str]] = {
 }
 """What messages say for each sentence of libyaml, and what to do."""
 
-# comments, texts in quotes and brackets; quotes within a word are none
+# comments, quoted texts and brackets; quotes within a word do not count
 SIGNS = re.compile(
     r"""(?:^|(?<=\s))\#.*|(?<![^\s\[{,:])'(?:[^']|'')*(?:'|\Z)|(?<![^\s\[{,:])"(?:\\.|[^"\\])*(?:"|\Z)"""
     r"""|[\[\]{}]""",
@@ -69,7 +69,7 @@ def syntax_problem(error: MarkedYAMLError, text: str, name: str) -> Problem:
     mark: Mark | None = error.problem_mark or error.context_mark
     line, column = (mark.line, mark.column) if mark is not None else (0, 0)
     lines = text.split("\n")
-    if line >= len(lines):  # behind the last one
+    if line >= len(lines):  # after the last line
         line, column = len(lines) - 1, len(lines[-1])
     content = lines[line]
     rest = content[column:]
@@ -101,7 +101,7 @@ def unclosed(lines: list[str]) -> tuple[str, int] | None:
         sign, place = found[0], found.start()
         line, counted = line + text.count("\n", counted, place), place
         if sign in ("[", "{"):
-            # in plain text of a block a bracket is a letter
+            # in a plain scalar of a block a bracket is an ordinary character
             if opened or _before_blanks(text, place) in ("", "\n", ":", "-"):
                 opened.append((f"'{sign}'", line))
         elif sign in PAIRS:
@@ -119,7 +119,7 @@ def _before_blanks(text: str, place: int) -> str:
     return text[max(place - 1, 0) : place]
 
 
-# what a text of YAML cannot contain
+# characters that YAML does not allow
 WRONG = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
@@ -130,5 +130,5 @@ def wrong_sign(text: str, name: str) -> Problem | None:
         return None
     line = text.count("\n", 0, found.start()) + 1
     return Problem(
-        f"{name}:{line}", f"contains {found[0]!r}, which no text of YAML has: leave it out"
+        f"{name}:{line}", f"contains {found[0]!r}, which YAML does not allow: leave it out"
     )

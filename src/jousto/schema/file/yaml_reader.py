@@ -36,7 +36,7 @@ except ImportError as error:
         "pip install pyyaml --force-reinstall --only-binary :all:"
     ) from error
 
-# entries of a file with its aliases written out
+# maximum number of entries of a file, aliases expanded
 MOST_ENTRIES = 1_000_000
 
 
@@ -72,17 +72,18 @@ class YamlReader:
         self.name = name
         self.problems = problems
         self.lines = lines
-        self.path: list[int | str] = []  # of the entry that is read
+        self.path: list[int | str] = []  # path of the current entry
         self.count = 0
-        self.section = 1  # line of the key at the top
-        self.words: dict[tuple[str, Any, Any], Any] = {}  # values of scalars; those repeat
+        self.section = 1  # line of the current top-level key
+        self.words: dict[tuple[str, Any, Any], Any] = {}  # cache of scalar values, which repeat
         hidden = shielded(text)
         self.hides = hidden is not text
         self.next = CParser(hidden).get_event
-        # where aliases are, all events are kept
+        # stored events of a text with aliases
         self.events: list[Event] = []
-        self.targets: dict[int, int] = {}  # place of what an alias stands for, by its id
-        self.open: set[int] = set()  # ids of events of what is read that has an anchor
+        # event index of the anchor of an alias, by the id of the alias event
+        self.targets: dict[int, int] = {}
+        self.open: set[int] = set()  # ids of the events of open anchored collections
         if "*" in text:
             self.events = list(iter(self.next, None))
             self.next = self.replay(0).__next__
@@ -124,14 +125,14 @@ class YamlReader:
         RecursionError
             If it is nested too deeply.
         """
-        self.next()  # the start of the stream
+        self.next()  # skip the start of the stream
         first = self.next()
         if not isinstance(first, DocumentStartEvent):
             raise InputError(Problem(self.name, "is empty"))
         if first.version == (1, 1):
             self.note(first, "is YAML 1.1, in which words mean other things; model files are 1.2")
         data = self.value(self.next())
-        self.next()  # the end of the document
+        self.next()  # skip the end of the document
         further = self.next()
         if not isinstance(further, StreamEndEvent):
             self.refuse(further, "expected a single document in the stream, found another one")
@@ -197,7 +198,7 @@ class YamlReader:
     def mapping(self) -> dict[str, Any]:
         """Return the dictionary that continues with the next event, with merged keys (``<<``)."""
         data: dict[str, Any] = {}
-        first: dict[str, int] = {}  # lines of the keys
+        first: dict[str, int] = {}  # first line of each key, to report duplicates
         merged: list[Any] = []
         while type(event := self.next()) is not MappingEndEvent:
             line = event.start_mark.line + 1
@@ -290,7 +291,7 @@ class YamlReader:
         self.problems.add(place, message)
 
 
-# plain words of YAML 1.2, section 10.3.2, and numbers with underscores
+# plain scalars of YAML 1.2, section 10.3.2, and numbers with underscores
 CONSTANTS: dict[str, Any] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -319,6 +320,6 @@ def plain_value(text: str) -> Any:
             return int(digits, 0 if digits.lstrip("-+")[1:2].isalpha() else 10)
         if REAL.fullmatch(text):
             return float(digits)
-    except ValueError:  # "0x_", or more digits than Python takes
+    except ValueError:  # "0x_", or more digits than Python accepts
         pass
     return text

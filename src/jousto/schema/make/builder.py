@@ -16,7 +16,7 @@ from jousto.schema.entries.base import Entry, EulerEntry, MarkerEntry, RotateEnt
 from jousto.schema.file.document import Document, Loc
 
 T = TypeVar("T")
-MOST_HINTS = 100  # problems of a file that come with likely names
+MOST_HINTS = 100  # number of problems of a file that get a suggested name
 
 
 class Builder:
@@ -56,11 +56,13 @@ class Builder:
         self.rigid = rigid
         self.found: list[tuple[Loc, Problem]] = []
         self.noted: set[Problem] = set()
-        self.warnings: dict[str, None] = {}  # in their order
-        self.caught: list[warnings.WarningMessage] | None = None  # while they are caught
-        self.foreign: list[warnings.WarningMessage] = []  # of others than jousto
+        self.warnings: dict[str, None] = {}  # warnings in the order of their occurrence
+        # warnings caught in the current block; None outside of it
+        self.caught: list[warnings.WarningMessage] | None = None
+        self.foreign: list[warnings.WarningMessage] = []  # warnings of other libraries
         self.curves: dict[str, Any] = {}
-        self.known: dict[str, Mapping[str, Any]] = {}  # what entries may name, by section
+        # objects that entries may refer to, by section
+        self.known: dict[str, Mapping[str, Any]] = {}
         self.sensors: list[str] = []  # names of all sensors of the file
         self.kept: dict[Any, Any] = {}  # reduced parts of variants of the file
 
@@ -73,7 +75,7 @@ class Builder:
                 yield
         finally:
             self.caught = None
-        # outside of the block, or what is passed on would be caught again
+        # outside of the block, where the warnings are not caught again
         foreign, self.foreign = self.foreign, []
         for item in foreign:
             warnings.warn_explicit(item.message, item.category, item.filename, item.lineno)
@@ -183,7 +185,7 @@ class Builder:
             return
         if not {(s, n) for s in sections for n in (name, None)} & self.broken:
             hint = ""
-            if len(self.found) < MOST_HINTS:  # looking for likely names takes its time
+            if len(self.found) < MOST_HINTS:  # the search for similar names is slow
                 broken = (str(n) for s, n in sorted(self.broken, key=str) if s in sections and n)
                 hint = suggest(name, [*known, *broken])
             self.note(loc, f"no {kind} {name!r}{hint}")
@@ -197,7 +199,7 @@ class Builder:
             place = loc
         body = ground if name == "ground" else bodies.get(name) or self.frame(name)
         if body is None:
-            names = getattr(bodies, "names", bodies.keys)()  # of frames, too
+            names = getattr(bodies, "names", bodies.keys)()  # names of frames included
             self.unknown(place, "bodies", "body", name, [*names, "ground"])
             return None
         marker: Any
@@ -266,7 +268,7 @@ class Section(Mapping[str, Any]):
         self.entries = tuple(entries)
         self.places = {name: i for i, (name, _, _) in enumerate(self.entries)}
         self.made: dict[int, Any] = {}
-        self.open: set[int] = set()  # what is being made
+        self.open: set[int] = set()  # keys of the objects under construction, to detect cycles
 
     def __getitem__(self, name: str) -> Any:
         """Return the object of a name; raise KeyError if there is none or it is invalid."""

@@ -99,7 +99,7 @@ def build_declared(
         if make is None or (make is number and type(given[field.key]) is float):
             values[key] = given[field.key]
         elif values.get(getattr(field.unit, "field", ""), given) is None:
-            values[key] = None  # of no unit, since the coordinate that it depends on is wrong
+            values[key] = None  # its unit depends on an invalid coordinate
         else:
             place = Place(builder, (*loc, field.key), field, known, values, use)
             values[key] = make(place, given[field.key])

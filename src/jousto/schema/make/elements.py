@@ -53,7 +53,8 @@ def wrench(place: Place, value: Any) -> Any:
 def pattern(place: Place, value: Any) -> Any:
     """Return nodal forces (nodes, 3), N, from a file, from rows, or from a mapping of nodes."""
     body = place.values["body"]
-    if not isinstance(body, FlexibleBody):  # the constructor says so, unless it was made rigid
+    # the constructor reports a body that is not flexible, unless rigid=True made it rigid
+    if not isinstance(body, FlexibleBody):
         return None if place.builder.rigid or body is None else value
     if isinstance(value, str):
         return place.builder.make(place.loc, read_points, place.builder.file(value))
@@ -102,7 +103,7 @@ def load_function(builder: Builder, place: str, name: str) -> Any:
             module = importlib.import_module(place)
     except InputError:
         raise
-    except Exception as error:  # user code may raise whatever it likes
+    except Exception as error:  # user code may raise any exception
         raise InputError(
             Problem("", f"{place!r} cannot be imported: {type(error).__name__}: {error}")
         ) from error
@@ -154,7 +155,7 @@ def unit_of(watch: Any, component: Any) -> str:
     units = [unit.strip() for unit in watch.unit.split(",")]
     names = getattr(watch, "components", ())
     unit = units[0]
-    if len(units) == 2 and component is not None:  # forces, then moments
+    if len(units) == 2 and component is not None:  # units of forces, then of moments
         at = component if isinstance(component, int) else list(names).index(component)
         unit = units[1] if at >= len(names) // 2 else units[0]
     return unit if unit in KINDS else "1"

@@ -93,7 +93,7 @@ def _number(place: Place, variable: str, value: Any) -> float | None:
     try:
         known = read_description(path, "").variables if path is not None else {}
     except InputError:
-        return 0.0  # the unit itself says what is wrong with its file
+        return 0.0  # the constructor of the unit reports the problem of its file
     found = known.get(variable)
     try:
         return quantity(value, (found.dimension if found else "") or "1")

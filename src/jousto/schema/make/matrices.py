@@ -12,9 +12,9 @@ from jousto.schema.make.declared import build_declared
 if TYPE_CHECKING:
     from jousto.schema.make.builder import Builder
 
-# what only the files of other programs have
+# arguments of matrix files of other programs only
 FOREIGN = ("dofs", "format", "units")
-# what only matrices without a map of their rows have
+# arguments of matrices without a map of their rows only
 ORDERED = ("dofs_per_node", "elements")
 
 

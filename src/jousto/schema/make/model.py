@@ -183,7 +183,8 @@ class ModelBuilder(Builder):
         parts = [(name, ("parts", name), part) for name, part in (entry.parts or {}).items()]
         known["parts"] = made = Section(self, "parts", parts, self.named_part)
         sections = [made]
-        # a rigid body has neither modes nor stress, nor damage of what is gone with them
+        # a rigid body has neither modes nor stress, so that sensors of these, and damage of such
+        # sensors, are left out
         gone = [e.name for e in entry.sensors or () if self.rigid and e.declared.flexible]
         for key in LISTS:
             entries: list[tuple[Any, Loc, Any]] = [
@@ -200,7 +201,7 @@ class ModelBuilder(Builder):
         }
         self.sensors = list(dict.fromkeys([*self.sensors, *known["sensors"]]))
         items: list[tuple[Loc, Any]] = []
-        with self.catching():  # once for all of them
+        with self.catching():  # catch the warnings of all items together
             for made in sections:
                 found = made.all()
                 if made.key == "joints":
@@ -234,7 +235,7 @@ class ModelBuilder(Builder):
                     head = "" if loc else f"{problem.where}: "
                     self.note_problem(loc or inner.get(problem.where, ()), problem, head)
                 return None
-        # what is broken would only cause wrong warnings
+        # with invalid items the warnings would be misleading
         if caught and not (self.found or self.broken):
             places, inner = places_of(items)
             for item in caught:

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
     from jousto.schema.make.builder import Builder
 
-DIAMETER = 0.02  # share by which a hole may differ from the diameter that is asked for
-SHOWN = 6  # holes or sets named in a message
+DIAMETER = 0.02  # largest relative difference of a hole from the requested diameter
+SHOWN = 6  # maximum number of holes or sets in a message
 
 
 def build_solid(builder: Builder, loc: Loc, name: str, entry: Any) -> Any:

@@ -17,7 +17,7 @@ import numpy as np
 
 from jousto.base.arrays import Array
 
-CLOSED = 1e-9  # residual over the largest value of the loop so far, at which it is solved
+CLOSED = 1e-9  # convergence tolerance: residual over the largest value of the loop so far
 PROBE = 1e-4  # relative increment of the finite differences of the Jacobian
 MOST = 20  # maximum number of Newton iterations
 SLOW = 0.1  # ratio of successive residuals, above which the Jacobian is computed again

@@ -47,7 +47,8 @@ def check_coupling(
         if solver.adaptive:
             problems.add(
                 where,
-                f"{type(solver).__name__} chooses its steps itself; take a method of fixed step, "
+                f"{type(solver).__name__} chooses its steps itself; use a method with a fixed "
+                "step, "
                 "such as ROS2",
             )
             continue

@@ -32,7 +32,7 @@ from jousto.simulation.state import State, put
 TARGET = ("hand x", "hand y", "hand z")  # m, world frame
 BODY = "hand body"  # index of the body, -1 for none
 POINT = ("hand point x", "hand point y", "hand point z")  # m, body frame, undeformed
-LAW = ("hand stiffness", "hand damping")  # N/m, N s/m
+LAW = ("hand stiffness", "hand damping")  # inputs of stiffness, N/m, and damping, N s/m
 NAMES = (*TARGET, BODY, *POINT, *LAW)
 IN_FRAMES = (
     *("position", "velocity", "acceleration", "acceleration parts"),

@@ -89,7 +89,7 @@ class LiveMachine:
         if chosen.adaptive:
             name = type(chosen).__name__
             raise InputError(
-                Problem("live", f"{name} chooses its steps itself; take a method of fixed step")
+                Problem("live", f"{name} chooses its steps itself; use a method with a fixed step")
             )
         self.solver: Any = chosen if step is None else replace(chosen, step=step)
         self.step_size = float(self.solver.step)

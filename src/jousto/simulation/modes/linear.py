@@ -194,7 +194,7 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
     a, lam = (np.array(x) for x in engine.accelerations())
     M = (
         T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T
-    )  # mass matrix, masses of beams included
+    )  # mass matrix, including the masses of beams
 
     def slopes(*along: Array) -> tuple[Array, ...]:
         """Return directional derivatives of C, C', a (body frames), sensors and state rates."""
@@ -486,7 +486,7 @@ def _warn_held(model: Model) -> None:
     if held := controllers(model):
         warn(
             f"modes of {model.name!r}",
-            f"PID '{held[0].name}' is included with its proportional part alone: modes of "
+            f"PID '{held[0].name}' is included with its proportional part only: modes of "
             "mechanisms as large as this one omit the states of forces",
         )
 
@@ -500,7 +500,7 @@ def _warn_turning(model: Model, state: State, eigenvalues: Eigenvalues) -> None:
     if spins and NOTICED * lowest < spins[fastest] and np.isfinite(lowest):
         warn(
             f"modes of {model.name!r}",
-            f"body '{model.bodies[fastest].name}' turns with {spins[fastest]:.3g} rad/s, but these "
+            f"body '{model.bodies[fastest].name}' rotates at {spins[fastest]:.3g} rad/s, but these "
             "are the modes at rest in this position: gyroscopic and centrifugal terms are omitted; "
             "damped=True includes them and damping; for modes at rest set the velocities of the "
             "state to zero",

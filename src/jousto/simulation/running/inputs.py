@@ -116,7 +116,9 @@ def connect(
         elif isinstance(value, Signal):
             if _uses_outside(value):
                 problems.add(
-                    place, "its signal depends on an input or an event; give one of time alone"
+                    place,
+                    "its signal depends on an input or an event; give a signal that "
+                    "depends on time only",
                 )
             signals[name] = value
         elif isinstance(value, bool) or value is None or isinstance(value, str):

@@ -106,7 +106,7 @@ class RunWatch:
                 warn(where, sentence)
         low, high = self._extremes()
         exchanged = sum(high[name] - low[name] for name in places("jo_energies"))
-        # no check of a machine that moves by round-off alone
+        # no check of a machine that moves by round-off only
         level = {name: max(abs(high[name]), abs(low[name])) for name in ENERGIES}
         potential, kinetic = level.pop("potential"), level["kinetic"]
         scale = max(exchanged, STEADY * kinetic)

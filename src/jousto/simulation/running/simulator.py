@@ -98,7 +98,7 @@ class Simulator:
         elif chosen.adaptive:
             problems.add(
                 "Simulator",
-                f"{type(chosen).__name__} chooses its steps itself; take a method of fixed step",
+                f"{type(chosen).__name__} chooses its steps itself; use a method with a fixed step",
             )
         count: Any = every
         if not isinstance(count, int) or isinstance(count, bool) or count < 1:

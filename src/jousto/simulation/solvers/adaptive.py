@@ -15,8 +15,8 @@ from jousto.model.native.native import Engine
 from jousto.simulation.progress import Report
 from jousto.simulation.solvers.base import Solver
 
-WALL_PER_CALL = 0.1  # s between looks at the clock, the bar and Ctrl-C
-LONGEST = 0.1  # of the run: largest step unless told
+WALL_PER_CALL = 0.1  # wall time of a call of the engine, s; progress and Ctrl-C act between calls
+LONGEST = 0.1  # default largest step over the duration of the run
 
 
 class DormandPrince(Solver, tag="DormandPrince"):
@@ -39,13 +39,13 @@ class DormandPrince(Solver, tag="DormandPrince"):
     method: ClassVar[str] = "dopri"
     evaluations: ClassVar[int] = 6
     adaptive: ClassVar[bool] = True
-    most: ClassVar[int] = 100_000  # steps between two outputs
+    most: ClassVar[int] = 100_000  # maximum number of steps between two outputs
     tolerance: Number = field(
         "Largest error of a step: of positions, as a share of the size of the mechanism; of "
         "rotations, in rad; of speeds, as a share of the largest speed of the body so far; of "
-        "modal coordinates and their rates, as a share of the largest so far of the body. What "
-        "moves less than a thousandth of the mechanism is measured against that thousandth; so is "
-        "a speed below a thousandth of the size of the mechanism per duration of the run",
+        "modal coordinates and their rates, as a share of the largest so far of the body. "
+        "Reference values are at least a thousandth of the size of the mechanism, and a "
+        "thousandth of that size per duration of the run for speeds",
         least=1e-13,
         most=0.1,
         wanted="between 1e-13 and 0.1",
@@ -53,8 +53,8 @@ class DormandPrince(Solver, tag="DormandPrince"):
         default=1e-6,
     )
     absolute: OptionalNumber = field(
-        "Errors below this do not matter, m and m/s (rad and rad/s times the size of the "
-        "mechanism); None: they all do",
+        "Absolute tolerance, m and m/s (rad and rad/s times the size of the mechanism): smaller "
+        "errors are ignored; None for zero",
         unit="m",
         above=0,
         wanted="None or positive, m",
@@ -62,12 +62,12 @@ class DormandPrince(Solver, tag="DormandPrince"):
         default=None,
     )
     first_step: OptionalDuration = field(
-        "First step to try; None finds one from the speeds, accelerations and frequencies",
+        "First trial step; None to estimate it from speeds, accelerations and frequencies",
         default=None,
     )
     max_step: OptionalDuration = field(
-        "Largest step; None is a tenth of the run. A short push by a `UserForce` is seen for "
-        "certain only by steps not longer than it",
+        "Largest step; None for a tenth of the run. Steps longer than a short pulse of a "
+        "`UserForce` may miss it",
         default=None,
     )
     output: Duration = field(
@@ -101,7 +101,7 @@ class DormandPrince(Solver, tag="DormandPrince"):
 
     def explicit_growth(self, z: NDArray[np.complex128]) -> NDArray[np.float64]:
         """Return the growth factor ``|1 + z + ... + z^5/120 + z^6/600|`` of a step."""
-        sums = z / 5.0  # Horner: every row is one term of the series
+        sums = z / 5.0  # Horner's scheme: one term of the series per line
         for k in (5.0, 4.0, 3.0, 2.0, 1.0):
             sums = z / k * (1.0 + sums)
         return np.asarray(np.abs(1.0 + sums))
@@ -118,7 +118,7 @@ def follow(
     """Step to row `last` in calls of about 0.1 s wall time; return "ok" or the cause of the end."""
     started = clock.perf_counter()
     tries = 1
-    while engine.steps_done <= last:  # rows so far
+    while engine.steps_done <= last:  # rows written so far
         before = clock.perf_counter()
         status, written = engine.follow(native, last, tries, rows)
         now = clock.perf_counter()

@@ -107,10 +107,18 @@ class Baumgarte(Declared, by_value=True):
     """
 
     alpha: Number = field(
-        "Of the velocities", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+        "Coefficient alpha of the velocities",
+        unit="1/s",
+        least=0,
+        wanted="0 or more, 1/s",
+        plain=True,
     )
     beta: Number = field(
-        "Of the positions", unit="1/s", least=0, wanted="0 or more, 1/s", plain=True
+        "Coefficient beta of the positions",
+        unit="1/s",
+        least=0,
+        wanted="0 or more, 1/s",
+        plain=True,
     )
 
 
@@ -124,7 +132,7 @@ class Staged(Solver):
         "Project positions and velocities onto the constraints after every step", default=True
     )
     baumgarte: OptionalItem[Baumgarte] = field(
-        "Stabilisation instead of, or besides, projection",
+        "Baumgarte stabilisation, instead of or in addition to projection",
         wanted="Baumgarte(alpha, beta)",
         default=None,
     )

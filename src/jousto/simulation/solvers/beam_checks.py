@@ -11,7 +11,7 @@ from jousto.model.native.header import named
 from jousto.model.native.native import Engine
 from jousto.simulation.solvers.stability import MANY_STEPS
 
-FAR = 1.0  # rad that one element bends or twists
+FAR = 1.0  # largest bending or twist of an element without a warning, rad
 
 
 def fastest_beam(model: Model) -> tuple[str, float]:

@@ -19,13 +19,13 @@ from jousto.simulation.solvers.rosenbrock import ROS2
 from jousto.simulation.solvers.schedule import schedule
 from jousto.simulation.solvers.stability import damper_warning, friction_warning
 
-SHORTEST = 1e-5  # s, of a step chosen for friction
-SHORT = 1e-4  # s, of a step chosen for springs; below it the implicit method costs less
-BLOW = 20  # steps in a blow on a stop: its restitution is then off by 0.01
-STEPS = (5e-4, 2e-4, SHORT)  # s, of a step chosen for blows
-SHORTER = (5e-5, 2e-5, SHORTEST)  # s, of a step chosen for controllers at their limits
-UNBOUNDED = 10.0  # s, taken for runs whose end nobody knows, as of exported machines
-ALLOWED = 0.1  # growth of small motions in a run that is the method's
+SHORTEST = 1e-5  # smallest step chosen for friction, s
+SHORT = 1e-4  # smallest step chosen for springs, s; below it the implicit method is cheaper
+BLOW = 20  # steps in an impact on a stop, for an error of the restitution of 0.01
+STEPS = (5e-4, 2e-4, SHORT)  # steps to choose from for impacts, s
+SHORTER = (5e-5, 2e-5, SHORTEST)  # steps to choose from for controllers at their limits, s
+UNBOUNDED = 10.0  # assumed duration of runs without a known end, as of exported machines, s
+ALLOWED = 0.1  # largest growth of small motions in a run that a method may add
 
 
 def choose(

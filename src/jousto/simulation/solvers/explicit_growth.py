@@ -16,8 +16,8 @@ from jousto.simulation.solvers.base import Solver, prepared
 from jousto.simulation.solvers.implicit import Newmark
 from jousto.simulation.solvers.stability import DENSE
 
-DISTANCE = 1e-7  # of the size of the mechanism, or rad, of the differences
-SPEED = 1e-8  # the same in a step
+DISTANCE = 1e-7  # step of the differences, over the size of the mechanism, or rad
+SPEED = 1e-8  # step of the differences of velocities, over the size of the mechanism in a step
 
 
 def excess(model: Model, solver: Solver, step: float) -> float:
@@ -35,7 +35,7 @@ def excess(model: Model, solver: Solver, step: float) -> float:
         whole = _largest(model, solver, step)
         own = _largest(model, Newmark(step=step), step) if whole > 1.0 else 1.0
     except (InputError, np.linalg.LinAlgError):
-        return 0.0  # the run says what is wrong
+        return 0.0  # the run itself reports the error
     return max(0.0, float(np.log(whole / max(1.0, own)))) / step
 
 
@@ -70,7 +70,7 @@ def _largest(model: Model, solver: Solver, step: float) -> float:
         return engine.q.copy(), np.concatenate([engine.v, engine.states])
 
     after(np.zeros(2 * nv + len(states)))
-    back = np.linalg.pinv(engine.increments())  # small changes of q as increments
+    back = np.linalg.pinv(engine.increments())  # map from small changes of q to increments
     unit = model.size / velocity_metres(model)
     sizes = [DISTANCE * unit, SPEED * unit / step, DISTANCE * state_sizes(model)]
     columns = []

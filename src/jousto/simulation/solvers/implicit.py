@@ -13,8 +13,8 @@ from jousto.simulation.solvers.base import Solver
 
 STEP: Any = field("Step size", default=1e-3)
 TOLERANCE: Any = field(
-    "Of Newton's iteration: the last change of the accelerations, in the metric of the masses, as "
-    "a share of the accelerations and elastic forces at work. None: always `max_iterations` "
+    "Tolerance of Newton's iteration: last change of the accelerations in the metric of the "
+    "masses, relative to the accelerations and elastic forces. None: always `max_iterations` "
     "iterations, so that the work of a step is bounded",
     least=1e-14,
     most=1e-2,
@@ -23,24 +23,29 @@ TOLERANCE: Any = field(
     default=1e-10,
 )
 MOST: Any = field(
-    "Most iterations of a step. Where they do not converge, as at kinks of force laws, it is tried "
-    "again with increments that are shortened until the next one shrinks, five times as many",
+    "Maximum number of iterations of a step. A step that does not converge, as at kinks of "
+    "force laws, is repeated with damped increments and up to five times as many iterations",
     least=1,
     most=1000,
     default=10,
 )
 TANGENT: Any = field(
-    "Keep the factors, over many steps, as long as the iteration converges fast (a step where it "
-    "does not converge is tried again with the exact matrix), or factorise the exact matrix at "
-    "every iteration, as derivatives by complex numbers always do",
+    "Whether to reuse the factors over many steps while the iteration converges fast (a step "
+    "that does not converge is repeated with the exact matrix), or to factorise the exact "
+    "matrix in every iteration, as complex-step derivatives always do",
     words=("exact", "modified"),
     default="modified",
 )
-PROJECTION: Any = field("Index 2 with closed positions, or index 3", default=True)
+PROJECTION: Any = field(
+    "Whether to solve the velocity constraints (index 2) and project the "
+    "positions, or to solve the position constraints (index 3)",
+    default=True,
+)
 INERTIA: Any = field(
-    "How inertia forces change with positions and velocities counts in the exact matrix: the "
-    "matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and the gyroscopic ones. "
-    "Without them the result is the same, to the tolerance, after more iterations where bodies "
+    "Whether the exact matrix includes the derivatives of inertia forces by positions and "
+    "velocities: the matrices K_acc and C_acc of Makinen, Marjamaki and Pajunen (eq. 13) and "
+    "the gyroscopic ones. "
+    "Without them the result is the same within the tolerance, after more iterations if bodies "
     "turn fast; ``run.work.iterations`` shows what they save",
     default=True,
 )
@@ -101,8 +106,8 @@ class GeneralizedAlpha(Newton, tag="GeneralizedAlpha"):
 
     step: Duration = STEP
     rho: Number = field(
-        "Share of an oscillation much faster than the step that is left after one step, 0 to 1; 1 "
-        "keeps all of its energy",
+        "Spectral radius at infinite frequency, 0 to 1: amplitude ratio per step of an "
+        "oscillation much faster than the step; 1 for no numerical damping",
         least=0,
         most=1,
         wanted="between 0 (damps most) and 1 (none)",
@@ -174,7 +179,8 @@ def spectral_radius(solver: Newton, z: NDArray[np.complex128]) -> NDArray[np.flo
     out = np.zeros(z.shape)
     for i, x in np.ndenumerate(z):
         stiffness, damping = abs(x) ** 2, -2.0 * x.real
-        rows = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1.0 - gamma]])  # without a1
+        # terms without the new acceleration a1
+        rows = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1.0 - gamma]])
         old = np.array([-stiffness, -damping, 0.0])
         left = 1.0 - alpha_m + (1.0 - alpha_f) * (stiffness * beta + damping * gamma)
         right = alpha_f * old - (1.0 - alpha_f) * (stiffness * rows[0] + damping * rows[1])

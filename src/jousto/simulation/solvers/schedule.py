@@ -96,9 +96,10 @@ def schedule(
         )
     pieces = max(1, int(np.ceil(unit / solver.step * (1.0 - 1e-12))))
     if solver.adaptive and output_step is not None:
-        pieces = 1  # rows are not tied to steps
+        pieces = 1  # rows do not coincide with steps
     step = unit / pieces
-    if abs(step - solver.step) <= 1e-12 * solver.step:  # round-off of the end
+    # the step differs by the round-off of t_end only
+    if abs(step - solver.step) <= 1e-12 * solver.step:
         step = solver.step
     if abs(step - solver.step) > 1e-9 * solver.step and not solver.adaptive:
         logger.info("step shortened from %g to %g s", solver.step, step)

@@ -16,7 +16,7 @@ from jousto.model.scales import velocity_metres
 from jousto.simulation.solvers.base import Solver
 
 Eigenvalues = NDArray[np.complex128]
-DENSE = 300  # states up to which all eigenvalues are computed
+DENSE = 300  # number of states up to which all eigenvalues are computed
 MANY_STEPS = 1e6
 DIFFERENCE = 1e-6  # relative step of the central differences
 
@@ -66,7 +66,7 @@ def all_beam_eigenvalues(model: Model) -> list[Eigenvalues]:
     found = []
     for i, beam in enumerate(model.beams):
         x = named("jo_beam_data", np.asarray(beam.data, dtype=np.float64))
-        # lengths that differ by rounding alone are equal
+        # lengths that differ by round-off only are equal
         values = np.hstack([x.length, x.C, x.beta, x.alpha, x.share, x.mass, x.J])
         key = values.astype(np.float32).tobytes()
         if key not in made:
@@ -135,7 +135,8 @@ def stability_warning(model: Model, solver: Solver, step: float) -> str:
     try:
         joined = mechanism_eigenvalues(model)
     except ArpackNoConvergence:
-        joined = np.concatenate(eigenvalues)  # on the safe side
+        # no convergence: use the modes of the free bodies, a safe estimate
+        joined = np.concatenate(eigenvalues)
     # the undamped motions of a mechanism may grow slowly on their own (an upright pendulum)
     modes = joined[np.abs(joined) * step > 1.0]
     bad = modes[solver.unstable(step, modes)]

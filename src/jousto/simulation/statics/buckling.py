@@ -35,8 +35,9 @@ from jousto.simulation.statics.residual import Balance
 NEARLY = 1e-2
 REACH = 1.5  # end of the path over the highest load of the linear theory
 FAINT = 1e-15  # 1/load over the largest 1/load, below which it is round-off and the load infinite
-WIDE = 1e4  # ratio of neighbouring loads, above which the lower ones are of weakly held motions
-LOW = 1e-2  # upper bound of the loads of weakly held motions over the shift of `_gap`
+# ratio of neighbouring loads, above which the lower ones belong to weakly supported motions
+WIDE = 1e4
+LOW = 1e-2  # upper bound of the loads of weakly supported motions over the shift of `_gap`
 HELD = 1e-14  # round-off of the stiffness of rigid motions over the largest stiffness
 
 
@@ -196,7 +197,7 @@ def _linear(balance: Balance, start: float, count: int) -> Buckling:
         pairs = ", ".join(f"{start + x.real:.4g} +- {x.imag:.3g}i" for x in left_out[:3])
         warn(
             "buckling",
-            f"left out of the loads of {balance.parameter!r}: {pairs}"
+            f"complex loads are left out of the loads of {balance.parameter!r}: {pairs}"
             f"{' and more' if len(left_out) > 3 else ''}, which are complex because of follower "
             "loads. The equilibrium may flutter there instead of buckling; check modes(..., "
             "damped=True) of states along load_path for a positive real part",

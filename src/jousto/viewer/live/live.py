@@ -254,7 +254,9 @@ def live(
         problems.positive("live", "step", float(step), "s")
     factor = problems.array("live", "speed", speed, ())
     if factor is not None and not float(factor) >= 0.0:
-        problems.add("live", f"speed is {speed}, must be positive, or 0 for as fast as it can")
+        problems.add(
+            "live", f"speed is {speed}, must be positive, or 0 for the highest possible speed"
+        )
     for key, whole in (("port", port), ("udp", 0 if udp is None else udp)):
         given: Any = whole
         if isinstance(given, bool) or not isinstance(given, int) or not 0 <= given < 65536:

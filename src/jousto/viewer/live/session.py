@@ -202,7 +202,7 @@ class LiveDesk:
             names = [body.name for body in old.model.bodies]
             try:
                 if names != [body.name for body in new.model.bodies]:
-                    raise InputError(Problem("live", "it has other bodies"))
+                    raise InputError(Problem("live", "the new machine has other bodies"))
                 new.carry(old.state(), old.inputs)
             except InputError as error:
                 said.append(f"with {name} = {value:g} the machine starts anew: {error}")

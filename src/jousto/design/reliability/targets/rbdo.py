@@ -160,7 +160,7 @@ def rbdo(
     DesignPointError
         If no design within the bounds has the targets, or the cycles do not end.
     LimitStateError
-        If a limit state fails or is no number.
+        If a limit state fails or is not a number.
     InputError
         For wrong arguments: crossed bounds, a start outside of them, unknown names.
     """

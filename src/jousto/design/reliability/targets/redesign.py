@@ -23,8 +23,8 @@ MISSED = 1e-6  # tolerance of a limit state, relative to its size
 # maximum number of short optimisations; their longest step, as a share of the scale
 ROUNDS, SHORT = 50, 0.1
 ENDLESS = 1e9  # multiple of the scale at which an unbounded design counts as divergent
-STEPS = 200  # maximum iterations of an optimisation without scatter
-KEPT = 200  # cache size: designs whose random variables are kept
+STEPS = 200  # maximum iterations of a deterministic optimisation
+KEPT = 200  # cache size: number of designs whose random variables are stored
 WIDTH = 1e-4  # step of differences by a design variable, relative to its scale
 
 

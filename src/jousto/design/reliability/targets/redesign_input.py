@@ -166,6 +166,8 @@ def _targets(problems: Problems, beta: Any, names: list[str]) -> Array:
         if len(problems.found) > before:
             return np.ones(len(names))
         if value > FAR:
-            problems.add(WHERE, f"beta is {value:g}, beyond {FAR:g} no probability is a double")
+            problems.add(
+                WHERE, f"beta is {value:g}, above {FAR:g} the probability is too small for a double"
+            )
         out.append(float(value))
     return np.array(out)

@@ -95,7 +95,7 @@ class Requirement:
         if found.exponents == NONE and (exponents != NONE or not WORD.search(self.bound)):
             return found.value
         if found.exponents != exponents:
-            message = f"{found.said} is no bound for {self.left}, which is in {unit}"
+            message = f"{found.said} is not a bound for {self.left}, which is in {unit}"
             raise InputError(Problem(where, message))
         return found.value / factor
 

@@ -155,7 +155,7 @@ def read_row(line: bytes, sizes: Sizes) -> tuple[Place, Row]:
         x, y = tuple(map(float, row["x"])), [float(v) for v in row["y"]]
         good = found["sum"] == checksum(row)
     except (ValueError, KeyError, TypeError):
-        raise ValueError("is no row of a study") from None
+        raise ValueError("is not a row of a study") from None
     if not good:
         raise ValueError("was changed since it was written (checksum)")
     if sizes is not None and (len(x), len(y)) != sizes:

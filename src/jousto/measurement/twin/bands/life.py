@@ -150,8 +150,8 @@ def damage_band(
             Problem(
                 "damage_band",
                 f"observed is of type {type(observed).__name__}, must be from Observer.run: "
-                "histories are drawn from the motion between the instants, which single instants "
-                "(Reconstruction) do not tell; for those use stress_band",
+                "histories are drawn from the motion between the instants, which a "
+                "Reconstruction does not estimate; use stress_band for it",
             )
         )
     labels, S, missed = _select_sites(observed, modes, sites)

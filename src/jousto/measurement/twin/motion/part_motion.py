@@ -92,7 +92,7 @@ def drive_part(
             moment = np.einsum("tba,tb->ta", A, load[:, 3:])
             f += moment @ turn
         elif columns == 6 and np.any(load[:, 3:]):
-            problems.add(where, f"loads[{name!r}] has moments, but node {name!r} does not turn")
+            problems.add(where, f"loads[{name!r}] has moments, but node {name!r} has no rotations")
         wrenches.append((node, force, moment))
     first = [problems.array(where, f"start[{i}]", x, (n,)) for i, x in enumerate(start or ())]
     if len(first) not in (0, 2):

@@ -124,7 +124,7 @@ class Reference:
         t = run.time
         if len(t) < 3:
             raise InputError(
-                Problem(run.where, f"{len(t)} instants; at least 3 make an acceleration")
+                Problem(run.where, f"{len(t)} instants; an acceleration needs at least 3")
             )
         g = np.asarray(run.attributes.get("gravity", np.zeros(3)) if gravity is None else gravity)
         q, v = run.q, run.v
@@ -208,7 +208,7 @@ class Reference:
             if not isinstance(x, Sensor)
         ]
         with warnings.catch_warnings():
-            # measured values differ from the initial pose: a corrected start is no warning
+            # measured values differ from the initial pose: a corrected start needs no warning
             warnings.filterwarnings("ignore", ".*the start fits the drives", JoustoWarning)
             model = compile(Mechanism(*items, name=mechanism.name))
         parts = {x.name: getattr(x, "reduced", None) for x in mechanism.bodies}
@@ -228,7 +228,7 @@ def _at_node(
     turn = reduced.rotation(k)
     if turn is None or reduced.n != p.shape[1]:
         raise InputError(
-            Problem("Reference", f"node '{node}' does not turn, or the part is not the body's")
+            Problem("Reference", f"node '{node}' has no rotations, or the part is not the body's")
         )
     u, du = reduced.nodes[k] + p @ reduced.modes[k].T, dp @ reduced.modes[k].T
     velocity = velocity + np.einsum("tab,tb->ta", A, np.cross(w, u) + du)

@@ -139,7 +139,7 @@ class UnknownLoad:
         turn = reduced.rotation(k)
         if turn is None and any(name in LOADS[3:] for name in self.components):
             raise InputError(
-                Problem(where, f"node '{self.place}' does not turn, so no moment acts on it")
+                Problem(where, f"node '{self.place}' has no rotations, so no moment can act on it")
             )
         x = reduced.nodes[k]
         modal, wrench = [], []

@@ -17,17 +17,19 @@ from jousto.schema.make.declared import build_declared
 class DutyLine(Declared):
     """Results file of a duty cycle and its number of repetitions."""
 
-    result: AnyField = field("Results file, relative to this one", form="file")
-    repeats: Number = field("How often it happens", default=1.0)
-    name: OptionalText = field("For tables; that of the file if not given", default=None)
+    result: AnyField = field("Results file, relative to this file", form="file")
+    repeats: Number = field("Number of repetitions", default=1.0)
+    name: OptionalText = field("Name in tables; by default that of the file", default=None)
 
 
 class Duty(Declared):
     """Content of a duty-cycle file."""
 
-    lines: Items[DutyLine] = field("The results, one after the other", key="events")
+    lines: Items[DutyLine] = field("Results files with their repetitions", key="events")
     transitions: Choice = field(
-        "What happens between them", words=("separate", "sequence", "worst"), default=None
+        "Rule for the transitions between the results",
+        words=("separate", "sequence", "worst"),
+        default=None,
     )
 
     @property

@@ -74,7 +74,7 @@ def build_limits(
     """
     if not texts:
         return ()
-    # imported here: outcomes load much
+    # local import: outcomes import many modules
     from jousto.design.studies.outcomes.outcomes import read_outcome
     from jousto.design.studies.outcomes.requirement import read_requirement
 
