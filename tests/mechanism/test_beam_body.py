@@ -259,7 +259,7 @@ def test_twist_that_the_ends_of_an_element_do_not_show_is_refused():
 
 def test_millimetres_and_degrees_are_asked_for():
     points = [(0, 0, 0), (1, 0, 0)]
-    with pytest.warns(jo.JoustoWarning, match="20 m wide and the beam 1 m long; were millimetres"):
+    with pytest.warns(jo.JoustoWarning, match="beam 1 m long; are its dimensions in millimetres"):
         jo.BeamBody("b", points, jo.Rectangle(20, 2), STEEL, elements=8)
     with pytest.warns(jo.JoustoWarning, match="twisted by 45 rad; if degrees were meant"):
         jo.BeamBody("b", points, jo.Circle(0.01), STEEL, elements=40, twist=45)

@@ -70,7 +70,7 @@ def test_what_hangs_on_nothing_moves_freely(tmp_path: Path) -> None:
             "a gearbox needs a revolute joint between its reference body 'c' and its parent 'a'",
         ),
         ("<include><uri>model://x</uri></include>", "<include> is not read; put the model itself"),
-        ('<link name="c"><inertial auto="true"/></link>', "auto asks for the mass of shapes"),
+        ('<link name="c"><inertial auto="true"/></link>', "auto requests the mass from the shapes"),
         (
             '<joint name="j" type="ball"><parent>a</parent><child>c</child></joint>',
             "child: no link 'c'",

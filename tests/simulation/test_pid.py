@@ -386,7 +386,7 @@ def test_the_command_shows_the_force_at_rest(
         ({"kp": 0.0}, "filter is missing"),
         ({"kp": 0.0}, "tracking is missing"),
         ({"kp": 0.0, "ki": 0.0, "kd": 0.0}, "kp, ki and kd are all 0"),
-        ({"limit": None, "lower": 0.0}, "lower goes with limit"),
+        ({"limit": None, "lower": 0.0}, "lower needs limit"),
         ({"lower": 2.0}, "lower is 2, must be below the limit of 1.5"),
         ({"ki": -1.0}, "ki is -1, must not be negative"),
         ({"limit": -1.0}, "limit is -1, must not be negative; None for no limit"),

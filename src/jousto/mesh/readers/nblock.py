@@ -62,9 +62,9 @@ def _column(
         return np.array([kind(word) for word in words], dtype=np.int64 if kind is int else None)
     except (ValueError, OverflowError):
         i = next(i for i, word in enumerate(words) if not _is(kind, word))
-        said = words[i].decode("latin-1")
+        text = words[i].decode("latin-1")
         what = "whole number" if kind is int else "number"
-        sentence = f"'{said}' is no {what}; the file may be truncated or damaged"
+        sentence = f"'{text}' is not a {what}; the file may be truncated or damaged"
         raise InputError(Problem(f"{path.name}:{first + i}", sentence)) from None
 
 

@@ -62,7 +62,7 @@ def read_plain(path: Path) -> Sparse:
     except Exception as error:
         if type(error).__module__.startswith("jousto"):
             raise
-        raise refuse(path, f"is no {kind} file, or it is damaged: {error}") from None
+        raise refuse(path, f"is not a {kind} file, or it is damaged: {error}") from None
 
 
 def _check_header(path: Path) -> None:

@@ -72,7 +72,9 @@ TAGS: dict[str, Tag] = {
         "savecompiled passthrough conflict convexhull lengthrange",
         words={
             "alignfree": warned(FRAME, "false"),
-            "coordinate": refused("is 'global', which MuJoCo reads no more; write local", "local"),
+            "coordinate": refused(
+                "is 'global', which MuJoCo no longer reads; write local", "local"
+            ),
         },
     ),
     "compiler/lengthrange": QUIET_TAG,

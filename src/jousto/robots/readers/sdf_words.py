@@ -66,7 +66,8 @@ TAGS = {
         quiet="density auto_inertia_params",
         words={
             "auto": refused(
-                "asks for the mass of shapes, which is not computed; give mass and inertia", *_off
+                "requests the mass from the shapes, which is not computed; give mass and inertia",
+                *_off,
             ),
         },
     ),

@@ -160,7 +160,7 @@ class _Expander:
         ends = [self._quantity((*loc, i), end) for i, end in enumerate(entry)]
         for i, end in enumerate(ends):
             if end is not None and end.exponents != value.exponents:
-                self.note((*loc, i), f"{end.said} and {value.said} do not go together")
+                self.note((*loc, i), f"{end.said} and {value.said} have different dimensions")
         return None if None in ends else (ends[0].value, ends[1].value)  # type: ignore[union-attr]
 
     def _derive(self, waiting: dict[str, str]) -> None:
