@@ -95,9 +95,9 @@ def root_stress(made: dict[str, jo.Part]) -> float:
     elbow, reach = LINK * np.cos(OUT), 2 * LINK * np.cos(OUT)
     # weights, their distance from the shoulder along the stretched robot and beside it
     loads = [
-        (link.mass, link.centre[0] * np.cos(OUT), link.centre[0] * np.sin(OUT)),
-        (link.mass, elbow + link.centre[0] * np.cos(OUT), (LINK - link.centre[0]) * np.sin(OUT)),
-        (fork.mass, reach + fork.centre[0], 0.0),
+        (link.mass, link.center[0] * np.cos(OUT), link.center[0] * np.sin(OUT)),
+        (link.mass, elbow + link.center[0] * np.cos(OUT), (LINK - link.center[0]) * np.sin(OUT)),
+        (fork.mass, reach + fork.center[0], 0.0),
         (GLASS, reach + 0.25 + 0.55, 0.0),
     ]
     along = np.array([np.cos(OUT), np.sin(OUT)])

@@ -16,7 +16,7 @@ import pytest
 import jousto as jo
 import session
 from jousto.base.lazy_exports import Room, public_names
-from jousto.base.renames import ARGUMENTS, RENAMED
+from jousto.base.renames import ARGUMENTS, ATTRIBUTES, RENAMED
 
 ROOT = Path(__file__).parents[2]
 STUB = ROOT / "src" / "jousto" / "__init__.pyi"
@@ -100,6 +100,19 @@ def test_an_argument_that_has_changed_says_what_it_is_now(function: str) -> None
     for old, new in ARGUMENTS[function].items():
         with pytest.raises(jo.InputError, match=f"^{function}: {old}= is now {new}=$"):
             attrgetter(call.removeprefix("jo."))(jo)(**{old: None})
+
+
+@pytest.mark.parametrize("place", ATTRIBUTES)
+def test_an_attribute_that_has_changed_says_what_it_is_now(place: str) -> None:
+    kind = attrgetter(place.removeprefix("jousto."))(jo)
+    thing = object.__new__(kind)
+    for old, new in ATTRIBUTES[place].items():
+        name = kind.__name__
+        with pytest.raises(AttributeError, match=f"^{name}.{old} is now {name}.{new}$"):
+            getattr(thing, old)
+        assert hasattr(kind, new) or new in kind.__annotations__
+    with pytest.raises(AttributeError, match=f"'{name}' object has no attribute 'nonsense'"):
+        thing.nonsense  # noqa: B018
 
 
 def test_a_name_that_never_was_is_not_there() -> None:

@@ -77,7 +77,7 @@ def test_fem_file(tmp_path: Path) -> None:
     assert_allclose(numbers(records[10]), np.diag(omega**2), rtol=1e-14)
     assert_allclose(numbers(records[13]), np.diag(0.04 * omega), rtol=1e-14)
     assert float(records[12][0]) == pytest.approx(FRAME.mass, rel=1e-14)
-    assert_allclose(numbers(records[12][1:2])[0], FRAME.centre, rtol=1e-12)
+    assert_allclose(numbers(records[12][1:2])[0], FRAME.center, rtol=1e-12)
     assert_allclose(numbers(records[12][2:]), FRAME.inertia, rtol=1e-9, atol=1e-12)
 
 

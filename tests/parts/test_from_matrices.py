@@ -35,7 +35,7 @@ def test_consistent_mass_has_no_points() -> None:
     assert part.mass_points is None and part.stress is None
     assert part.dofs_per_node == 6 and part.node("tip") == part.node("node4") == 3
     assert part.mass == pytest.approx(BEAM.mass, rel=1e-13)
-    assert_allclose(part.centre, BEAM.centre, rtol=1e-12, atol=1e-14)
+    assert_allclose(part.center, BEAM.center, rtol=1e-12, atol=1e-14)
     assert_allclose(part.inertia, BEAM.inertia, rtol=1e-10, atol=1e-13)
 
 
@@ -69,8 +69,8 @@ def test_three_degrees_of_freedom() -> None:
     assert points is not None
     assert_allclose(points.mass, m)
     assert points.N_rot.nnz == 0 and points.N_rot.shape == (12, 12)
-    assert_allclose(part.centre, [0.2, 0.3, 0.4], rtol=1e-13)
-    x = nodes - part.centre
+    assert_allclose(part.center, [0.2, 0.3, 0.4], rtol=1e-13)
+    x = nodes - part.center
     J = sum(mi * (xi @ xi * np.eye(3) - np.outer(xi, xi)) for mi, xi in zip(m, x, strict=True))
     assert_allclose(part.inertia, J, rtol=1e-12, atol=1e-14)
 

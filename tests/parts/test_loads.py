@@ -83,13 +83,13 @@ def test_weight_and_spin(kind: str) -> None:
     g, w = np.array([1.0, 2.0, -9.81]), np.array([10.0, 0.0, 30.0])
     force, moment = resultants(part, part.load(Weight(g)))
     np.testing.assert_allclose(force, part.mass * g, rtol=1e-12)
-    np.testing.assert_allclose(moment, part.mass * np.cross(part.centre, g), rtol=1e-12)
-    force, moment = resultants(part, part.load(Spin(w, part.centre)))
+    np.testing.assert_allclose(moment, part.mass * np.cross(part.center, g), rtol=1e-12)
+    force, moment = resultants(part, part.load(Spin(w, part.center)))
     np.testing.assert_allclose(force, 0.0, atol=1e-8 * part.mass * 1000.0)
     np.testing.assert_allclose(moment, -np.cross(w, part.inertia @ w), rtol=1e-9, atol=1e-6)
     force, _ = resultants(part, part.load(Spin(w)))
     np.testing.assert_allclose(
-        force, -part.mass * np.cross(w, np.cross(w, part.centre)), rtol=1e-10
+        force, -part.mass * np.cross(w, np.cross(w, part.center)), rtol=1e-10
     )
 
 

@@ -77,7 +77,7 @@ def test_solids(
             # two half masses at the ends of each element instead of the slender rod
             J = J + m * L**2 / (6 * elements**2) * np.diag([0.0, 1.0, 1.0])
         assert part.mass == pytest.approx(m, rel=1e-12)
-        assert_allclose(part.centre, r + 0.5 * L * A[:, 0], rtol=1e-11)
+        assert_allclose(part.center, r + 0.5 * L * A[:, 0], rtol=1e-11)
         assert_allclose(part.inertia, A @ J @ A.T, atol=1e-10 * np.trace(J))
 
 
@@ -166,7 +166,7 @@ def test_point_mass_alone_on_a_consistent_beam() -> None:
     light = Material(E=210e9, nu=0.3, rho=0.0)
     part = Part.beam(L, Circle(0.1), 2, light, point_masses=[PointMass(2, 7.0, J, (0.1, 0.2, 0.3))])
     assert part.mass == pytest.approx(7.0, rel=1e-14)
-    assert_allclose(part.centre, [L + 0.1, 0.2, 0.3], rtol=1e-13)
+    assert_allclose(part.center, [L + 0.1, 0.2, 0.3], rtol=1e-13)
     assert_allclose(part.inertia, J, rtol=1e-12, atol=1e-13)
 
 

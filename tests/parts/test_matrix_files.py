@@ -206,7 +206,7 @@ def test_calculix_files() -> None:
     # two C3D8 elements, 1 x 0.1 x 0.1 m, steel, written by CalculiX 2.20
     part = Part.from_file(FILES / "brick.sti", nodes=brick_nodes())
     assert part.mass == pytest.approx(78.5, rel=1e-12)
-    assert_allclose(part.centre, [0.5, 0.05, 0.05], rtol=1e-11)
+    assert_allclose(part.center, [0.5, 0.05, 0.05], rtol=1e-11)
     # trilinear elements integrate the inertia of a box exactly
     J = 78.5 / 12.0 * np.array([0.1**2 + 0.1**2, 1.0 + 0.1**2, 1.0 + 0.1**2])
     assert_allclose(part.inertia, np.diag(J), rtol=1e-10, atol=1e-10)

@@ -95,7 +95,7 @@ def test_member_offsets_lie_at_its_two_ends() -> None:
     )
     assert_allclose(part.nodes[[1, 3 - 1]], [(1.1, 0, 0.2), (1.9, 0, 0.2)], rtol=1e-12)
     assert part.mass == pytest.approx(7850 * ROD.A * 2.4, rel=1e-12)
-    assert_allclose(part.centre, [1.5, 0, 0.2], rtol=1e-12)
+    assert_allclose(part.center, [1.5, 0, 0.2], rtol=1e-12)
 
 
 def frame(**changes: Any) -> Part:

@@ -146,7 +146,7 @@ def test_mass_of_a_box(kind: str, lumped: bool) -> None:
     if not lumped:
         a, b, c = SIZE**2
         exact = mass / 12.0 * np.diag([b + c, a + c, a + b])
-        np.testing.assert_allclose(part.centre, SIZE / 2, rtol=1e-13)
+        np.testing.assert_allclose(part.center, SIZE / 2, rtol=1e-13)
         np.testing.assert_allclose(part.inertia, exact, atol=1e-13 * mass)
 
 
@@ -239,12 +239,12 @@ def test_point_masses() -> None:
     )
     bare = Part.solid(mesh, STEEL)
     m = np.array([bare.mass, 3.0, 20.0])
-    x = np.stack([bare.centre, [0, 0, 0], np.array([1.0, 0.15, 0.3])])
+    x = np.stack([bare.center, [0, 0, 0], np.array([1.0, 0.15, 0.3])])
     centre = m @ x / m.sum()
     r = x - centre
     exact = bare.inertia + J + (m @ (r**2).sum(axis=1)) * np.eye(3) - r.T @ (m[:, None] * r)
     assert part.mass == pytest.approx(m.sum(), rel=1e-12)
-    np.testing.assert_allclose(part.centre, centre, rtol=1e-12)
+    np.testing.assert_allclose(part.center, centre, rtol=1e-12)
     np.testing.assert_allclose(part.inertia, exact, atol=1e-10)
     with pytest.raises(InputError, match="three nodes"):
         Part.solid(mesh, STEEL, point_masses=[PointMass(0, 1.0, inertia=(1, 1, 1))])
@@ -257,7 +257,7 @@ def test_invariants_with_point_masses() -> None:
     mass = PointMass("end", 20.0, inertia=(0.5, 0.6, 0.7), offset=(0.1, 0.0, 0.2))
     part = Part.solid(mesh, STEEL, point_masses=[mass])
     found = invariants(part, part.rigid_modes())
-    c, m = part.centre, part.mass
+    c, m = part.center, part.mass
     J = part.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
     np.testing.assert_allclose(found.I7, J, rtol=1e-11, atol=1e-10)
     # two turns: int (e_a x u0) . (e_b x u0) dm

@@ -51,7 +51,7 @@ def test_rigid_rotation_is_one_to_second_order(kind: str) -> None:
     masses = (PointMass(0, 3.0), PointMass("end", 20.0, (0.5, 0.6, 0.7), (0.1, 0.0, 0.2)))
     ties = (Interface("pin", "root"), Interface("pad", "end", kind="average", at=(0.6, 0, 0)))
     part = Part.solid(mesh, STEEL, point_masses=masses, interfaces=ties)
-    x = part.nodes - part.centre
+    x = part.nodes - part.center
     turns = np.stack([np.cross(e, x).ravel() for e in np.eye(3)], axis=1)
     found = stiffening(part, turns)
     G = 0.5 * np.trace(part.inertia) * np.eye(3) - part.inertia  # int u0 u0^T dm
@@ -67,7 +67,7 @@ def test_rigid_rotation_is_one_to_second_order(kind: str) -> None:
             assert found.second_moment[j, k] == pytest.approx(N, abs=1e-10)
             assert found.translations[:-2, :, j, k] == pytest.approx(x @ (T + turn), abs=1e-10)
             # the reference nodes of the ties go along, and turn by b
-            at = np.stack([tie.at for tie in part.ties]) - part.centre
+            at = np.stack([tie.at for tie in part.ties]) - part.center
             assert found.translations[-2:, :, j, k] == pytest.approx(at @ (T + turn), abs=1e-10)
             assert found.rotations[-2:, :, j, k] == pytest.approx(np.tile(b, (2, 1)), abs=1e-10)
 

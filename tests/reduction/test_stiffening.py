@@ -57,8 +57,8 @@ def test_rigid_rotation_is_one_to_second_order(name: str) -> None:
     holds for any frame in space, with rigid arms, point masses and the inertia of sections.
     """
     part = RIGID[name]()
-    x = part.nodes - part.centre
-    found = stiffening(part, rigid_modes(part.nodes, 6, part.centre)[:, 3:])
+    x = part.nodes - part.center
+    found = stiffening(part, rigid_modes(part.nodes, 6, part.center)[:, 3:])
     G = 0.5 * np.trace(part.inertia) * np.eye(3) - part.inertia  # int u0 u0^T dm
     for j in range(3):
         for k in range(3):

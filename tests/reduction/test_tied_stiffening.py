@@ -82,8 +82,8 @@ def test_reference_of_a_turned_solid(kind: Any) -> None:
     part = Part.solid(grid("tetra10", (2, 1, 1), (0.4, 0.2, 0.1)), STEEL).with_interfaces(
         Interface("end", InBox((0.4, -1, -1), (0.4, 1, 1)), kind=kind, at=(0.5, 0.1, 0.2))
     )
-    x = np.concatenate([part.nodes, [part.ties[0].at]]) - part.centre
-    found = stiffening(part, rigid_modes(part.nodes, 3, part.centre)[:, 3:])
+    x = np.concatenate([part.nodes, [part.ties[0].at]]) - part.center
+    found = stiffening(part, rigid_modes(part.nodes, 3, part.center)[:, 3:])
     G = 0.5 * np.trace(part.inertia) * np.eye(3) - part.inertia
     for j in range(3):
         for k in range(3):

@@ -309,7 +309,7 @@ def whole(E):
 def stiff():
     """The same rod without elasticity, to see how much of the motion is elastic."""
     part = beam(1.1e9)
-    body = jo.RigidBody("rod", part.mass, part.inertia, center=part.centre)
+    body = jo.RigidBody("rod", part.mass, part.inertia, center=part.center)
     end = body.at((1.0, 0.0, 0.0))
     hinge = jo.Revolute("hinge", jo.ground["origin"], body["origin"], axis=(0.0, 0.3, 1.0))
     return tip(

@@ -114,7 +114,7 @@ def test_the_error_is_found_where_it_is() -> None:
     """At the hole, next to one of the places of the peak."""
     solved = st.wide_plate("hexahedron20", 4)
     found = jo.parts.mesh_error(solved.part, solved.d.reshape(-1))
-    centre = found.centres[found.worst()]
+    centre = found.centers[found.worst()]
     assert np.hypot(centre[0], centre[1]) < 1.6 * st.HOLE
     assert found.squares[found.worst(), 0] < 0.5 * found.squares.sum()
 

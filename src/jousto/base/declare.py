@@ -31,6 +31,7 @@ from jousto.base.errors import CallError, Problem, Problems, suggest
 from jousto.base.fields import MISSING, Facts, Field, Name, field, kept
 from jousto.base.names import check_name
 from jousto.base.object_repr import describe
+from jousto.base.renames import ARGUMENTS
 from jousto.base.units import KINDS, check_unit
 
 P = ParamSpec("P")
@@ -196,7 +197,13 @@ def _refused(cls: Any, given: Any, named: Mapping[str, Any]) -> CallError:
     parameters = inspect.signature(cls).parameters
     names = list(parameters)
     unknown = [key for key in named if key not in names]
-    said = [f"there is no argument {key!r}{suggest(key, names)}" for key in unknown]
+    renamed = ARGUMENTS.get(cls.__name__, {})
+    said = [
+        f"{key}= is now {renamed[key]}="
+        if key in renamed
+        else f"there is no argument {key!r}{suggest(key, names)}"
+        for key in unknown
+    ]
     if not said:
         unnamed = [key for key, one in parameters.items() if one.kind is POSITIONAL]
         twice = [key for key in unnamed[: len(given)] if key in named]

@@ -1,5 +1,7 @@
 """Renamed public names, for the error raised by the use of an old one."""
 
+from typing import Any, NoReturn
+
 RENAMED = {
     "jousto.model.Diagnosis": "jo.certificate.Diagnosis",
     "jousto.reduction.Advice": "jo.certificate.Advice",
@@ -28,5 +30,40 @@ RENAMED = {
 }
 """Old name with its package, and new name as users write it."""
 
-ARGUMENTS = {"plane_damage": {"curve": "sn"}, "rolling_life": {"curve": "sn"}}
-"""Renamed arguments by function: old and new name."""
+ARGUMENTS = {
+    "plane_damage": {"curve": "sn"},
+    "rolling_life": {"curve": "sn"},
+    "Spin": {"centre": "center"},
+}
+"""Renamed arguments by function or class: old and new name."""
+
+ATTRIBUTES = {
+    "jousto.parts.MeshError": {"centres": "centers"},
+    "jousto.Part": {"centre": "center"},
+    "jousto.parts.Spin": {"centre": "center"},
+}
+"""Renamed attributes by class: old and new name."""
+
+
+def missing_attribute(thing: Any, name: str) -> NoReturn:
+    """Raise the error of an attribute that an object does not have.
+
+    Parameters
+    ----------
+    thing : object
+        Object of a class in `ATTRIBUTES`.
+    name : str
+        Attribute that was read.
+
+    Raises
+    ------
+    AttributeError
+        With the new name if the attribute was renamed.
+    """
+    kind = type(thing).__name__
+    for place, names in ATTRIBUTES.items():
+        if place.endswith(f".{kind}") and name in names:
+            message = f"{kind}.{name} is now {kind}.{names[name]}"
+            raise AttributeError(message, name=name, obj=thing)
+    message = f"{kind!r} object has no attribute {name!r}"
+    raise AttributeError(message, name=name, obj=thing)

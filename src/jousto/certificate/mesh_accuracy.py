@@ -50,7 +50,7 @@ def mesh_accuracy(full: FullModel, modes: Modes | None) -> tuple[Check, Table] |
         for k, value in enumerate(found.eta):
             e = found.worst(k)
             eta[first + k] = value
-            places.append((int(found.ids[e]), vector(1e3 * found.centres[e], 4)))
+            places.append((int(found.ids[e]), vector(1e3 * found.centers[e], 4)))
             rows.append((names[first + k], percent(value), *map(str, places[-1])))
     if not len(eta[judged]):
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from jousto.base.declare import Declared
 from jousto.base.errors import Problems, suggest
 from jousto.base.fields import AnyField, field
 from jousto.base.numbers import Number, Vector
+from jousto.base.renames import missing_attribute
 from jousto.mesh.area import area_matrix, face_points
 from jousto.mesh.picks import Pick
 from jousto.mesh.sets import read_integers
@@ -87,7 +88,12 @@ class Spin(Load):
     """Centrifugal force of a steady rotation, ``-rho w x (w x (x - c))``."""
 
     velocity: Vector = field("Angular velocity w, part frame", unit="rad/s")
-    centre: Vector = field("Point c on the axis, part frame", unit="m", default=ZERO)
+    center: Vector = field("Point c on the axis, part frame", unit="m", default=ZERO)
+
+    if not TYPE_CHECKING:  # types of attributes remain known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            missing_attribute(self, name)
 
 
 def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Array:
@@ -111,7 +117,7 @@ def load_vector(part: Geometry, M: Sparse, loads: Sequence[Load]) -> Array:
         if isinstance(load, Weight):
             total += _inertial(part, M, np.broadcast_to(known["acceleration"], part.nodes.shape))
         elif isinstance(load, Spin):
-            w, r = known["velocity"], part.nodes - known["centre"]
+            w, r = known["velocity"], part.nodes - known["center"]
             total += _inertial(part, M, -np.cross(w, np.cross(w, r)))
         else:
             nodes = pick_nodes(problems, label, part, known["on"])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem
+from jousto.base.renames import missing_attribute
 from jousto.materials.orthotropic import elasticity
 from jousto.mesh.reference import table
 from jousto.parts.solids.model import SolidGroup, SolidModel
@@ -30,7 +31,7 @@ class MeshError:
     ----------
     ids : (ne,) ndarray of int
         Numbers of the elements in their file.
-    centres : (ne, 3) ndarray
+    centers : (ne, 3) ndarray
         Means of their corners and mid nodes in m, part frame.
     squares : (ne, n) ndarray
         Square of the error in each element, ``int (s* - s) C^-1 (s* - s) dV``, J.
@@ -39,9 +40,14 @@ class MeshError:
     """
 
     ids: Ints
-    centres: Array
+    centers: Array
     squares: Array
     energy: Array
+
+    if not TYPE_CHECKING:  # types of attributes remain known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            missing_attribute(self, name)
 
     @property
     def eta(self) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from jousto.base.arrays import Array, Ints, Sparse, read_only, skew, times
 from jousto.base.declare import made_by
 from jousto.base.errors import InputError, Problem, Problems
 from jousto.base.names import check_name
+from jousto.base.renames import missing_attribute
 from jousto.mesh.area import node_normals
 from jousto.mesh.mesh import Mesh
 from jousto.mesh.sets import (
@@ -352,8 +353,13 @@ class Part(Geometry):
         """Total mass in kg."""
         return float(np.trace(self._rigid_mass[:3, :3])) / 3.0
 
+    if not TYPE_CHECKING:  # types of attributes remain known
+
+        def __getattr__(self, name: str) -> NoReturn:
+            missing_attribute(self, name)
+
     @property
-    def centre(self) -> Array:
+    def center(self) -> Array:
         """Centre of mass in m, part frame, (3,)."""
         first = self._rigid_mass[3:, :3]
         S = 0.5 * (first - first.T)
@@ -362,6 +368,6 @@ class Part(Geometry):
     @property
     def inertia(self) -> Array:
         """Inertia tensor about the centre of mass in kg m^2, part axes, (3, 3)."""
-        c = skew(self.centre)
+        c = skew(self.center)
         J: Array = self._rigid_mass[3:, 3:] + self.mass * c @ c
         return 0.5 * (J + J.T)

@@ -82,7 +82,7 @@ def part(thing: Part) -> str:
         ("size", f"{size} mm"),
         ("nodes", f"{len(x)}, {thing.dofs_per_node * len(x)} degrees of freedom"),
         ("mass", f"{thing.mass:.6g} kg"),
-        ("centre", ", ".join(f"{1e3 * a:.5g}" for a in thing.centre) + " mm"),
+        ("centre", ", ".join(f"{1e3 * a:.5g}" for a in thing.center) + " mm"),
         ("sets", ", ".join(list(sets)[:MOST])),
     ]
     return cell(

@@ -172,7 +172,7 @@ class LineFamily(Family):
         moved, turn = (np.zeros(w.shape), w / length) if kind == "twist" else (w, np.zeros(w.shape))
         if kind == "bending":
             turn = np.cross(np.eye(3)[a], np.eye(3)[d]) * (curve(s, 1) / length)[:, None]
-        arm = part.nodes - part.centre
+        arm = part.nodes - part.center
         arm[:, a] = 0.0
         moved = moved + np.cross(turn, arm)
         return np.concatenate([moved, turn], axis=1) if part.dofs_per_node == 6 else moved
