@@ -18,3 +18,10 @@ from .shapes.polynomials import Polynomials as Polynomials
 from .sparse.factor import SolverInfo as SolverInfo, solvers as solvers
 from .sparse.memory import MemoryEstimate as MemoryEstimate, memory_estimate as memory_estimate
 from .superelement import reduce_superelement as reduce_superelement
+from .supports.support import Clamp as Clamp, SpringSupport as SpringSupport
+from .supports.supported import (
+    Reaction as Reaction,
+    SupportedModes as SupportedModes,
+    SupportedPart as SupportedPart,
+    SupportedState as SupportedState,
+)

@@ -1,60 +1,101 @@
-"""clamp, in_frame: the same flexible body relative to another body frame."""
+"""clamp, in_frame: a part held at nodes; the same flexible body relative to another frame."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import singledispatch
+from typing import Any, overload
 
 import numpy as np
 import scipy.linalg as la
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem
+from jousto.base.errors import InputError, Problem, Problems
+from jousto.parts.part import Part
 from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.frames.frame import ChordFrame, Frame, MeanFrame, NodeFrame
 from jousto.reduction.frames.stiffening_transform import Turn, turned_stiffening
 from jousto.reduction.reduced import ReducedPart
+from jousto.reduction.supports.support import Clamp, SpringSupport, Support
+from jousto.reduction.supports.supported import SupportedPart
 
 SHORT = 1e-9
 """Smallest length of a chord / size of the part."""
 
 
+@overload
+def clamp(part: ReducedPart, supports: str) -> ReducedPart: ...
+@overload
+def clamp(
+    part: Part | ReducedPart, supports: Support | Sequence[Support], *, solver: str | None = None
+) -> SupportedPart: ...
+@overload
+def clamp(part: Part, supports: str, *, solver: str | None = None) -> SupportedPart: ...
 @explained
-def clamp(reduced: ReducedPart, node: str) -> ReducedPart:
-    """Return the part clamped at a node: modes that vanish there, frequencies of the clamped part.
+def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart | SupportedPart:
+    """Return a part held by clamps and springs at any number of nodes.
 
-    This is ``in_frame(reduced, NodeFrame(node))``.
+    A reduced part and the name of one node give a reduced part again, a body of machines whose
+    frame is that node: ``in_frame(part, NodeFrame(node))``, with modes that vanish there. All other
+    supports give a `SupportedPart` with its modes, static states and reactions.
 
     Parameters
     ----------
-    reduced : ReducedPart
-        Result of `reduce`; for accurate clamped modes the node must be one of its interfaces.
-    node : str
-        Name of a node with rotations: an interface, a set of one node or ``"node7"``.
+    part : Part or ReducedPart
+        The part. Supports of a reduced part are on its interfaces.
+    supports : str, Clamp, SpringSupport or sequence of them
+        What holds it. The name of a node or set holds all its directions. Supports may be
+        statically indeterminate.
+    solver : str, optional
+        Library that factorises the stiffness of a full part, see `solvers`.
 
     Returns
     -------
-    ReducedPart
-        The same number of modes, sorted by their clamped frequencies.
+    ReducedPart or SupportedPart
+        The reduced part has the same number of modes, sorted by their clamped frequencies.
 
     Raises
     ------
     InputError
-        If there is no such node, or it has no rotations.
+        With all problems: unknown nodes, directions that nodes have not, settlements that
+        contradict one another, nodes of a reduced part that are no interfaces, and rigid motions
+        that no support holds, by name.
 
     Examples
     --------
     A steel cantilever of 20 x 10 mm; slender beam theory gives 8.3552 Hz:
 
     >>> import jousto as jo
+    >>> from jousto.reduction import Clamp, clamp
     >>> steel = jo.Material(E=2.1e11, nu=0.3, rho=7850)
     >>> part = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 20, steel)
     >>> rod = jo.reduce(part, jo.CraigBampton(("start", "end"), modes=6))
-    >>> jo.reduction.clamp(rod, "start").frequencies[0].round(2)
+    >>> clamp(rod, "start").frequencies[0].round(2)
     np.float64(8.35)
+
+    Clamped at one end and pinned at the other, 4.3851 times as high:
+
+    >>> propped = clamp(part, [Clamp("start"), Clamp("end", "x y z")])
+    >>> (propped.modes(1).frequencies[0] / 8.3552).round(2)
+    np.float64(4.38)
     """
-    return in_frame(reduced, NodeFrame(node))
+    if isinstance(part, ReducedPart) and isinstance(supports, str):
+        return in_frame(part, NodeFrame(supports))
+    if not isinstance(part, Part | ReducedPart):
+        raise InputError(Problem("clamp", f"part is {part!r}, must be a Part or a ReducedPart"))
+    given = [supports] if isinstance(supports, str | Support) else supports
+    problems = Problems()
+    if not isinstance(given, Iterable):
+        problems.add("clamp", f"supports is {supports!r}, must be Clamp, SpringSupport or a list")
+        problems.raise_if_any()
+    chosen = [Clamp(x) if isinstance(x, str) else x for x in given]
+    for x in chosen:
+        if not isinstance(x, Clamp | SpringSupport):
+            problems.add("clamp", f"support {x!r} must be a name, Clamp or SpringSupport")
+    problems.raise_if_any()
+    return SupportedPart(part, chosen, solver=solver)
 
 
 @explained
