@@ -74,7 +74,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     memset(memory, 0, (size_t)jo_data_room(m));
     jo_arena a = {(char *)memory + (64 - (size_t)memory % 64), 0};
     jo_data *d = lay_out(m, &a);
-    d->gh = -1.0;
+    jo_forget_step(d);
     jo_nothing_valid(d);
     for (int i = 0; i < m->nbody; i++) {
         d->q[m->body[i].iq + 3] = jo_same(1.0);

@@ -3,7 +3,7 @@
 #define JO_DATA_H
 
 #include "valid_data.h"
-#include "maximal/maximal_data.h"
+#include "evaluation.h"
 #include "newton/newton_data.h"
 #include "force/force_data.h"
 #include "beam/beam_data.h"
@@ -12,12 +12,6 @@
 #include "integrate/integrate_data.h"
 #include "fatigue/fatigue_data.h"
 #include <stddef.h>
-
-typedef struct {
-    jo_real y[6];           /* force, N, and torque, N m, on b, world; along a coordinate: y[0] is the force */
-    jo_real stored;         /* energy of its springs, J */
-    jo_real stiffness, damping;   /* forces with states: -dF/ds, -dF/ds' at constant states */
-} jo_force_work;
 
 struct jo_data {
     jo_valid valid;
@@ -56,8 +50,7 @@ struct jo_data {
     jo_joint_work *joint;
     jo_force_work *force;
 
-    /* data of each folder of the engine */
-    double gh;              /* g h of the constants of set 1, s */
+    /* data of each folder of the engine, whose files alone use the fields */
     jo_schur schur;
     jo_newton newton;
     jo_forces forces;

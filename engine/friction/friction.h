@@ -5,6 +5,16 @@
 #include "arena.h"
 #include "data.h"
 
+/* number of coordinates along which a joint slides, and coordinate k of these */
+static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }
+static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
+
+/* whether a joint with static friction sticks */
+static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_friction *f)
+{
+    return f->law && d->locked[m->joint[f->lock].lock];
+}
+
 /* friction.c */
 void jo_friction_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);

@@ -51,30 +51,6 @@ static double relative_size(const double *r, const double *f)
 
 /* ---- change of the multipliers by friction forces ------------------------------------------------ */
 
-/* x = Cq M^-1 Q of one joint for the changes of force Q in y, reduced, and yp of the bodies */
-static void free_change(const jo_model *m, const jo_data *d, int set, int joint, jo_real *x)
-{
-    const jo_joint *k = &m->joint[joint];
-    const int n = k->nrow, ld = jo_padded(n);
-    for (int r = 0; r < n; r++) x[r] = 0.0;
-    if (jo_absent(d, k)) return;
-    for (int s = 0; s < k->nside; s++) {
-        const jo_side_work *here = &d->joint[joint].side[s];
-        if (!here->body || !here->body->pushed) continue;
-        for (int c = 0; c < 6; c++)
-            for (int r = 0; r < n; r++) x[r] += here->V[c * ld + r] * here->body->y[c];
-        if (!here->L) continue;   /* rigid */
-        const jo_marker *mk = &m->marker[k->side[s]];
-        const jo_marker_set *weighted = &here->marker->set[set];
-        const int np = m->body[mk->body].np;
-        for (int c = 0; c < 6; c++) {
-            if (c < 3 ? !mk->Phi : !mk->Psi) continue;
-            const jo_real a = dot(c < 3 ? weighted->Phiw + c * np : weighted->Psiw + (c - 3) * np, here->body->yp, np);
-            for (int r = 0; r < n; r++) x[r] += here->C[c * ld + r] * a;
-        }
-    }
-}
-
 /* joint[].x = change of the multipliers by friction forces f; in trees the response of the links instead */
 static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_real *f)
 {
@@ -82,18 +58,14 @@ static void change_multipliers(const jo_model *m, jo_data *d, const jo_stage *st
         jo_tree_friction_response(m, d, d->friction.n, d->friction.coordinate, f);
         return;
     }
-    for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
+    jo_clear_changes(m, d);
     for (int c = 0; c < d->friction.n; c++)
         if (f[c] != 0.0) jo_push_change(m, d, d->friction.coordinate[c], f[c]);
     if (jo_couples(m, stage)) {
         jo_coupled_respond(m, d);
         return;
     }
-    for (int i = 0; i < m->nbody; i++) {
-        jo_body_work *w = &d->body[i];
-        if (w->pushed) jo_body_reduce(&m->body[i], w, stage->set, w->y, w->yp, w->y);
-    }
-    for (int i = 0; i < m->njoint; i++) free_change(m, d, stage->set, i, d->joint[i].x);
+    jo_joint_force_change(m, d, stage->set);
     jo_joint_solve(m, d);
 }
 
@@ -298,20 +270,14 @@ static void apply_friction(const jo_model *m, jo_data *d, const jo_stage *stage)
         jo_tree_apply_friction(m, d, w->n, w->coordinate, w->f);
         return;
     }
-    for (int i = 0; i < m->nbody; i++) d->body[i].pushed = 0;
-    for (int c = 0; c < w->n; c++) {
-        const int ends[2] = {m->coordinate[w->coordinate[c]].a, m->coordinate[w->coordinate[c]].b};
-        jo_push_along(m, d, w->coordinate[c], w->f[c]);
-        for (int j = 0; j < 2; j++)
-            if (m->marker[ends[j]].body >= 0) d->body[m->marker[ends[j]].body].pushed = 1;
-    }
+    jo_clear_changes(m, d);
+    for (int c = 0; c < w->n; c++) jo_push_late(m, d, w->coordinate[c], w->f[c]);
     if (jo_couples(m, stage)) {
         jo_coupled_solve(m, d, stage);
         store_multipliers(m, d, d->lam, 0);
         return;
     }
-    for (int i = 0; i < m->nbody; i++)
-        if (d->body[i].pushed) jo_body_free(&m->body[i], &d->body[i], stage->set);
+    jo_free_changed(m, d, stage->set);
     for (int c = 0; c < w->n && w->n <= JO_REACH; c++)
         for (int i = 0; i < m->nrow; i++) d->lam[i] += w->f[c] * w->reach[c * m->nrow + i];
     const jo_real *lam = d->lam;

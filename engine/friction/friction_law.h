@@ -1,4 +1,4 @@
-/* friction_law.h - normal force and slip of a friction, for the files of this room and for trees. */
+/* friction_law.h - normal force and slip of a friction, for the files of this folder. */
 #ifndef JO_FRICTION_LAW_H
 #define JO_FRICTION_LAW_H
 
@@ -6,16 +6,9 @@
 
 #define JO_REST 1e-10   /* slip speed / size of the mechanism below which a joint is at rest, 1/s */
 
-/* number of coordinates along which a joint slides, and coordinate k of these */
-static inline int jo_slips(const jo_friction *f) { return f->other >= 0 ? 2 : 1; }
-static inline int jo_slip_of(const jo_friction *f, int k) { return k ? f->other : f->coordinate; }
 static inline int jo_slip_turns(const jo_model *m, const jo_friction *f, int k)
 {
     return m->coordinate[jo_slip_of(f, k)].type == JO_COORDINATE_ANGLE;
-}
-static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_friction *f)
-{
-    return f->law && d->locked[m->joint[f->lock].lock];
 }
 
 /* slip / coordinate: pin radius, m, for angles, else 1 */

@@ -74,7 +74,7 @@ static void friction_tangent(const jo_model *m, jo_data *d, int i)
         for (int side = 0; side < 2; side++) {   /* with respect to the multipliers: r -= L^T y l */
             const int body = m->marker[k->side[side]].body;
             if (body < 0) continue;
-            const jo_real *L = d->marker[k->side[side]].L;
+            const jo_real *L = jo_marker_derivatives(d, k->side[side]);
             const int n = 6 + m->body[body].n, stride = jo_pad(n);
             const jo_block T = jo_newton_find(m, d, body, m->nbody + f->joint);
             for (int p = 0; p < n; p++) {

@@ -179,13 +179,14 @@ static void right_hand_side(const jo_model *m, jo_data *d, const jo_weights *c, 
     for (int i = 0; i < m->njoint; i++) {
         const jo_place *p = &m->place[m->nbody + i];
         const jo_joint_work *w = &d->joint[i];
+        const jo_real *soft = jo_newton_regularisation(d) + m->joint[i].row;
         jo_real *x = jo_newton_vector(d) + m->node[p->node].at + p->local;
         for (int r = 0; r < m->joint[i].nrow; r++) {
             const jo_real lam = d->lam[m->joint[i].row + r];
             if (jo_absent(d, &m->joint[i])) x[r] = -lam;
             else {
                 x[r] = -c->rows * (c->position ? w->c[r] : w->cdot[r]);
-                if (first && jo_newton_soft(d)) x[r] += w->soft[r] * lam;   /* multipliers of least norm at every step */
+                if (first && jo_newton_soft(d)) x[r] += soft[r] * lam;   /* multipliers of least norm at every step */
             }
         }
     }

@@ -88,27 +88,8 @@ static JO_INLINE void carry(const jo_data *d, const weights *w, const int k, con
     }
 }
 
-/* implicit part of the modal forces */
-static void push_modes(const jo_model *m, jo_data *d, const jo_stage *stage)
-{
-    const double gh = stage->gh;
-    for (int i = 0; i < m->nbody; i++) {
-        const jo_body *b = &m->body[i];
-        const jo_real *v = d->w + d->body[i].modes, *x = d->dv + d->body[i].modes, *y = d->acc + d->body[i].modes;
-        jo_real *extra = d->body[i].extra;
-        if (!stage->earlier) for (int j = 0; j < b->n; j++) extra[j] = -gh * b->K[j] * v[j];
-        else for (int j = 0; j < b->n; j++) extra[j] = gh * (b->K[j] * x[j] + b->D[j] * y[j]);
-    }
-}
-
-static void leave_modes(const jo_model *m, jo_data *d)
-{
-    for (int i = 0; i < m->nbody; i++)
-        for (int j = 0; j < m->body[i].n; j++) d->body[i].extra[j] = jo_same(0.0);
-}
-
-/* The same of beams. A stage that keeps the factors of the first one starts from its accelerations: (g h D + (g h)^2 K) v_1' has
- * already vanished. */
+/* Implicit part of the forces of beams. A stage that keeps the factors of the first one starts from its accelerations:
+ * (g h D + (g h)^2 K) v_1' has already vanished. */
 static JO_INLINE void push_beams(const jo_model *m, jo_data *d, const weights *w, const int k, const jo_stage *stage)
 {
     jo_increment_rate(m, d->rate, d->dq, d->v);
@@ -153,11 +134,11 @@ static JO_INLINE int stage_of(const jo_model *m, jo_data *d, const jo_tableau *t
     stage->lead = t->order > 2 ? 0.0 : w->lead[k] * stage->gh;   /* order 2: A contains the time derivative of the forces */
     stage->second = k && t->order <= 2 && m->nbeam > 0;
     if (k && (!jo_tree_active(d) || jo_nmaximal(d) || m->nforce)) carry(d, w, k, stage, 0.0, d->w, d->dv, d->acc);   /* otherwise not used */
-    push_modes(m, d, stage);
+    jo_push_modes(m, d, stage);
     if (k && m->nbeam) push_beams(m, d, w, k, stage);
     const int status = jo_evaluate(m, d, stage);
     if (status != JO_OK) {
-        leave_modes(m, d);
+        jo_clear_modes(m, d);
         jo_state_changed(d);
         return status;
     }
@@ -188,7 +169,7 @@ static JO_INLINE int step(const jo_model *m, jo_data *d, const jo_solver *s, con
     if (t->stages > 2 && status == JO_OK) status = stage_of(m, d, t, &w, 2, t0, &stage);
     if (t->stages > 3 && status == JO_OK) status = stage_of(m, d, t, &w, 3, t0, &stage);
     if (status != JO_OK) return status;
-    leave_modes(m, d);
+    jo_clear_modes(m, d);
     move(m, d, &w, jo_tableau_weights(t), t->stages, stage.gh);
     d->time[0] = t0 + s->step;
     return jo_close_step(m, d, s, &stage);

@@ -214,11 +214,6 @@ int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
     (void)m; (void)d; (void)stage;
     return JO_NO_CONVERGENCE;
 }
-int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w)
-{
-    (void)b; (void)w;
-    return JO_NO_CONVERGENCE;
-}
 void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
 {
     (void)m; (void)d;

@@ -5,6 +5,7 @@
  */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "tree/tree.h"
 
 /* fr, fp += generalised forces of F and T (world) at a marker that is not on ground */
 static void add_marker_force(const jo_model *m, const jo_data *d, int marker, const jo_real *F, const jo_real *T, jo_real *fr, jo_real *fp)
@@ -43,10 +44,10 @@ static void push_change(const jo_model *m, jo_data *d, int marker, const jo_real
     const int body = m->marker[marker].body;
     if (body < 0) return;
     jo_body_work *w = &d->body[body];
-    if (!w->pushed) {
+    if (!w->maximal.changed) {
         for (int j = 0; j < 6; j++) w->y[j] = jo_same(0.0);
         for (int j = 0; j < m->body[body].np; j++) w->yp[j] = jo_same(0.0);
-        w->pushed = 1;
+        w->maximal.changed = 1;
     }
     add_marker_force(m, d, marker, F, T, w->y, w->yp);
 }
@@ -73,7 +74,49 @@ void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f)
 {
     const int link = m->coordinate[coordinate].link;
     if (!jo_tree_active(d) || link < 0) apply_to_both_markers(m, d, coordinate, f, jo_push);
-    else d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
+    else jo_tree_push(m, d, link, f);
+}
+
+/* no changes of forces, before jo_push_change or jo_push_late */
+void jo_clear_changes(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++) d->body[i].maximal.changed = 0;
 }
 
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f) { apply_to_both_markers(m, d, coordinate, f, push_change); }
+
+/* f along a coordinate, applied after jo_body_free and followed by jo_free_changed */
+void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f)
+{
+    const int ends[2] = {m->coordinate[coordinate].a, m->coordinate[coordinate].b};
+    jo_push_along(m, d, coordinate, f);
+    for (int j = 0; j < 2; j++)
+        if (m->marker[ends[j]].body >= 0) d->body[m->marker[ends[j]].body].maximal.changed = 1;
+}
+
+/* jo_body_free once more for the bodies with forces of jo_push_late */
+void jo_free_changed(const jo_model *m, jo_data *d, int set)
+{
+    for (int i = 0; i < m->nbody; i++)
+        if (d->body[i].maximal.changed) jo_body_free(&m->body[i], &d->body[i], set);
+}
+
+/* implicit part of the modal forces in a stage of a Rosenbrock method, until jo_clear_modes */
+void jo_push_modes(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
+    const double gh = stage->gh;
+    for (int i = 0; i < m->nbody; i++) {
+        const jo_body *b = &m->body[i];
+        const int modes = d->body[i].maximal.modes;
+        const jo_real *v = d->w + modes, *x = d->dv + modes, *y = d->acc + modes;
+        jo_real *extra = d->body[i].maximal.extra;
+        if (!stage->earlier) for (int j = 0; j < b->n; j++) extra[j] = -gh * b->K[j] * v[j];
+        else for (int j = 0; j < b->n; j++) extra[j] = gh * (b->K[j] * x[j] + b->D[j] * y[j]);
+    }
+}
+
+void jo_clear_modes(const jo_model *m, jo_data *d)
+{
+    for (int i = 0; i < m->nbody; i++)
+        for (int j = 0; j < m->body[i].n; j++) d->body[i].maximal.extra[j] = jo_same(0.0);
+}

@@ -220,7 +220,7 @@ void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power)
     jo_modal3(Ip, b->I3, w->pd, np);
     jo_modal3(Bp, w->B, w->pd, np);
     inertia(np, b->D0, w->D, w->p, w->pd, w->J, Jd);
-    *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->extra, w->fp);
+    *power += modal_force(b, om, w->D, w->G, w->p, w->pd, w->maximal.extra, w->fp);
     /* Q_R = -w x (w x S) - 2 w x I3 p' */
     jo_cross(t, om, w->S);
     for (int i = 0; i < 3; i++) t[i] += 2.0 * Ip[i];
@@ -281,9 +281,9 @@ static inline void weigh(const int np, const jo_real *restrict B, const jo_real 
 static int factor(const jo_body *b, jo_body_work *w, int set)
 {
     const int np = b->np;
-    const jo_body_set *s = &w->set[set];
-    jo_real IB[9] = {0}, BB[9] = {0}, *L = w->L;
-    if (b->n) weigh(np, w->B, b->I3, s->weight, w->Bw, IB, BB);
+    const jo_body_set *s = &w->maximal.set[set];
+    jo_real IB[9] = {0}, BB[9] = {0}, *L = w->maximal.L;
+    if (b->n) weigh(np, w->B, b->I3, s->weight, w->maximal.Bw, IB, BB);
     /* rows w, columns R of Z: (-S~)^T - (I3 weight B^T)^T; the block RR is constant and factored */
     const jo_real *S = w->S, *J = w->J;
     const jo_real Y[9] = {-IB[0], -S[2] - IB[3], S[1] - IB[6],
@@ -321,12 +321,56 @@ static int factor(const jo_body *b, jo_body_work *w, int set)
     return JO_OK;
 }
 
-int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->carried ? factor(b, w, set) : w->status; }
+int jo_body_factor(const jo_body *b, jo_body_work *w, int set) { return b->n || w->maximal.carried ? factor(b, w, set) : w->maximal.status; }
+
+/* carried = [M H; H^T J] of the trees on a body, in its frame, + [0 -S~; S~ J] of the body */
+void jo_body_carry(jo_body_work *w, jo_real (*M)[3], jo_real (*H)[3], jo_real (*J)[3])
+{
+    const jo_real *S = w->S, *Jb = w->J, zero = jo_same(0.0);
+    jo_real *carried = w->maximal.carried;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            carried[6 * i + k] = M[k][i];
+            carried[6 * (3 + i) + k] = H[i][k];
+            carried[6 * (3 + i) + 3 + k] = J[k][i];
+        }
+    /* inertia of the body itself, except for its mass */
+    const jo_real own[9] = {zero, -S[2], S[1], S[2], zero, -S[0], -S[1], S[0], zero};
+    const jo_real full[9] = {Jb[0], Jb[5], Jb[4], Jb[5], Jb[1], Jb[3], Jb[4], Jb[3], Jb[2]};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            carried[6 * (3 + i) + k] += own[3 * i + k];
+            carried[6 * (3 + i) + 3 + k] += full[3 * i + k];
+        }
+}
+
+/* Cholesky factor L of `carried` and the mass of a body without modes; recomputed in every evaluation because I^A of the trees depends on x */
+int jo_body_factor_carried(const jo_body *b, jo_body_work *w)
+{
+    const jo_real *carried = w->maximal.carried;
+    jo_real *L = w->maximal.L;
+    for (int i = 0; i < 6; i++) {
+        jo_real *x = L + 6 * i;
+        const jo_real diagonal = carried[7 * i] + (i < 3 ? b->mass[0] : jo_same(0.0));
+        for (int k = 0; k <= i; k++) {
+            const jo_real *y = L + 6 * k;
+            jo_real t = k < i ? carried[6 * i + k] : diagonal;
+            for (int j = 0; j < k; j++) t -= x[j] * y[j];
+            if (k < i) {
+                x[k] = t * y[k];
+                continue;
+            }
+            if (jo_spoil(&t, JO_LESS(JO_MIN_PIVOT * diagonal, t))) return isfinite(jo_most(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
+            x[i] = 1.0 / jo_sqrt(t);
+        }
+    }
+    return JO_OK;
+}
 
 /* constants of a set: weight = 1 / (1 + g h D + (g h)^2 K), I3 weight, Cholesky factor of m E - I3 weight I3^T */
 void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
 {
-    jo_body_set *s = &w->set[set];
+    jo_body_set *s = &w->maximal.set[set];
     int np = b->np;
     for (int j = 0; j < np; j++) s->weight[j] = 1.0 / (1.0 + gh * b->D[j] + gh * gh * b->K[j]);
     for (int i = 0; i < 3; i++)
@@ -342,7 +386,7 @@ void jo_body_setup(const jo_body *b, jo_body_work *w, int set, double gh)
     if (!b->n) {   /* rigid: constant inertia and factor */
         jo_set3(w->S, b->S0);
         for (int c = 0; c < 6; c++) w->J[c] = b->J0[c];
-        w->status = factor(b, w, set);
+        w->maximal.status = factor(b, w, set);
     }
 }
 
@@ -352,15 +396,15 @@ void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_r
     const int np = b->np;
     jo_real t[6] = {0};
     if (b->n) {
-        jo_modal3(t, w->set[set].I3w, fp, np);
-        jo_modal3(t + 3, w->Bw, fp, np);
+        jo_modal3(t, w->maximal.set[set].I3w, fp, np);
+        jo_modal3(t + 3, w->maximal.Bw, fp, np);
     }
     for (int i = 0; i < 6; i++) z[i] = fr[i] - t[i];
-    jo_body_forward(w->L, z);
+    jo_body_forward(w->maximal.L, z);
 }
 
 /* z of the present forces: L^-T z is the rigid acceleration without joints */
-void jo_body_free(const jo_body *b, jo_body_work *w, int set) { jo_body_reduce(b, w, set, w->fr, w->fp, w->z); }
+void jo_body_free(const jo_body *b, jo_body_work *w, int set) { jo_body_reduce(b, w, set, w->fr, w->fp, w->maximal.z); }
 
 /* yp = weight (fp - I3^T y_R - B^T y_w) */
 static inline void modal(const int np, const jo_real *restrict I3, const jo_real *restrict B, const jo_real *y,
@@ -376,5 +420,5 @@ static inline void modal(const int np, const jo_real *restrict I3, const jo_real
 /* y_p = weight (f_p - M_pr y) */
 void jo_body_modal(const jo_body *b, jo_body_work *w, int set)
 {
-    modal(b->np, b->I3, w->B, w->y, w->set[set].weight, w->fp, w->yp);
+    modal(b->np, b->I3, w->B, w->y, w->maximal.set[set].weight, w->fp, w->yp);
 }

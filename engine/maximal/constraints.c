@@ -195,7 +195,7 @@ static void line_jacobian(const jo_data *d, const jo_line *line, int side, jo_re
 /* rows of lines on one side: translations and rotations */
 static void line_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
-    jo_side_work *here = &w->side[side];
+    jo_side_work *here = &w->maximal.side[side];
     const jo_real *A = here->body->A;
     const int first = first_line(k);
     for (int l = 0; l < k->nline; l++) {
@@ -217,7 +217,7 @@ static inline void moving_rows(jo_real *restrict C, const int ld, const double s
 /* C and V of one side of a joint with any rows */
 static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_work *w, int side)
 {
-    jo_side_work *here = &w->side[side];
+    jo_side_work *here = &w->maximal.side[side];
     const jo_marker_work *mw = here->marker;
     const double sign = side ? 1.0 : -1.0;
     const jo_real *A = here->body->A;
@@ -226,14 +226,14 @@ static void any_rows(const jo_model *m, jo_data *d, const jo_joint *k, jo_joint_
     if (first) moving_rows(C, ld, sign, here->body->At);
     for (int r = 0; r < k->nperp; r++) {
         jo_real t[3];
-        jo_mul3t(t, A, w->axes[r]);
+        jo_mul3t(t, A, w->maximal.axes[r]);
         for (int j = 0; j < 3; j++) t[j] *= -sign;
         put_row(C, ld, first + r, 0, t, here->T);
     }
     if (k->nline) line_rows(m, d, k, w, side);
     const jo_real *turn = C + (here->T ? 6 : 3) * ld;
-    reduced_rows(here->V, ld, C, turn, first || k->nline ? mw->Xt : 0, rotations ? mw->Xr : 0, here->L);
-    if (ld > 4) reduced_rows(here->V + 4, ld, C + 4, turn + 4, k->nline ? mw->Xt : 0, mw->Xr, here->L);
+    reduced_rows(here->V, ld, C, turn, first || k->nline ? mw->maximal.Xt : 0, rotations ? mw->maximal.Xr : 0, here->L);
+    if (ld > 4) reduced_rows(here->V + 4, ld, C + 4, turn + 4, k->nline ? mw->maximal.Xt : 0, mw->maximal.Xr, here->L);
 }
 
 /* axes[r] = f_a x h_b of the rows of perpendicular axes */
@@ -243,7 +243,7 @@ static inline void turn_axes(const jo_data *d, const jo_joint *k, jo_joint_work 
         jo_real x[3], y[3];
         axis(x, d->marker[k->side[0]].A, k->perp_a[r]);
         axis(y, d->marker[k->side[1]].A, k->perp_b[r]);
-        jo_cross(w->axes[r], x, y);
+        jo_cross(w->maximal.axes[r], x, y);
     }
 }
 
@@ -257,7 +257,7 @@ void jo_constraint_jacobian(const jo_model *m, jo_data *d, int joint, int side, 
     for (int r = 0; r < first_line(k); r++)
         for (int i = 0; i < 3; i++) f[r][i] = g[r][i] = jo_same(0.0);
     for (int r = 0; k->coincident && r < 3; r++) f[r][r] = sign;
-    for (int r = 0; r < k->nperp; r++) jo_axpy3(g[first_line(k) - k->nperp + r], -sign, w->axes[r]);
+    for (int r = 0; r < k->nperp; r++) jo_axpy3(g[first_line(k) - k->nperp + r], -sign, w->maximal.axes[r]);
     for (int l = 0; l < k->nline; l++) line_jacobian(d, &m->line[k->line + l], side, f[first_line(k) + l], g[first_line(k) + l]);
 }
 
@@ -268,15 +268,15 @@ void jo_joint_rows(const jo_model *m, jo_data *d)
         const jo_joint *k = &m->joint[i];
         jo_joint_work *w = &d->joint[i];
         if (jo_joint_inactive(d, i)) continue;
-        w->present = !jo_released(d, k->release);
+        w->maximal.present = !jo_released(d, k->release);
         if (jo_absent(d, k)) continue;
         turn_axes(d, k, w);
         for (int side = 0; side < k->nside; side++) {
-            jo_side_work *here = &w->side[side];
+            jo_side_work *here = &w->maximal.side[side];
             if (!here->body) continue;
             if (k->nrow == 3 && k->coincident) {
                 moving_rows(here->C, 4, side ? 1.0 : -1.0, here->body->At);
-                reduced_rows(here->V, 4, here->C, 0, here->marker->Xt, 0, here->L);
+                reduced_rows(here->V, 4, here->C, 0, here->marker->maximal.Xt, 0, here->L);
             } else {
                 any_rows(m, d, k, w, side);
             }
@@ -336,7 +336,7 @@ static inline void constraint_acceleration(const jo_model *m, const jo_data *d, 
         jo_cross(hdd, side[1].om, hd);
         jo_set3(al, side[0].al);
         jo_sub3(al, side[1].al);
-        x[r] = jo_dot3(al, w->axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
+        x[r] = jo_dot3(al, w->maximal.axes[r]) + jo_dot3(fdd, h) + 2.0 * jo_dot3(fd, hd) + jo_dot3(f, hdd);
     }
     if (k->nline) line_acceleration(m, d, k, side, lead, x + k->nperp);
 }
@@ -393,9 +393,9 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
         constraint_acceleration(m, d, i, motion, stage->lead, w->x);
         jo_real t[8] = {0};
         for (int side = 0; side < k->nside; side++) {   /* rigid coordinates: C X Z^-1 z = V^T z */
-            const jo_side_work *here = &w->side[side];
+            const jo_side_work *here = &w->maximal.side[side];
             if (!here->body) continue;
-#define CALL(n) add_columns(t, here->V, here->body->z, n)
+#define CALL(n) add_columns(t, here->V, here->body->maximal.z, n)
             JO_BY_ROWS(k->nrow, CALL)
 #undef CALL
         }
@@ -404,6 +404,48 @@ void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage)
             for (int r = 0; r < k->nrow; r++)
                 w->x[r] += 2.0 * stage->alpha * w->cdot[r] + stage->beta * stage->beta * w->c[r];
     }
+}
+
+/* x += C a with column c of the rows C and a = P yp, P (np) */
+static inline void add_modal_change(jo_real *x, const jo_real *C, const jo_real *P, const jo_real *yp, const int np, const int n)
+{
+    jo_real a = jo_same(0.0);
+    for (int j = 0; j < np; j++) a += P[j] * yp[j];
+    for (int r = 0; r < n; r++) x[r] += C[r] * a;
+}
+
+/* x = Cq M^-1 Q of one joint for changes of force Q in y, reduced, and yp of the bodies */
+static void force_change(const jo_model *m, jo_data *d, int set, int joint)
+{
+    const jo_joint *k = &m->joint[joint];
+    jo_joint_work *w = &d->joint[joint];
+    const int n = k->nrow, ld = jo_padded(n);
+    for (int r = 0; r < n; r++) w->x[r] = jo_same(0.0);
+    if (jo_absent(d, k)) return;
+    for (int s = 0; s < k->nside; s++) {
+        const jo_side_work *here = &w->maximal.side[s];
+        if (!here->body || !here->body->maximal.changed) continue;
+        for (int c = 0; c < 6; c++)
+            for (int r = 0; r < n; r++) w->x[r] += here->V[c * ld + r] * here->body->y[c];
+        if (!here->L) continue;   /* rigid */
+        const jo_marker *mk = &m->marker[k->side[s]];
+        const jo_marker_set *weighted = &here->marker->maximal.set[set];
+        const int np = m->body[mk->body].np;
+        for (int c = 0; c < 3 && mk->Phi; c++)
+            add_modal_change(w->x, here->C + c * ld, weighted->Phiw + c * np, here->body->yp, np, n);
+        for (int c = 0; c < 3 && mk->Psi; c++)
+            add_modal_change(w->x, here->C + (3 + c) * ld, weighted->Psiw + c * np, here->body->yp, np, n);
+    }
+}
+
+/* right-hand side x = Cq M^-1 Q of all joints for the changes of force Q of jo_push_change, whose y is reduced */
+void jo_joint_force_change(const jo_model *m, jo_data *d, int set)
+{
+    for (int i = 0; i < m->nbody; i++) {
+        jo_body_work *w = &d->body[i];
+        if (w->maximal.changed) jo_body_reduce(&m->body[i], w, set, w->y, w->yp, w->y);
+    }
+    for (int i = 0; i < m->njoint; i++) force_change(m, d, set, i);
 }
 
 /* fp -= P^T f, P (3 x np) */
@@ -438,13 +480,13 @@ static inline void row_force(jo_real *f, const jo_real *restrict C, const int ld
 void jo_joint_apply(const jo_model *m, jo_data *d, int set)
 {
     for (int i = 0; i < m->nbody; i++)
-        for (int j = 0; j < 6 && !jo_body_inactive(d, i); j++) d->body[i].y[j] = d->body[i].z[j];
+        for (int j = 0; j < 6 && !jo_body_inactive(d, i); j++) d->body[i].y[j] = d->body[i].maximal.z[j];
     for (int i = 0; i < m->njoint; i++) {
         const jo_joint *k = &m->joint[i];
         const jo_joint_work *w = &d->joint[i];
         if (jo_joint_inactive(d, i) || jo_absent(d, k)) continue;
         for (int side = 0; side < k->nside; side++) {
-            const jo_side_work *here = &w->side[side];
+            const jo_side_work *here = &w->maximal.side[side];
             if (!here->body) continue;
             jo_body_work *bw = here->body;
 #define CALL(n) subtract_rows(bw->y, here->V, w->x, n)
@@ -467,7 +509,7 @@ void jo_joint_apply(const jo_model *m, jo_data *d, int set)
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *bw = &d->body[i];
         if (jo_body_inactive(d, i)) continue;
-        jo_body_backward(bw->L, bw->y);
+        jo_body_backward(bw->maximal.L, bw->y);
         if (m->body[i].n) jo_body_modal(&m->body[i], bw, set);
     }
 }

@@ -12,11 +12,11 @@
 /* constants of set 1 for the effective modal mass E + g h D + (g h)^2 K */
 void jo_use_step(const jo_model *m, jo_data *d, double gh)
 {
-    if (d->gh == gh) return;
+    if (d->schur.gh == gh) return;
     for (int i = 0; i < m->nbody; i++) jo_body_setup(&m->body[i], &d->body[i], 1, gh);
     jo_marker_setup(m, d, 1);
     jo_joint_setup(m, d, 1);
-    d->gh = gh;
+    d->schur.gh = gh;
 }
 
 /* poses, velocities, inertia and forces at time, q, v */
@@ -43,8 +43,8 @@ static int factor_masses(const jo_model *m, jo_data *d, const jo_stage *stage)
 {
     for (int i = 0; i < m->nbody; i++) {
         if (jo_body_inactive(d, i)) continue;
-        const int carries = jo_in_hybrid(d) && d->body[i].carried;
-        const int status = carries ? jo_hybrid_factor_body(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
+        const int carries = jo_in_hybrid(d) && jo_carries(&d->body[i]);
+        const int status = carries ? jo_body_factor_carried(&m->body[i], &d->body[i]) : jo_body_factor(&m->body[i], &d->body[i], stage->set);
         if (status != JO_OK) {
             d->error_index = i;
             return status;
@@ -191,7 +191,7 @@ static void correction(const jo_model *m, jo_data *d, const jo_stage *stage, jo_
     for (int i = 0; i < m->nbody; i++) {
         jo_body_work *w = &d->body[i];
         if (jo_body_inactive(d, i)) continue;
-        for (int j = 0; j < 6; j++) w->z[j] = jo_same(0.0);
+        for (int j = 0; j < 6; j++) w->maximal.z[j] = jo_same(0.0);
         for (int j = 0; j < m->body[i].np; j++) w->fp[j] = jo_same(0.0);
     }
     jo_joint_solve(m, d);

@@ -19,10 +19,10 @@ void jo_hub_plan(const jo_model *m, jo_data *d)
         const jo_joint *joint = &m->joint[p->joint];
         jo_pull_plan *w = &d->schur.pulls[i];
         w->S = d->schur.S + JO_BLOCK * p->block;
-        w->side = &d->joint[p->joint].side[p->side];
+        w->side = &d->joint[p->joint].maximal.side[p->side];
         w->rows = joint->nrow;
         w->first = JO_COMMON(w->S[0]) != 0.0;
-        w->lock = joint->release >= 0 ? &d->joint[p->joint].present : joint->lock < 0 ? 0 : d->locked + joint->lock;
+        w->lock = joint->release >= 0 ? &d->joint[p->joint].maximal.present : joint->lock < 0 ? 0 : d->locked + joint->lock;
         w->later = p->later;
         w->S[0] = jo_same(0.0);
     }
@@ -54,7 +54,7 @@ void jo_hub_scales(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->npull; i++) {
         const jo_pull_plan *p = &d->schur.pulls[i];
         if (!p->first || (p->lock && !*p->lock)) continue;   /* once per block, which contains all sides of the joint */
-        jo_real *scale = d->joint[m->pull[i].joint].scale;
+        jo_real *scale = d->joint[m->pull[i].joint].maximal.scale;
         const int ld = jo_padded(p->rows);
         for (int c = 0; c < 6; c++)
             for (int r = 0; r < p->rows; r++) {

@@ -37,11 +37,11 @@ static inline void unreduced(jo_real *Xt, const jo_real *u)
 static void rigid_rows(const jo_marker *k, const jo_real *L, jo_marker_work *w)
 {
     jo_set3(w->u, k->u0);
-    unreduced(w->Xt, w->u);
-    for (int j = 0; j < 18; j++) w->Xr[j] = j == 3 || j == 10 || j == 17 ? jo_same(1.0) : jo_same(0.0);
+    unreduced(w->maximal.Xt, w->u);
+    for (int j = 0; j < 18; j++) w->maximal.Xr[j] = j == 3 || j == 10 || j == 17 ? jo_same(1.0) : jo_same(0.0);
     for (int r = 0; L && r < 3; r++) {
-        jo_body_forward(L, w->Xt + 6 * r);
-        jo_body_forward(L, w->Xr + 6 * r);
+        jo_body_forward(L, w->maximal.Xt + 6 * r);
+        jo_body_forward(L, w->maximal.Xr + 6 * r);
     }
 }
 
@@ -52,10 +52,10 @@ void jo_marker_setup(const jo_model *m, jo_data *d, int set)
         const jo_marker *k = &m->marker[i];
         if (k->body < 0) continue;
         if (!m->body[k->body].n) {
-            rigid_rows(k, d->body[k->body].carried ? 0 : d->body[k->body].L, &d->marker[i]);
+            rigid_rows(k, d->body[k->body].maximal.carried ? 0 : d->body[k->body].maximal.L, &d->marker[i]);
             continue;
         }
-        weigh(&m->body[k->body], d->body[k->body].set[set].weight, &d->marker[i], &d->marker[i].set[set]);
+        weigh(&m->body[k->body], d->body[k->body].maximal.set[set].weight, &d->marker[i], &d->marker[i].maximal.set[set]);
     }
 }
 
@@ -129,7 +129,7 @@ void jo_marker_position(const jo_model *m, jo_data *d, int count)
         if (k->body < 0 || jo_marker_inactive(d, i)) continue;   /* constant on ground */
         const jo_body *b = &m->body[k->body];
         const jo_body_work *bw = &d->body[k->body];
-        if (k->chi) shapes_at(b, k, bw->p, w->shapes);
+        if (k->chi) shapes_at(b, k, bw->p, w->maximal.shapes);
         jo_set3(w->u, k->u0);
         if (k->Phi) {
             jo_real t[3];
@@ -192,13 +192,13 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             jo_cross(c, bw->w, w->u);   /* Phi p' = (v - V) - w x u */
             for (int j = 0; j < 3; j++) t[j] = 2.0 * t[j] - c[j];
         }
-        jo_cross(w->bv, bw->w, t);
+        jo_cross(w->maximal.bv, bw->w, t);
         if (k->chi && k->Phi) {
             quadratic(t, k->chi, bw->pd, b->n, b->np);
-            jo_add3(w->bv, t);
+            jo_add3(w->maximal.bv, t);
         }
         if (!k->turns) continue;
-        w->bom[0] = w->bom[1] = w->bom[2] = jo_same(0.0);
+        w->maximal.bom[0] = w->maximal.bom[1] = w->maximal.bom[2] = jo_same(0.0);
         if (k->Psi) {
             /* w x T theta' + T' theta', T' = f1' theta~ + f1 theta'~ + f2' theta~^2 + f2 (theta'~ theta~ + theta~ theta'~) */
             jo_real rate[3], f[3], df1, df2, tt[3], ttt[3];
@@ -209,15 +209,15 @@ void jo_marker_bias(const jo_model *m, jo_data *d, int count)
             jo_cross(tt, w->theta, rate);         /* theta x theta' */
             jo_cross(ttt, w->theta, tt);          /* theta x (theta x theta') */
             jo_cross(c, rate, tt);                /* theta' x (theta x theta') */
-            for (int j = 0; j < 3; j++) w->bom[j] = ds * (df1 * tt[j] + df2 * ttt[j]) + f[2] * c[j];
+            for (int j = 0; j < 3; j++) w->maximal.bom[j] = ds * (df1 * tt[j] + df2 * ttt[j]) + f[2] * c[j];
             jo_set3(t, w->om);
             jo_sub3(t, bw->w);
             jo_cross(c, bw->w, t);
-            jo_add3(w->bom, c);
+            jo_add3(w->maximal.bom, c);
             if (k->chi) {
                 quadratic(t, k->chi + 3 * b->n * b->np, bw->pd, b->n, b->np);
                 jo_mul3(t, w->T, t);
-                jo_add3(w->bom, t);
+                jo_add3(w->maximal.bom, t);
             }
         }
     }
@@ -232,11 +232,11 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
         if (k->body < 0 || jo_marker_inactive(d, i)) continue;
         const int np = m->body[k->body].np;
         const jo_body_work *bw = &d->body[k->body];
-        const jo_marker_set *s = &w->set[set];
-        jo_set3(w->a, w->bv);
+        const jo_marker_set *s = &w->maximal.set[set];
+        jo_set3(w->a, w->maximal.bv);
         if (!np) continue;
-        if (k->chi) weigh(&m->body[k->body], bw->set[set].weight, w, &w->set[set]);
-        jo_real *X = w->Xt, Q[9], t[3];
+        if (k->chi) weigh(&m->body[k->body], bw->maximal.set[set].weight, w, &w->maximal.set[set]);
+        jo_real *X = w->maximal.Xt, Q[9], t[3];
         unreduced(X, w->u);
         if (k->Phi) {
             modal33(Q, s->Phiw, bw->B, np);
@@ -249,9 +249,9 @@ void jo_marker_reduce(const jo_model *m, jo_data *d, int set, int count)
             jo_add3(w->a, t);
         }
         if (!k->turns) continue;
-        X = w->Xr;
+        X = w->maximal.Xr;
         for (int j = 0; j < 18; j++) X[j] = jo_same(0.0);
-        jo_set3(w->a + 3, w->bom);
+        jo_set3(w->a + 3, w->maximal.bom);
         if (k->Psi) {
             jo_real P[9];
             modal33(Q, s->Psiw, bw->B, np);
@@ -291,7 +291,7 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
     const jo_real *a = d->a + b->iv, *A = d->body[k->body].A;
     jo_real t[3];
     jo_cross(t, a + 3, w->u);
-    jo_add3(t, w->bv);
+    jo_add3(t, w->maximal.bv);
     if (k->Phi) add_modal(t, w->Phi, a + 6, b->n, b->np);
     jo_mul3(y->a, A, t);
     jo_add3(y->a, a);
@@ -299,7 +299,7 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
     for (int j = 0; j < 3; j++) t[j] = jo_same(0.0);
     if (k->Psi) add_modal(t, w->Psi, a + 6, b->n, b->np);
     if (k->Psi) jo_mul3(t, w->T, t);
-    jo_add3(t, w->bom);
+    jo_add3(t, w->maximal.bom);
     jo_add3(t, a + 3);
     jo_mul3(y->al, A, t);
 }

@@ -9,6 +9,16 @@
 
 #define JO_SINGULAR_PIVOT 1e-12  /* pivot of S = J M^-1 J^T / its value before elimination below which the row depends on others */
 
+/* rows of a joint in memory: columns of its blocks are padded with 0 */
+static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
+
+/* whether a body carries trees of hybrid mode; whether y and yp contain a change of the forces */
+static inline int jo_carries(const jo_body_work *b) { return b->maximal.carried != 0; }
+static inline int jo_force_changed(const jo_body_work *b) { return b->maximal.changed; }
+
+/* no constants of set 1: the next jo_use_step computes them */
+static inline void jo_forget_step(jo_data *d) { d->schur.gh = -1.0; }
+
 /* maximal_layout.c */
 void jo_maximal_layout(const jo_model *m, jo_data *d, jo_arena *a);
 
@@ -18,6 +28,8 @@ void jo_body_pose(const jo_body *b, jo_body_work *w, const jo_real *q);
 void jo_body_twist(const jo_body *b, jo_body_work *w, const jo_real *v);
 void jo_body_inertia(const jo_body *b, jo_body_work *w, jo_real *power);
 int jo_body_factor(const jo_body *b, jo_body_work *w, int set);
+int jo_body_factor_carried(const jo_body *b, jo_body_work *w);   /* of a body that carries trees; requires jo_body_carry */
+void jo_body_carry(jo_body_work *w, jo_real (*M)[3], jo_real (*H)[3], jo_real (*J)[3]);   /* inertia of the trees on the body */
 void jo_body_free(const jo_body *b, jo_body_work *w, int set);
 void jo_body_reduce(const jo_body *b, const jo_body_work *w, int set, const jo_real *fr, const jo_real *fp, jo_real *z);
 void jo_body_forward(const jo_real *L, jo_real *x);
@@ -62,12 +74,18 @@ void jo_constraint_acceleration(const jo_model *m, const jo_data *d, int joint, 
 void jo_joint_acceleration(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_joint_power(const jo_model *m, const jo_data *d);     /* power of all drives, W */
 jo_real jo_joint_drive(const jo_model *m, const jo_data *d, int joint, const jo_real *lam);   /* power of the drives of one joint, W */
+void jo_joint_force_change(const jo_model *m, jo_data *d, int set);   /* right-hand sides x for the changes of jo_push_change */
 void jo_joint_apply(const jo_model *m, jo_data *d, int set);
 
 /* apply_force.c */
 void jo_push(const jo_model *m, jo_data *d, int marker, const jo_real *F, const jo_real *T);
 void jo_push_along(const jo_model *m, jo_data *d, int coordinate, jo_real f);
+void jo_clear_changes(const jo_model *m, jo_data *d);
 void jo_push_change(const jo_model *m, jo_data *d, int coordinate, jo_real f);   /* change of force, into y and yp of the bodies */
+void jo_push_late(const jo_model *m, jo_data *d, int coordinate, jo_real f);     /* jo_push_along after jo_body_free, before jo_free_changed */
+void jo_free_changed(const jo_model *m, jo_data *d, int set);
+void jo_push_modes(const jo_model *m, jo_data *d, const jo_stage *stage);   /* implicit part of modal forces, until jo_clear_modes */
+void jo_clear_modes(const jo_model *m, jo_data *d);
 
 /* state.c */
 void jo_select_coordinates(const jo_model *m, jo_data *d, int tree);   /* integrate x, u or q, v */

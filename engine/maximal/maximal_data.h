@@ -1,4 +1,5 @@
-/* maximal_data.h - work arrays of bodies, markers, coordinates, joints and of the Schur complement. */
+/* maximal_data.h - data of the files of this folder: bodies, markers, joints, Schur complement; other folders use the functions of
+ * maximal.h. */
 #ifndef JO_MAXIMAL_DATA_H
 #define JO_MAXIMAL_DATA_H
 
@@ -11,82 +12,53 @@ typedef struct {
     jo_real L11[9];         /*          Cholesky factor of m E - I3 weight I3^T, with the inverse of its diagonal */
 } jo_body_set;
 
+/* Body: factors, and forces for the solution of the joints. */
 typedef struct {
-    jo_real A[9];           /* orientation in the world frame */
-    jo_real At[12];         /* columns of A, padded */
-    jo_real V[3], w[3];     /* velocity of the frame origin, m/s, angular velocity, rad/s, local */
-    jo_real S[3], J[6];     /* first moment, kg m, and inertia tensor, kg m2, at p */
     jo_real L[36];          /* Cholesky factor of the 6 x 6 inertia with modes eliminated, with the inverse of its diagonal */
-    jo_real fr[6];          /* force, N, and torque, N m, on the rigid coordinates, local */
-    jo_real z[6], y[6];     /* L^-1 times the reduced force; acceleration of the rigid coordinates, local */
-    jo_real *p, *pd;        /* (np) modal coordinates and velocities, padded */
-    jo_real *D, *B, *G;     /* (6 x np) D_j(p), (3 x np) B_j(p), (3 x np) int phi' x phi_j dm */
+    jo_real z[6];           /* L^-1 times the reduced force */
     jo_real *Bw;            /* (3 x np) B weight */
-    jo_real *fp, *yp;       /* (np) modal forces, modal accelerations */
     jo_real *extra;         /* (np) additional modal force of a Rosenbrock method */
     int status;             /* rigid body: status of its constant factor */
-    int pushed;             /* whether y and yp contain a change of the forces, see friction_iteration.c */
+    int changed;            /* whether the force on the body changes after its free accelerations, see apply_force.c */
     int modes;              /* index of the modal velocities in jo_data.w */
-    jo_real *carried;       /* (6 x 6) inertia of the body and of the trees on it, see tree_on_flexible_bodies.c; 0: no trees */
-    jo_real *Dd, *H;        /* (6 x np) ED p', (3 x np) EB p'' for Newton's matrix */
-    jo_real turn[9];        /* tangent operator: rotation (local) / change of the rotation vector of a step */
+    jo_real *carried;       /* (6 x 6) inertia of the body, without its mass, and of the trees on it; 0: no trees */
     jo_body_set set[2];
-} jo_body_work;
+} jo_body_maximal;
 
 typedef struct {
     jo_real *Phiw, *Psiw;   /* (3 x np) Phi weight, Psi weight */
     jo_real PhiI3[9], PsiI3[9];   /* Phi weight I3^T, Psi weight I3^T */
 } jo_marker_set;
 
+/* Marker: accelerations without those of the body, and rows with modes eliminated. */
 typedef struct {
-    jo_real u[3];           /* position on the body, m, local */
-    jo_real r[3];           /* position, m, world */
-    jo_real theta[3];       /* rotation vector Psi p, rad, local */
-    jo_real T[9];           /* tangent operator: angular velocity relative to the body = T theta' */
-    jo_real A[9];           /* orientation in the world frame */
-    jo_real v[3], om[3];    /* velocity and angular velocity, local */
     jo_real bv[3], bom[3];  /* accelerations for R'' = w' = p'' = 0, local */
     jo_real Xt[18], Xr[18]; /* (3 x 6) translation and rotation rows with modes eliminated; rigid body: times L^-T, constant */
-    jo_real a[6];           /* acceleration for R'' = w' = 0, local */
-    const jo_real *Phi, *Psi;   /* (3 x np) mode shapes at p: of jo_marker, or `shapes` with geometric stiffening */
     jo_real *shapes;        /* (6 x np) Phi + chi p with geometric stiffening, else 0 */
     jo_marker_set set[2];
-    jo_real load[6];        /* sum of forces, N, and torques, N m, on the marker, world */
-    jo_real *L;             /* (6 x 6 + n) derivatives of [r, rotation], world, with respect to the coordinates of the body */
-    jo_real *W;             /* (12 x 6 + n) derivatives of [r, rotation, velocity, angular velocity] with respect to Newton's unknowns */
-} jo_marker_work;
+} jo_marker_maximal;
 
 /* Reals of a block of V or S and of C. Blocks are stored by columns, each padded to jo_padded(rows). */
 enum { JO_BLOCK = 48, JO_ROWS_C = 72 };
-static inline int jo_padded(int rows) { return rows <= 4 ? 4 : 8; }
-
-/* Coordinate s and its derivatives: s' = along . (v_b - v_a) + turn_a . om_a + turn_b . om_b, all in the world frame;
- * s'' the same with accelerations, plus bias. */
-typedef struct {
-    jo_real value, rate, bias;
-    jo_real along[3], turn_a[3], turn_b[3];
-} jo_coordinate_work;
 
 /* One side of a joint. */
 typedef struct {
-    jo_body_work *body;     /* 0: ground */
-    jo_marker_work *marker;
+    struct jo_body_work *body;   /* 0: ground */
+    struct jo_marker_work *marker;
     const jo_real *L;       /* factor of the body; 0: Xt, Xr include L^-T */
     const jo_real *T;       /* tangent operator of the marker; 0: no rotation mode shapes */
     jo_real V[JO_BLOCK];    /* (6 x ld) L^-1 (C X)^T, by columns; ld = jo_padded(nrow) */
     jo_real C[JO_ROWS_C];   /* (9 x ld) rows, local: [translation, rotation shape, rotation], the last one only with T; padded with 0 */
 } jo_side_work;
 
+/* Joint: its rows, and its part of S. */
 typedef struct {
     jo_side_work *side;     /* (nside) */
     jo_real axes[3][3];     /* f_a x h_b of row r, world: d(f_a . h_b) = axes[r] . (dtheta_a - dtheta_b) */
-    jo_real c[6], cdot[6];  /* residuals C and C' */
-    jo_real x[8];           /* right-hand side, then multipliers; padded with 0 */
     jo_real right[6], sum[6];   /* iterative refinement: right-hand side, sum of solutions */
     int present;            /* joint with a release event: whether it is active */
     jo_real scale[6];       /* diagonal of S before elimination */
-    jo_real soft[6];        /* regularisation, subtracted from the diagonal of Newton's matrix */
-} jo_joint_work;
+} jo_joint_maximal;
 
 /* Plan of the block Cholesky of S: addresses of the blocks in the lists of the model. kind: kernel for the numbers of rows and columns,
  * see schur_complement.c. lock: address of the activity of a joint, 0: always active; blocks of inactive joints are 0. */
@@ -98,6 +70,7 @@ typedef struct { jo_real *T; const jo_real *X, *Y; int rows, ny, kind; const int
 
 /* S, its factors and how these are carried out. */
 typedef struct {
+    double gh;              /* g h of the constants of set 1, also of bodies and markers, s */
     jo_real *S, *S0;        /* (nblock x JO_BLOCK) S = Cq M^-1 Cq^T or its factors; copy of S for refinement */
     jo_real *gram[2];       /* (npair x 36) L_k weight L_l^T of pairs on flexible bodies, of both sets */
     jo_pair_plan *pairs;

@@ -12,16 +12,14 @@ static void lay_bodies(const jo_model *m, jo_data *d, jo_arena *a)
         w->D = jo_take_reals(a, 6 * np);
         w->B = jo_take_reals(a, 3 * np);
         w->G = jo_take_reals(a, 3 * np);
-        w->Bw = jo_take_reals(a, 3 * np);
+        w->maximal.Bw = jo_take_reals(a, 3 * np);
         w->fp = jo_take_reals(a, np);
         w->yp = jo_take_reals(a, np);
-        w->extra = jo_take_reals(a, np);
-        w->Dd = jo_take_reals(a, 6 * np);
-        w->H = jo_take_reals(a, 3 * np);
-        w->carried = jo_carries_trees(m, i) ? jo_take_reals(a, 36) : 0;
+        w->maximal.extra = jo_take_reals(a, np);
+        w->maximal.carried = jo_carries_trees(m, i) ? jo_take_reals(a, 36) : 0;
         for (int s = 0; s < 2; s++) {
-            w->set[s].weight = jo_take_reals(a, np);
-            w->set[s].I3w = jo_take_reals(a, 3 * np);
+            w->maximal.set[s].weight = jo_take_reals(a, np);
+            w->maximal.set[s].I3w = jo_take_reals(a, 3 * np);
         }
     }
 }
@@ -32,20 +30,17 @@ static void lay_markers(const jo_model *m, jo_data *d, jo_arena *a)
     for (int i = 0; i < m->nmarker; i++) {
         jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
         const jo_marker *k = &m->marker[i];
-        w->shapes = k->chi ? jo_take_reals(a, 6 * m->body[k->body].np) : 0;
-        w->Phi = k->chi && k->Phi ? w->shapes : k->Phi;
-        w->Psi = k->chi && k->Psi && w->shapes ? w->shapes + 3 * m->body[k->body].np : k->Psi;
+        w->maximal.shapes = k->chi ? jo_take_reals(a, 6 * m->body[k->body].np) : 0;
+        w->Phi = k->chi && k->Phi ? w->maximal.shapes : k->Phi;
+        w->Psi = k->chi && k->Psi && w->maximal.shapes ? w->maximal.shapes + 3 * m->body[k->body].np : k->Psi;
     }
     for (int i = 0; i < m->nactive; i++) {
         jo_marker_work spare, *w = a->base ? &d->marker[i] : &spare;
         const int np = m->marker[i].body < 0 ? 0 : m->body[m->marker[i].body].np;
         for (int s = 0; s < 2; s++) {
-            w->set[s].Phiw = jo_take_reals(a, 3 * np);
-            w->set[s].Psiw = jo_take_reals(a, 3 * np);
+            w->maximal.set[s].Phiw = jo_take_reals(a, 3 * np);
+            w->maximal.set[s].Psiw = jo_take_reals(a, 3 * np);
         }
-        const int row = m->marker[i].body < 0 ? 0 : jo_pad(6 + m->body[m->marker[i].body].n);
-        w->L = jo_take_reals(a, 6 * row);
-        w->W = jo_take_reals(a, 12 * row);
     }
 }
 
@@ -58,7 +53,7 @@ static void lay_joints(const jo_model *m, jo_data *d, jo_arena *a)
     d->joint = jo_take(a, (size_t)(m->njoint + m->nhub) * sizeof(jo_joint_work));
     for (int i = 0; i < m->njoint; i++) {
         jo_joint_work spare, *w = a->base ? &d->joint[i] : &spare;
-        w->side = jo_take(a, (size_t)m->joint[i].nside * sizeof *w->side);
+        w->maximal.side = jo_take(a, (size_t)m->joint[i].nside * sizeof *w->maximal.side);
     }
     const int nbelow = m->nblock - m->ncolumn, nupdate = m->ncolumn ? m->update_first[m->ncolumn] : 0;
     d->schur.pairs = jo_take(a, (size_t)m->npair * sizeof *d->schur.pairs);

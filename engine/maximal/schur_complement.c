@@ -15,7 +15,7 @@ static void pair_gram(const jo_model *m, jo_data *d, int i, int set)
     const int k = m->joint[p->joint_k].side[p->side_k], l = m->joint[p->joint_l].side[p->side_l];
     const jo_marker_work *mk = &d->marker[k], *ml = &d->marker[l];
     const int np = m->body[m->marker[k].body].np;
-    const jo_real *weight = d->body[m->marker[k].body].set[set].weight;
+    const jo_real *weight = d->body[m->marker[k].body].maximal.set[set].weight;
     jo_real *gram = d->schur.gram[set] + 36 * i;
     for (int r = 0; r < 6 && np; r++)
         for (int c = 0; c < 6; c++) {
@@ -55,7 +55,7 @@ static inline int is_single_row(const int rows, const int l) { return JO_WIDTH >
 /* address of the activity of a joint; 0: always active */
 static const int *lock_of(const jo_model *m, const jo_data *d, int joint)
 {
-    if (m->joint[joint].release >= 0) return &d->joint[joint].present;
+    if (m->joint[joint].release >= 0) return &d->joint[joint].maximal.present;
     return m->joint[joint].lock < 0 ? 0 : d->locked + m->joint[joint].lock;
 }
 
@@ -66,11 +66,11 @@ static void plan_sides(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint; i++)
         for (int s = 0; s < m->joint[i].nside; s++) {
-            jo_side_work *w = &d->joint[i].side[s];
+            jo_side_work *w = &d->joint[i].maximal.side[s];
             const jo_marker *k = &m->marker[m->joint[i].side[s]];
             w->marker = &d->marker[m->joint[i].side[s]];
             w->body = k->body < 0 ? 0 : &d->body[k->body];
-            w->L = k->body < 0 || !(m->body[k->body].n || w->body->carried) ? 0 : w->body->L;
+            w->L = k->body < 0 || !(m->body[k->body].n || w->body->maximal.carried) ? 0 : w->body->maximal.L;
             w->T = k->Psi ? w->marker->T : 0;
         }
 }
@@ -83,8 +83,8 @@ static void plan_pairs(const jo_model *m, jo_data *d)
         const jo_pair *p = &m->pair[i];
         jo_pair_plan *w = &d->schur.pairs[i];
         w->S = d->schur.S + JO_BLOCK * p->block;
-        w->k = &d->joint[p->joint_k].side[p->side_k];
-        w->l = &d->joint[p->joint_l].side[p->side_l];
+        w->k = &d->joint[p->joint_k].maximal.side[p->side_k];
+        w->l = &d->joint[p->joint_l].maximal.side[p->side_l];
         w->flexible = m->body[m->marker[m->joint[p->joint_k].side[p->side_k]].body].n > 0;
         w->kind = kind_of(m->joint[p->joint_k].nrow, m->joint[p->joint_l].nrow);
         w->first = JO_COMMON(w->S[0]) != 0.0;
@@ -150,7 +150,7 @@ void jo_joint_plan(const jo_model *m, jo_data *d)
         jo_column_plan *w = &d->schur.columns[c];
         w->S = d->schur.S + JO_BLOCK * c;
         w->x = joint->x;
-        w->scale = joint->scale;
+        w->scale = joint->maximal.scale;
         w->sign = col->joint < m->njoint ? 1.0 : -1.0;
         w->n = m->joint[col->joint].nrow;
         w->first = col->first;
@@ -529,20 +529,20 @@ static void solve_factored(const jo_model *m, jo_data *d)
 static void residual(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->njoint + m->nhub; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].right[r];
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].maximal.right[r];
     for (int c = first_column(d); c < m->ncolumn; c++) {
         const jo_column *col = &m->column[c];
         jo_joint_work *w = &d->joint[col->joint];
         const int n = m->joint[col->joint].nrow, own = jo_padded(n);
         for (int i = 0; i < n; i++)   /* from the lower triangle */
             for (int j = 0; j < n; j++)
-                w->x[i] -= d->schur.S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->sum[j];
+                w->x[i] -= d->schur.S0[JO_BLOCK * c + (j <= i ? own * j + i : own * i + j)] * w->maximal.sum[j];
         for (int i = col->first; i < col->first + col->count; i++) {
             const jo_real *X = d->schur.S0 + JO_BLOCK * m->below[i].block;
             jo_joint_work *v = &d->joint[m->below[i].joint];
             const int rows = m->joint[m->below[i].joint].nrow;
-            subtract_left(v->x, X, w->sum, jo_padded(rows), n);
-            subtract_right(w->x, X, v->sum, rows, n);
+            subtract_left(v->x, X, w->maximal.sum, jo_padded(rows), n);
+            subtract_right(w->x, X, v->maximal.sum, rows, n);
         }
     }
 }
@@ -559,15 +559,15 @@ void jo_joint_solve(const jo_model *m, jo_data *d)
     }
     for (int i = 0; i < m->njoint + m->nhub; i++)
         for (int r = 0; r < m->joint[i].nrow; r++) {
-            d->joint[i].right[r] = d->joint[i].x[r];
-            d->joint[i].sum[r] = jo_same(0.0);
+            d->joint[i].maximal.right[r] = d->joint[i].x[r];
+            d->joint[i].maximal.sum[r] = jo_same(0.0);
         }
     for (int k = 0; k <= JO_REFINEMENTS; k++) {
         if (k) residual(m, d);
         solve_factored(m, d);
         for (int i = 0; i < m->njoint + m->nhub; i++)
-            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] += d->joint[i].x[r];
+            for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].maximal.sum[r] += d->joint[i].x[r];
     }
     for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].sum[r];
+        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].x[r] = d->joint[i].maximal.sum[r];
 }

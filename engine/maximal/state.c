@@ -24,8 +24,8 @@ void jo_select_coordinates(const jo_model *m, jo_data *d, int tree)
     d->wd = tree ? d->ud : d->a;
     d->ny = tree ? m->nx : m->nq;
     d->nw = (tree ? nu : nv) + m->nstate;
-    for (int i = 0; i < m->nbody; i++) d->body[i].modes = m->body[i].iv + 6;
-    for (int i = 0; tree && i < jo_nmaximal(d); i++) d->body[m->link[i].body].modes = m->link[i].u + 6;
+    for (int i = 0; i < m->nbody; i++) d->body[i].maximal.modes = m->body[i].iv + 6;
+    for (int i = 0; tree && i < jo_nmaximal(d); i++) d->body[m->link[i].body].maximal.modes = m->link[i].u + 6;
 }
 
 /* q or x = q0 o increment */

@@ -4,7 +4,8 @@
 /* Common data of the parts of the block of a body. */
 typedef struct {
     const jo_body *b;
-    jo_body_work *w;
+    const jo_body_work *w;
+    jo_real *Dd, *H;                /* (6 x np), (3 x np) ED p', EB p'' */
     jo_block N;
     double alpha;
     jo_real ca, cv, cq;             /* weights of accelerations, velocities and positions */
@@ -51,16 +52,16 @@ static void modal_sums(const jo_body *b, const jo_real *E, int components, int r
 static inline void modal_block(const jo_weights *c, inertia *x)
 {
     const jo_body *b = x->b;
-    jo_body_work *w = x->w;
+    const jo_body_work *w = x->w;
     const int n = b->n, np = b->np;
     const jo_real *om = w->w;
     const jo_real ww[6] = {om[0] * om[0], om[1] * om[1], om[2] * om[2], 2 * om[1] * om[2], 2 * om[0] * om[2], 2 * om[0] * om[1]};
     const jo_block P = {x->N.at + 6 * x->N.stride + 6, x->N.stride};
     jo_real coef[6];
     for (int i = 0; i < 6; i++) coef[i] = -x->cq * ww[i];
-    modal_sums(b, b->ED, 6, JO_ROW_D, 1.0, coef, w->pd, w->Dd, P);
+    modal_sums(b, b->ED, 6, JO_ROW_D, 1.0, coef, w->pd, x->Dd, P);
     for (int i = 0; i < 3; i++) coef[i] = x->cq * x->wd[i] + 2.0 * x->cv * om[i];
-    modal_sums(b, b->EB, 3, JO_ROW_B, -1.0, coef, x->pdd, w->H, P);
+    modal_sums(b, b->EB, 3, JO_ROW_B, -1.0, coef, x->pdd, x->H, P);
     for (int j = 0; j < n; j++) P.at[j * (P.stride + 1)] += x->ca + c->v * b->D[j] + c->q * b->K[j];
     for (int j = 0; j < n; j++) {
         for (int i = 0; i < 3; i++) { x->Ip[i] += b->I3[i * np + j] * w->pd[j]; x->Bp[i] += w->B[i * np + j] * w->pd[j]; }
@@ -132,9 +133,9 @@ static inline void modal_column(const inertia *s, int k)
     const jo_real ca = s->ca, cv = s->cv, cq = s->cq, *om = w->w, *wd = s->wd, *A = w->A;
     jo_real I3[3], B[3], D[6], Dd[6], G[3], H[3], f[3], g[3], h[3], Dw[3], x[3], t[3];
     for (int i = 0; i < 3; i++) {
-        I3[i] = b->I3[i * np + k]; B[i] = w->B[i * np + k]; G[i] = w->G[i * np + k]; H[i] = w->H[i * np + k];
+        I3[i] = b->I3[i * np + k]; B[i] = w->B[i * np + k]; G[i] = w->G[i * np + k]; H[i] = s->H[i * np + k];
     }
-    for (int i = 0; i < 6; i++) { D[i] = w->D[i * np + k]; Dd[i] = w->Dd[i * np + k]; }
+    for (int i = 0; i < 6; i++) { D[i] = w->D[i * np + k]; Dd[i] = s->Dd[i * np + k]; }
     jo_cross(f, om, I3);
     jo_cross(g, om, f);
     jo_cross(h, wd, I3);
@@ -166,8 +167,8 @@ void jo_newton_body(const jo_model *m, jo_data *d, const jo_stage *stage, int bo
     const jo_real *a = d->a + b->iv;
     /* mass-proportional damping: alpha M and derivatives of M v; explicit in a Rosenbrock method */
     const double alpha = stage->set ? 0.0 : b->alpha;
-    inertia x = {b, &d->body[body], jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v, c->plain ? 0.0 : c->v,
-                 c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};
+    inertia x = {b, &d->body[body], d->newton.Dd, d->newton.H, jo_newton_find(m, d, body, body), alpha, c->a + alpha * c->v,
+                 c->plain ? 0.0 : c->v, c->plain ? 0.0 : c->q, a + 3, a + 6, {0.0}, {0.0}, {0.0}, {0.0}};
     jo_real t[3];
     jo_set3(t, a);
     jo_sub3(t, m->gravity);

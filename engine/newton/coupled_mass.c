@@ -40,8 +40,7 @@ static void solve(const jo_model *m, jo_data *d)
     jo_newton_solve(m, d);
     if (!jo_newton_soft(d)) return;
     for (int i = 0; i < m->nv; i++) d->newton.sum[i] = 0.0;
-    for (int i = 0; i < m->njoint; i++)
-        for (int r = 0; r < m->joint[i].nrow; r++) d->joint[i].sum[r] = 0.0;
+    for (int i = 0; i < m->nrow; i++) d->newton.sum_lam[i] = 0.0;
     for (int k = 0;; k++) {
         for (int i = 0; i < m->nbody; i++) {
             jo_real *x = part_of(m, d, i), *sum = d->newton.sum + m->body[i].iv;
@@ -51,9 +50,10 @@ static void solve(const jo_model *m, jo_data *d)
             }
         }
         for (int i = 0; i < m->njoint; i++) {
-            jo_real *x = part_of(m, d, m->nbody + i), *sum = d->joint[i].sum;
+            jo_real *x = part_of(m, d, m->nbody + i), *sum = d->newton.sum_lam + m->joint[i].row;
+            const jo_real *soft = d->newton.soft + m->joint[i].row;
             for (int r = 0; r < m->joint[i].nrow; r++) {
-                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -d->joint[i].soft[r] * x[r];
+                const jo_real left = jo_absent(d, &m->joint[i]) ? 0.0 : -soft[r] * x[r];
                 sum[r] += x[r];
                 x[r] = k < JO_REFINEMENTS ? left : sum[r];
             }
@@ -190,7 +190,7 @@ void jo_coupled_respond(const jo_model *m, jo_data *d)
         const jo_body_work *w = &d->body[i];
         jo_real *x = part_of(m, d, i);
         for (int j = 0; j < 6 + b->n; j++) x[j] = 0.0;
-        if (!w->pushed) continue;
+        if (!jo_force_changed(w)) continue;
         jo_mul3(x, w->A, w->y);
         jo_set3(x + 3, w->y + 3);
         for (int j = 0; j < b->n; j++) x[6 + j] = w->yp[j];

@@ -33,14 +33,14 @@ void jo_element_finish(const jo_model *m, jo_data *d, const jo_element *e)
     for (int s = 0; s < 2; s++) {
         const int body = marker[s] < 0 ? -1 : m->marker[marker[s]].body;
         if (body < 0) continue;
-        jo_marker_work *w = &d->marker[marker[s]];
+        jo_marker_tangent *w = &d->newton.marker[marker[s]];
         const int n = 6 + m->body[body].n, row = jo_pad(n);
         for (int i = 0; i < 6; i++) w->load[i] += e->y[6 * s + i];
         for (int t = 0; t < 2; t++) {
             const int other = marker[t] < 0 ? -1 : m->marker[marker[t]].body;
             if (other < 0) continue;
             const int columns = jo_pad(6 + m->body[other].n);
-            const jo_real *W = d->marker[marker[t]].W;
+            const jo_real *W = d->newton.marker[marker[t]].W;
             const jo_block N = jo_newton_find(m, d, body, other);
             for (int half = 0; half < 2; half++) {
                 int used[4], any = 0;

@@ -16,7 +16,7 @@ static void add_row(const jo_model *m, jo_data *d, const jo_weights *by, int joi
     for (int s = 0; s < 2; s++) {
         const int body = m->marker[marker[s]].body;
         if (body < 0) continue;
-        const jo_marker_work *w = &d->marker[marker[s]];
+        const jo_marker_tangent *w = &d->newton.marker[marker[s]];
         const int n = 6 + m->body[body].n, stride = jo_pad(n);
         const jo_block N = jo_newton_find(m, d, m->nbody + joint, body), T = jo_newton_find(m, d, body, m->nbody + joint);
         const jo_real *x = c + 12 * s;

@@ -54,30 +54,41 @@ static inline void turned(jo_real *M, const jo_real *A, jo_real s, const jo_real
 }
 
 /* rotation shapes: columns of T Psi in L and derivatives of T Psi p' in W */
-static void turn_by_shapes(const jo_marker *k, const jo_body *b, jo_body_work *bw, const jo_marker_work *w, int row)
+static void turn_by_shapes(const jo_model *m, jo_data *d, int marker)
 {
-    const int n = b->n, np = b->np;
+    const jo_marker *k = &m->marker[marker];
+    const jo_marker_work *w = &d->marker[marker];
+    const jo_marker_tangent *y = &d->newton.marker[marker];
+    const jo_body *b = &m->body[k->body];
+    const jo_body_work *bw = &d->body[k->body];
+    const int n = b->n, np = b->np, row = jo_pad(6 + n);
+    jo_real *chi_pd = d->newton.chi_pd;
     jo_real AT[9], M[9], Q[9], x[3];
     jo_mul33(AT, bw->A, w->T);
-    add_modal(w->L + 3 * row, row, AT, w->Psi, np, n);
+    add_modal(y->L + 3 * row, row, AT, w->Psi, np, n);
     for (int i = 0; i < 3; i++) {
         x[i] = 0.0;
         for (int j = 0; j < n; j++) x[i] += w->Psi[i * np + j] * bw->pd[j];
     }
     operator_rate(Q, w->theta, x, 1.0);
     jo_mul33(M, bw->A, Q);
-    add_modal(w->W + 9 * row, row, M, w->Psi, np, n);
+    add_modal(y->W + 9 * row, row, M, w->Psi, np, n);
     if (!k->chi) return;
-    second_order(bw->Bw, k->chi + 3 * n * np, bw->pd, n, np);
-    add_modal(w->W + 9 * row, row, AT, bw->Bw, np, n);
+    second_order(chi_pd, k->chi + 3 * n * np, bw->pd, n, np);
+    add_modal(y->W + 9 * row, row, AT, chi_pd, np, n);
 }
 
 /* L, and in rows 6..11 of W the derivatives of [v, om] with respect to positions */
-static void motion_by_body(const jo_marker *k, const jo_body *b, jo_body_work *bw, const jo_marker_work *w, int row)
+static void motion_by_body(const jo_model *m, jo_data *d, int marker)
 {
-    const int n = b->n, np = b->np;
+    const jo_marker *k = &m->marker[marker];
+    const jo_marker_work *w = &d->marker[marker];
+    const jo_marker_tangent *y = &d->newton.marker[marker];
+    const jo_body *b = &m->body[k->body];
+    const jo_body_work *bw = &d->body[k->body];
+    const int n = b->n, np = b->np, row = jo_pad(6 + n);
     const jo_real *A = bw->A;
-    jo_real *L = w->L, *W = w->W, M[9], x[3];
+    jo_real *L = y->L, *W = y->W, *chi_pd = d->newton.chi_pd, M[9], x[3];
     for (int i = 0; i < 6 * row; i++) L[i] = 0.0;
     for (int i = 0; i < 12 * row; i++) W[i] = 0.0;
     for (int i = 0; i < 3; i++) L[i * row + i] = 1.0;
@@ -95,10 +106,10 @@ static void motion_by_body(const jo_marker *k, const jo_body *b, jo_body_work *b
     }
     turned(M, A, -1.0, w->om);
     set_turn(W + 9 * row, row, M);
-    if (k->Psi && k->turns) turn_by_shapes(k, b, bw, w, row);
+    if (k->Psi && k->turns) turn_by_shapes(m, d, marker);
     if (k->chi && k->Phi) {
-        second_order(bw->Bw, k->chi, bw->pd, n, np);
-        add_modal(W + 6 * row, row, A, bw->Bw, np, n);
+        second_order(chi_pd, k->chi, bw->pd, n, np);
+        add_modal(W + 6 * row, row, A, chi_pd, np, n);
     }
 }
 
@@ -124,13 +135,10 @@ static void motion_by_unknowns(const jo_weights *c, const jo_real *turn, const j
 /* L and W of one marker */
 void jo_newton_marker(const jo_model *m, jo_data *d, const jo_stage *stage, int marker)
 {
-    const jo_marker *k = &m->marker[marker];
-    const jo_marker_work *w = &d->marker[marker];
-    const jo_body *b = &m->body[k->body];
-    jo_body_work *bw = &d->body[k->body];
-    const int row = jo_pad(6 + b->n);
-    motion_by_body(k, b, bw, w, row);
-    motion_by_unknowns(&stage->weights, bw->turn, w->L, w->W, row);
+    const int body = m->marker[marker].body;
+    const jo_marker_tangent *y = &d->newton.marker[marker];
+    motion_by_body(m, d, marker);
+    motion_by_unknowns(&stage->weights, d->body[body].turn, y->L, y->W, jo_pad(6 + m->body[body].n));
 }
 
 /* Geometric stiffness of a load F, T (world) on a marker: r -= d(L^T) [F, T], as rotations and modes change its lever */
@@ -143,8 +151,8 @@ void jo_newton_stress(const jo_model *m, jo_data *d, const jo_stage *stage, int 
     const int n = b->n, np = b->np;
     const jo_real q = stage->weights.q;
     jo_real f[3], t[3], M[9] = {0.0}, Q[9], x[3];
-    jo_mul3t(f, bw->A, w->load);
-    jo_mul3t(t, bw->A, w->load + 3);
+    jo_mul3t(f, bw->A, d->newton.marker[marker].load);
+    jo_mul3t(t, bw->A, d->newton.marker[marker].load + 3);
     const jo_block N = jo_newton_find(m, d, k->body, k->body);
     const int turns = k->Psi && k->turns;
     jo_add_skew_skew(M, 1.0, w->u, f);

@@ -40,6 +40,12 @@ void jo_newton_between(const jo_model *m, jo_data *d, const jo_force *f, const j
 static inline jo_real *jo_newton_vector(jo_data *d) { return d->newton.x; }
 static inline int jo_newton_place(const jo_model *m, int item) { return m->node[m->place[item].node].at + m->place[item].local; }
 
+/* regularisation of the rows of the joints, (nrow), which the last factorisation subtracted from the diagonal */
+static inline const jo_real *jo_newton_regularisation(const jo_data *d) { return d->newton.soft; }
+
+/* (6 x jo_pad(6 + n)) derivatives of [r, rotation] (world) of a marker with respect to the coordinates of its body, of jo_newton_marker */
+static inline const jo_real *jo_marker_derivatives(const jo_data *d, int marker) { return d->newton.marker[marker].L; }
+
 /* newton_layout.c */
 void jo_newton_layout(const jo_model *m, jo_data *d, jo_arena *a);
 

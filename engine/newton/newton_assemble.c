@@ -34,7 +34,7 @@ int jo_newton_assemble(const jo_model *m, jo_data *d, const jo_stage *stage)
     for (int i = 0; i < m->nbody; i++) jo_newton_body(m, d, stage, i);
     if (m->nbeam) jo_newton_beams(m, d, stage);
     for (int i = 0; i < m->nactive; i++) {
-        for (int j = 0; j < 6; j++) d->marker[i].load[j] = 0.0;
+        for (int j = 0; j < 6; j++) d->newton.marker[i].load[j] = 0.0;
         if (m->marker[i].body >= 0) jo_newton_marker(m, d, stage, i);
     }
     for (int i = 0; i < m->njoint; i++) jo_newton_joint(m, d, stage, i);

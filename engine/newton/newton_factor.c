@@ -298,9 +298,10 @@ static void regularise(const jo_model *m, jo_data *d)
     for (int i = 0; i < m->njoint; i++) {
         if (jo_absent(d, &m->joint[i])) continue;
         const jo_block D = jo_newton_find(m, d, m->nbody + i, m->nbody + i);
+        jo_real *soft = d->newton.soft + m->joint[i].row;
         for (int r = 0; r < m->joint[i].nrow; r++) {
-            d->joint[i].soft[r] = JO_SCHUR_REGULARISATION * row_size(m, d, i, r);
-            D.at[r * (D.stride + 1)] -= d->joint[i].soft[r];
+            soft[r] = JO_SCHUR_REGULARISATION * row_size(m, d, i, r);
+            D.at[r * (D.stride + 1)] -= soft[r];
         }
     }
 }

@@ -308,7 +308,7 @@ static int backward_pass(const jo_model *m, jo_data *d, const jo_stage *stage)
             if (has_body_forces && k->parent >= 0) add_force(p, w->joint_f, jo_vec_add(w->joint_t, jo_vec_cross(w->l, w->joint_f)));
             continue;
         }
-        if (k->type == JO_LINK_BODY && !d->body[k->body].carried) continue;
+        if (k->type == JO_LINK_BODY && !jo_carries(&d->body[k->body])) continue;
         /* I^A += I^a, p^A += p^a of the children, then I_i and v_i x* I_i v_i of the body */
         if (c->has_branch) accumulate(&y, w);
         if (k->body >= 0) add_body_inertia(c, w, &y);

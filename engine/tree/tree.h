@@ -5,6 +5,12 @@
 #include "arena.h"
 #include "data.h"
 
+/* f along the joint coordinate of a link with one degree of freedom, in the direction of the joint */
+static inline void jo_tree_push(const jo_model *m, jo_data *d, int link, jo_real f)
+{
+    d->tree.tau[m->link[link].u] += m->link[link].reversed ? -f : f;
+}
+
 /* tree_force_response.c */
 void jo_tree_clear_added_forces(const jo_model *m, jo_data *d);
 void jo_tree_force_response(const jo_model *m, jo_data *d, jo_real *rate);   /* rate (nu): change of qdd by the added forces */
@@ -65,7 +71,6 @@ int jo_tree_evaluate(const jo_model *m, jo_data *d, const jo_stage *stage);
 void jo_hybrid_update_bodies(const jo_model *m, jo_data *d);   /* bodies in maximal coordinates and their markers from x and u */
 void jo_hybrid_accept_state(const jo_model *m, jo_data *d);   /* x and u of these bodies from q and v */
 int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage);   /* forces, and inertia of the carried trees */
-int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w);
 void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations of the carried trees */
 
 /* tree_loop_projection.c */

@@ -4,7 +4,7 @@
  * The joint acceleration of a joint that sticks is prescribed as 0, as that of a driven joint: I^a = I^A.
  */
 #include "valid.h"
-#include "friction/friction_law.h"
+#include "friction/friction.h"
 #include "tree/tree_links.h"
 
 /* link whose joint coordinate a coordinate is */

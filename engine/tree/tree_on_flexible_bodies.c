@@ -47,7 +47,7 @@ static void reset_carriers(const jo_model *m, jo_data *d)
         const jo_link *k = &m->link[i];
         const jo_body_work *b = &d->body[k->body];
         jo_link_work *w = &d->tree.link[i + 1];
-        if (!b->carried) continue;
+        if (!jo_carries(b)) continue;
         for (int j = 0; j < 3; j++) {
             w->A[j] = jo_vec_load(b->At + 4 * j);
             w->M[j] = w->H[j] = w->J[j] = zero;
@@ -64,28 +64,14 @@ static void rotate_to_body(jo_real (*y)[3], const jo_vec *A, const jo_vec *M)
     for (int j = 0; j < 3; j++) jo_vec_store(y[j], jo_vec_mat_tmul(A, jo_vec_mat_mul_at(M, &A[j])));
 }
 
-/* carried = [M H; H^T J] of the trees in the body frame + [0 -S~; S~ J] of the body, fr -= p^A */
+/* I^A of the trees to the inertia of the body that carries them, fr -= p^A */
 static void add_carried_inertia(const jo_link_work *w, jo_body_work *b)
 {
     jo_real M[3][3], H[3][3], J[3][3], f[3], t[3];
-    const jo_real *S = b->S, *Jb = b->J;
     rotate_to_body(M, w->A, w->M);
     rotate_to_body(H, w->A, w->H);
     rotate_to_body(J, w->A, w->J);
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            b->carried[6 * i + k] = M[k][i];
-            b->carried[6 * (3 + i) + k] = H[i][k];
-            b->carried[6 * (3 + i) + 3 + k] = J[k][i];
-        }
-    /* inertia of the body itself, except for its mass */
-    const jo_real own[9] = {0.0, -S[2], S[1], S[2], 0.0, -S[0], -S[1], S[0], 0.0};
-    const jo_real full[9] = {Jb[0], Jb[5], Jb[4], Jb[5], Jb[1], Jb[3], Jb[4], Jb[3], Jb[2]};
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            b->carried[6 * (3 + i) + k] += own[3 * i + k];
-            b->carried[6 * (3 + i) + 3 + k] += full[3 * i + k];
-        }
+    jo_body_carry(b, M, H, J);
     jo_vec_store(f, jo_vec_mat_tmul(w->A, w->f));
     jo_vec_store(t, jo_vec_mat_tmul(w->A, w->t));
     jo_sub3(b->fr, f);
@@ -99,30 +85,9 @@ int jo_hybrid_condense(const jo_model *m, jo_data *d, const jo_stage *stage)
     const int status = jo_tree_articulated_inertias(m, d, stage);
     for (int i = 0; i < jo_nmaximal(d) && status == JO_OK; i++) {
         jo_body_work *b = &d->body[m->link[i].body];
-        if (b->carried) add_carried_inertia(&d->tree.link[i + 1], b);
+        if (jo_carries(b)) add_carried_inertia(&d->tree.link[i + 1], b);
     }
     return status;
-}
-
-/* Cholesky factor L of the 6x6 inertia of a rigid carrier, as in body.c; recomputed in every evaluation because I^A depends on x */
-int jo_hybrid_factor_body(const jo_body *b, jo_body_work *w)
-{
-    for (int i = 0; i < 6; i++) {
-        jo_real *x = w->L + 6 * i;
-        const jo_real diagonal = w->carried[7 * i] + (i < 3 ? b->mass[0] : jo_same(0.0));
-        for (int k = 0; k <= i; k++) {
-            const jo_real *y = w->L + 6 * k;
-            jo_real t = k < i ? w->carried[6 * i + k] : diagonal;
-            for (int j = 0; j < k; j++) t -= x[j] * y[j];
-            if (k < i) {
-                x[k] = t * y[k];
-                continue;
-            }
-            if (jo_spoil(&t, JO_LESS(JO_MIN_PIVOT * diagonal, t))) return isfinite(jo_most(t)) ? JO_SINGULAR_BODY : JO_NOT_FINITE;
-            x[i] = 1.0 / jo_sqrt(t);
-        }
-    }
-    return JO_OK;
 }
 
 /* ud of the bodies in maximal coordinates; accelerations of the carriers at their links; forward pass 2; power of the drives */
@@ -135,7 +100,7 @@ void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d)
         const jo_body_work *w = &d->body[k->body];
         jo_link_work *link = &t->link[i + 1];
         for (int j = 0; j < 6 + b->n; j++) d->ud[k->u + j] = d->a[b->iv + j];
-        if (!w->carried) continue;
+        if (!jo_carries(w)) continue;
         link->a = jo_vec_mat_mul(link->A, w->y);
         link->alpha = jo_vec_mat_mul(link->A, w->y + 3);
     }

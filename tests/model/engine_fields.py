@@ -18,12 +18,16 @@ MARKER = re.compile(r'^# \d+ "([^"]*)".*$', re.MULTILINE)
 
 
 class Access(NamedTuple):
-    """A field of a struct that the file `owner` defines, read or written in `file`."""
+    """A field of a struct that the file `owner` defines, read or written in `file`.
+
+    `content` is the file that defines the struct of the field, "" for numbers.
+    """
 
     owner: str
     struct: str
     field: str
     file: str
+    content: str = ""
 
 
 class Reader:
@@ -94,7 +98,8 @@ class Reader:
             struct = struct[1] if node.type == "->" and struct else struct
             if struct in self.structs:
                 owner, name = self.owners[struct], self.names[struct]
-                self.found.add(Access(owner, name, node.field.name, node.coord.file))
+                content = self.owners.get(_pointed(self.structs[struct].get(node.field.name)), "")
+                self.found.add(Access(owner, name, node.field.name, node.coord.file, content))
             return self.structs.get(struct, {}).get(node.field.name)
         kinds = [self.walk(child, names) for _, child in node.children()]
         if isinstance(node, c_ast.UnaryOp) and node.op == "&":
@@ -116,6 +121,12 @@ class Reader:
 
 def _is_pointer(kind: Any) -> bool:
     return isinstance(kind, tuple)
+
+
+def _pointed(kind: Any) -> Any:
+    while _is_pointer(kind):
+        kind = kind[1]
+    return kind
 
 
 def accesses(engine: Path, files: list[Path], empty: Path) -> set[Access]:

@@ -135,6 +135,73 @@ def test_what_is_valid_is_asked_and_changed_by_functions(fields: set[Access]):
     assert not {access for access in own if access.file not in ("valid.h", "valid.c")}
 
 
+def test_what_a_room_keeps_is_used_in_this_room_alone(fields: set[Access]):
+    """Other rooms use the functions and structs of its header, and what the shared headers declare.
+
+    Nor does another room reach a member of a shared struct whose own fields a room keeps, such as
+    `d->newton` or `body->maximal`.
+    """
+
+    def keeper(file: str) -> str:
+        """The room that keeps what a file declares; "" for headers that others may use."""
+        room, _, name = file.rpartition("/")
+        return "" if name == f"{room}.h" else room
+
+    kept = [(room, a) for a in fields for room in {keeper(a.owner), keeper(a.content)} - {""}]
+    assert {room for room, _ in kept} == {path.parent.name for path in room_files()} - {ENGINE.name}
+    found = [a for room, a in kept if a.file.rpartition("/")[0] != room]
+    assert not sorted(found)
+
+
+def test_results_of_an_evaluation_serve_several_rooms(fields: set[Access]):
+    """Of evaluation.h: what one room alone uses belongs into a header of this room."""
+    rooms: dict[tuple[str, str], set[str]] = {}
+    for a in fields:
+        if a.owner == "evaluation.h" and a.field != "maximal":
+            rooms.setdefault((a.struct, a.field), set()).add(a.file.rpartition("/")[0])
+    assert len(rooms) > 30
+    alone = {field for (_, field), used in rooms.items() if len(used) < 2}
+    assert alone == {"bias", "stored"}  # parts of an acceleration and of a force that others read
+
+
+def test_files_include_headers_of_other_rooms_that_have_the_name_of_the_room():
+    found = {}
+    for path in room_files():
+        room = path.parent.name if path.parent != ENGINE else ""
+        headers = re.findall(r'#include "(\w+)/(\w+)\.h"', path.read_text("utf-8"))
+        found[path.name] = [name for other, name in headers if name != other != room]
+    shared = {
+        name: found.pop(name) for name in ("data.h", "evaluation.h")
+    }  # members of the structs
+    assert all(name.endswith("_data") for names in shared.values() for name in names)
+    assert not {name: names for name, names in found.items() if names}
+
+
+# in headers: functions, macros, enumerators and types
+NAME = re.compile(
+    r"\b(jo_\w+)\([^;{}]*\)\s*\{|#define (\w+)|\b(JO_\w+) ="
+    r"|\}\s*(jo_\w+);|typedef struct \w+ (jo_\w+);"
+)
+
+
+def test_names_of_other_headers_are_used_in_their_room_alone():
+    """data.h and evaluation.h name the types of their members."""
+    text_of = sources()
+    texts = {path: text_of[path.name] for path in room_files()}
+    found, count = set(), 0
+    for header, text in texts.items():
+        if header.suffix != ".h" or header.parent == ENGINE or header.stem == header.parent.name:
+            continue
+        names = {word for match in NAME.findall(text) for word in match if word}
+        names -= {f"JO_{header.stem.upper()}_H"}
+        count += len(names)
+        for path, other in texts.items():
+            if path.parent != header.parent and path.name not in ("data.h", "evaluation.h"):
+                found |= {(path.name, word) for word in names & set(re.findall(r"\w+", other))}
+    assert count > 50
+    assert not found
+
+
 def test_only_what_is_recursive_calls_itself():
     texts = functions()
     home = {name: file for file, name in texts}
