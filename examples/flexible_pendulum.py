@@ -130,9 +130,7 @@ def main(out: Path) -> int:
         good &= np.allclose(rod.frequencies, FREQUENCIES, rtol=2e-5)
     print("\nDifferences to MSC.Adams in µm, for three steps of integration\n")
     compare_steps(computed_modes(part))
-    print(
-        "\n  Our differences contain the rounding of the table, up to 50 µm; the thesis' do not.\n"
-    )
+    print("\n  Ours contain the rounding of the table, up to 50 µm; those of the thesis do not.\n")
 
     long = simulate(computed_modes(part), 10.0)
     files = [out / f"pendulum{end}" for end in (".png", "_still.png", ".gif")]
