@@ -96,7 +96,7 @@ def test_spoiled_memories_are_refused(rod):
     run = jo.simulate(model, 0.05, solver=jo.ROS2(1e-3), output_step=1e-3)
     state = run.state()
     state.meters[0] = 1e6
-    with pytest.raises(jo.InputError, match="the meters of the state are not those"):
+    with pytest.raises(jo.InputError, match="the meters of the state do not belong"):
         jo.simulate(model, 0.1, state=state)
     state = jo.simulation.State(state.q, state.v, state.lam, state.time, meters=np.zeros(3))
     with pytest.raises(jo.InputError, match="state has 3 meters, the model 45"):
