@@ -219,7 +219,7 @@ static int failure_status(jo_data *d)
 typedef struct {
     double h, wanted;       /* length, s; length without the limit, s */
     double limit, seen;     /* latest end, s; time for the evaluation of forces at the end, s */
-    int whole, broken;      /* whether it ends at the limit; whether forces may jump there */
+    int whole, broken;      /* whether the step ends at the limit; whether forces may jump there */
 } planned_step;
 
 /* length of the next step, up to the next break or `end` */

@@ -53,9 +53,9 @@ void jo_marker_motion(const jo_model *m, const jo_data *d, int marker, int accel
 void jo_marker_acceleration(const jo_model *m, const jo_data *d, int marker, jo_real *y);
 
 /* coordinate.c */
-void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* value, gradient */
+void jo_coordinate_value(const jo_model *m, jo_data *d, int coordinate);   /* computes value, gradient */
 void jo_coordinate_rate(const jo_model *m, jo_data *d, int coordinate);    /* rate, bias */
-void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient */
+void jo_coordinates(const jo_model *m, jo_data *d, int count);     /* value, gradient of the first `count` */
 void jo_coordinates_rate(const jo_model *m, jo_data *d, int count);   /* rate, bias */
 jo_real jo_coordinate_acceleration(const jo_model *m, const jo_data *d, int coordinate);
 void jo_count_turns(const jo_model *m, jo_data *d);                /* counted angles at the present state */

@@ -289,7 +289,7 @@ static void place(const tree *t, frame *f, double *q, double *v)
         } else {
             if (k->outer < 0) f[i] = fixed_on(&f[k->parent], none, k->crossed ? across : GROUND.A);
             else if (t->marker[k->outer].body < 0) f[i] = fixed_on(&GROUND, t->u[k->outer], t->A[k->outer]);
-            else {   /* a marker of the body that has its inner marker at the frame of its link */
+            else {   /* a marker of a body; the frame of its link is at the inner marker of this body */
                 const int bearing = t->of_body[t->marker[k->outer].body], inner = t->link[bearing].inner;
                 double B[9], arm[3], away[3] = {0}, by[3] = {0};
                 for (int r = 0; r < 9 && inner >= 0; r++) B[3 * (r % 3) + r / 3] = t->A[inner][r];

@@ -218,7 +218,7 @@ class Mesh(Grid):
         Raises
         ------
         InputError
-            If no element of the mesh has it.
+            If no element of the mesh has this formulation.
         """
         having = {kind for kind, names in FORMULATIONS.items() if formulation in names}
         if not any(c.kind in having for c in self.cells):

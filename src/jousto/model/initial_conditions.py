@@ -145,7 +145,7 @@ def modal_velocities(model: Model) -> NDArray[np.bool_]:
 
 
 def _masses(model: Model, engine: Engine, modal: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """Return the Cholesky factor of M_rr and M_rp, velocities [R' (world), w (local)] and p'."""
+    """Return the Cholesky factor of M_rr, and M_rp; r are [R' (world), w (local)], p are p'."""
     nr, place = int((~modal).sum()), np.cumsum(~modal) - 1
     column = np.cumsum(modal) - 1
     L, coupling = np.zeros((nr, nr)), np.zeros((nr, int(modal.sum())))

@@ -94,7 +94,7 @@ class ReducedPart(Content):
 
     @property
     def named_nodes(self) -> dict[str, Array]:
-        """Undeformed positions (3,), m, of the nodes that have a node set of their own."""
+        """Undeformed positions (3,) in m of the nodes that have a node set of their own."""
         return {key: self.nodes[m[0]] for key, m in self.node_sets.items() if len(m) == 1}
 
     @explained

@@ -37,7 +37,7 @@ class StructureProblem(Problem):
     matrices : function
         Returns M and K (n, n), symmetric, for the parameters by name; None for M without mass.
     force : function
-        Returns F (n, nt) at times (nt,), N.
+        Returns the loads F (n, nt) in N at times (nt,).
     time : (nt,) array_like
         Instants, evenly spaced from 0, s.
     cost : function

@@ -107,8 +107,9 @@ def further_points(space: Space, first: FormResult) -> list[FormResult]:
 def _perpendicular_points(space: Space, first: FormResult) -> list[tuple[Array, float]]:
     """Return points perpendicular to u* at its distance, and the limit state at them.
 
-    The points lie in both directions of each axis of the plane perpendicular to u*: one of them
-    reveals a second plane as near as the first in any direction. NaN where the limit state fails.
+    The points lie in both directions of each axis of the plane perpendicular to u*: at one of them
+    the limit state shows a second plane at the same distance, in whatever direction that plane
+    lies. NaN where the limit state fails.
     """
     sides = max(abs(first.beta), APART) * null_space(first.alpha[None])
     if not sides.size:

@@ -92,7 +92,7 @@ def check_stress(
 
 
 def equivalents(cycles: Cycles, mean: MeanStress | None) -> Array:
-    """Return equivalent amplitudes (nc,), Pa, corrected for their mean stress."""
+    """Return equivalent amplitudes (nc,) in Pa, corrected for their mean stress."""
     if mean is None:
         return cycles.amplitude
     return mean.equivalent(cycles.amplitude, cycles.mean)

@@ -239,7 +239,7 @@ def damage_of_moments(moments: ArrayLike, sn: Any, *, method: Method = "dirlik")
 def synthesise(
     frequency: ArrayLike, psd: ArrayLike, duration: float, *, rate: float, seed: int = 0
 ) -> tuple[Array, Array]:
-    """Return times (nt,), s, and a Gaussian history (nt,) of a one-sided density.
+    """Return times (nt,) in s and a Gaussian history (nt,) of a one-sided density.
 
     Its Fourier coefficients are independent normal numbers, so that amplitudes and phases are
     random.

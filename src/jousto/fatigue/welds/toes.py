@@ -274,7 +274,7 @@ class OnSurface:
 
 
 def locate(part: Part, place: ArrayLike) -> OnSurface | None:
-    """Return the point on the surface of a part of solids nearest to a point (3,), m."""
+    """Return the point on the surface of a part of solids nearest to a point (3,) in m."""
     x = np.asarray(place, dtype=np.float64)
     best: OnSurface | None = None
     others: list[tuple[Array, float]] = []

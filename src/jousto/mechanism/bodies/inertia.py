@@ -94,7 +94,7 @@ def rigid_mass(invariants: Invariants, p: Array) -> Array:
 
 
 def rigid_inertia(invariants: Invariants) -> tuple[Array, Array]:
-    """Return the centre of mass (3,), m, and the inertia about it (3, 3), kg m2, undeformed."""
+    """Return the undeformed centre of mass (3,) in m and the inertia about it (3, 3) in kg m2."""
     c = invariants.first_moment / invariants.mass
     U = invariants.second_moment - invariants.mass * np.outer(c, c)
     return c, np.trace(U) * np.eye(3) - U

@@ -134,7 +134,7 @@ class LineLoad(ForceElement, tag="line"):
 
     @property
     def loads(self) -> tuple[tuple[Marker, Array, Array], ...]:
-        """Marker, force (3,), N, and torque (3,), N m, at every loaded node.
+        """Marker, force (3,) in N and torque (3,) in N m at every loaded node.
 
         Resolved in the world frame, or in the marker's axes if the load follows.
         """

@@ -92,7 +92,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
 
     @property
     def lengths(self) -> Array:
-        """Path length at each node of the path (k,), m, from 0."""
+        """Path length (k,) in m at each node of the path, from 0."""
         steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         return read_only(np.concatenate([[0.0], np.cumsum(steps)]))
 

@@ -148,7 +148,7 @@ class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
         for x in XYZ
     )
     relative_to: OptionalMarker = field(
-        "The moving frame of the parts; None for the frame of the marker's own body",
+        "Moving frame of the five parts; None for the frame of the marker's own body",
         default=None,
         kw_only=True,
     )

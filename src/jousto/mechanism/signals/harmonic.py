@@ -40,6 +40,6 @@ class Harmonic(Signal, tag="harmonic", by_value=True):
 
     @property
     def law(self) -> Law:
-        """Law of the sine."""
+        """Law of the sine signal in the engine."""
         data = {"offset": self.offset, "amplitude": self.amplitude, "phase": self.phase}
         return Law("harmonic", {"omega": 2 * np.pi * self.frequency, **data})

@@ -323,7 +323,7 @@ class Engine:
 
     @cached_property
     def row_metres(self) -> NDArray[np.float64]:
-        """Lengths (nrow,), m, of a unit of each constraint row.
+        """Length in m of one unit of each constraint row, (nrow,).
 
         It is 1 for a row that is a length, the size of the mechanism for an angle or a cosine.
         """

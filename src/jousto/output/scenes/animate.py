@@ -35,7 +35,7 @@ from jousto.simulation.results.solution import Solution
 Report = Callable[[int, int], None]
 
 DPI = 100
-AFTERGLOW = 1.0  # s of film time for which a trail remains visible
+AFTERGLOW = 1.0  # time for which a trail remains visible, s of the film
 INSTANTS = 8
 GLOW_PIECES, GLOW_FINE = 25, 6  # shades of a trail, points per shade
 

@@ -131,7 +131,7 @@ class SectionForces:
         return np.asarray((1.0 - x) * values[:, j - 1, k] + x * values[:, j, k])
 
     def diagram(self, component: str, time: float) -> tuple[Array, Array]:
-        """Return arc length (k,), m, and a resultant (k,) along the beam at one instant, s.
+        """Return arc length (k,) in m and a resultant (k,) along the beam at one instant in s.
 
         The points are both ends of every element, so that jumps at loads are visible. Values
         between stored instants are interpolated linearly.

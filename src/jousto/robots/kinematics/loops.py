@@ -126,7 +126,7 @@ class Loops:
         return [row for closure in self.closures for row in self._of(view, closure)]
 
     def missing(self, view: View) -> tuple[Array, Array]:
-        """Return residuals (m,), m, and Jacobian (m, nv), excesses over limits last."""
+        """Return residuals (m,) in m and their Jacobian (m, nv); excesses over limits come last."""
         rows = self.rows(view)
         rows += [row for bound in self.bounds for row in self._excess(view, bound)]
         values = np.array([row.scale * row.value for row in rows])

@@ -26,7 +26,7 @@ NOISE = 1e-13  # omega^2 over the largest stiffness over mass, below which it is
 def large_modes(
     model: Model, state: State, damped: bool, count: int
 ) -> tuple[NDArray[np.complex128], NDArray[Any], float]:
-    """Return eigenvalues (k,), 1/s, increments (nv, k), and the rounding error of omega^2.
+    """Return eigenvalues (k,) in 1/s, increments (nv, k), and the rounding error of omega^2.
 
     The modes are sorted, the lowest first; their increments are in body frames.
 

@@ -261,7 +261,7 @@ def _run(
     progress: bool | Report | None,
     feed: Feed,
 ) -> Solution:
-    """Return the results of a run; close the results file, with its ending, after errors too."""
+    """Return the results of a run; complete and close the results file, after errors too."""
     watch = RunWatch(engine.model, projected=solver.projection)
     chronicle = Chronicle(engine)
 

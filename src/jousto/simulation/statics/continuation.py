@@ -122,7 +122,7 @@ def least_step(balance: Balance, point: Point) -> tuple[Array, Array]:
 
 
 def least_stiffness(A: Any, metric: Array) -> float:
-    """Return the round-off of the tangent matrix as a stiffness over the metric, 1/s2."""
+    """Return the least stiffness above round-off: that of the diagonal over the metric, 1/s2."""
     nv = len(metric)
     return max(NEUTRAL * float((abs(A[:nv, :nv].diagonal()) / metric).max()), 1e-100)
 

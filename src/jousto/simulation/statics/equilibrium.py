@@ -24,7 +24,7 @@ from jousto.simulation.statics.neglected_stiffening import check_second_order
 
 ITERATIONS = 100  # maximum number of iterations
 TURN = 0.5  # largest rotation of an iteration, rad
-TRAVEL = 0.3  # largest translation of an iteration, sizes of the mechanism
+TRAVEL = 0.3  # largest translation of an iteration / size of the mechanism
 FREE = 1e-12  # omega^2 over the largest one, below which a direction has no stiffness
 
 

@@ -29,8 +29,8 @@ TRIES = 300  # maximum number of steps
 INNER = 12  # maximum number of Newton iterations of a step
 CLOSE = 1e-3  # relative step size at which Newton's iteration of a step has converged
 STRIDE = 0.5  # largest increment of a body in a step, rad or sizes of the mechanism
-NEAR = 1e-3  # length of a step, sizes of the mechanism, below which Newton's method takes over
-FIRST = 0.05  # length of the first step under the largest acceleration, sizes of the mechanism
+NEAR = 1e-3  # length of a step / size of the mechanism, below which Newton's method takes over
+FIRST = 0.05  # length of the first step under the largest acceleration / size of the mechanism
 QUICK = 4  # number of Newton iterations up to which a step counts as quick
 SOFTER, SOFT, HARDER = 0.1, 0.4, 6.0  # factors on the resistance after quick, slow, failed steps
 

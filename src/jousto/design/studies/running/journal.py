@@ -147,7 +147,7 @@ def read_row(line: bytes, sizes: Sizes) -> tuple[Place, Row]:
     Raises
     ------
     ValueError
-        With what is wrong with the line.
+        If the line is damaged; the message gives the reason.
     """
     try:
         found = json.loads(line.decode())
