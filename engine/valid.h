@@ -36,7 +36,7 @@
 #include "arena.h"
 #include "data.h"
 
-/* valid.c */
+/* split.c */
 void jo_split_layout(const jo_model *m, jo_data *d, jo_arena *a);
 void jo_split_setup(const jo_model *m, jo_data *d);
 

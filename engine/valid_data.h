@@ -15,7 +15,7 @@ typedef struct {
     jo_sync_level sync;
 } jo_valid;
 
-/* Split of a model between the solvers: constant, see valid.c. */
+/* Split of a model between the solvers: constant, see split.c. */
 typedef struct {
     int nmaximal;           /* number of bodies in maximal coordinates, which are the first links; 0: all bodies are in the tree */
     int *body, *marker, *coordinate, *joint;   /* (each count) whether an item is in the trees */

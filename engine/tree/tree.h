@@ -32,7 +32,7 @@ void jo_tree_kinematics(const jo_model *m, jo_data *d);
 void jo_tree_read_maximal_state(const jo_model *m, jo_data *d);   /* x and u from q and v */
 void jo_tree_body_rates(const jo_model *m, jo_data *d, const jo_real *rate, jo_real *v);   /* v (nv) of the bodies from joint rates (nu) */
 
-/* tree_to_maximal.c */
+/* maximal_state.c */
 int jo_tree_matches_maximal_state(const jo_model *m, jo_data *d);   /* whether q and v equal those of x and u bit for bit */
 void jo_sync_maximal_state(const jo_model *m, jo_data *d, jo_sync_level level);
 
@@ -77,7 +77,7 @@ void jo_hybrid_forward_pass_2(const jo_model *m, jo_data *d);   /* accelerations
 int jo_tree_close_loops(const jo_model *m, jo_data *d);   /* returns whether the loops are closed afterwards */
 void jo_tree_increment_between(const jo_model *m, jo_real *dq, const jo_real *x0, const jo_real *x);
 
-/* tree_from_maximal.c */
+/* tree_conversion.c */
 int jo_tree_from_maximal(const jo_model *m, jo_data *d);   /* convert q, v to joint coordinates */
 void jo_tree_to_maximal(const jo_model *m, jo_data *d);    /* convert back */
 void jo_tree_count_turns(const jo_model *m, jo_data *d);

@@ -129,10 +129,10 @@ def fields(tmp_path_factory: pytest.TempPathFactory) -> set[Access]:
 
 
 def test_what_is_valid_is_asked_and_changed_by_functions(fields: set[Access]):
-    """Bits of validity, and which solver carries what, are fields of valid.h and valid.c alone."""
+    """Bits of validity, and which solver carries what, are fields of valid.h and split.c alone."""
     own = {access for access in fields if access.owner == "valid_data.h"}
     assert len({access.field for access in own}) > 15
-    assert not {access for access in own if access.file not in ("valid.h", "valid.c")}
+    assert not {access for access in own if access.file not in ("valid.h", "split.c")}
 
 
 def test_what_a_room_keeps_is_used_in_this_room_alone(fields: set[Access]):

@@ -1,4 +1,4 @@
-/* valid.c - bodies, markers, coordinates and joints in trees, of a model with hybrid mode. */
+/* split.c - which bodies, markers, coordinates and joints of a model run in trees; the others run by their positions. */
 #include "valid.h"
 
 void jo_split_layout(const jo_model *m, jo_data *d, jo_arena *a)

@@ -1,4 +1,4 @@
-/* tree_from_maximal.c - conversion between the maximal coordinates q, v of the caller and the joint coordinates x, u of a run. */
+/* tree_conversion.c - maximal coordinates q, v of the caller to joint coordinates x, u of a run and back; end of a step. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"

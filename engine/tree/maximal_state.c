@@ -1,4 +1,4 @@
-/* tree_to_maximal.c - q, v, accelerations a and multipliers lam of the maximal coordinates from the state of a tree. */
+/* maximal_state.c - q, v, accelerations a and multipliers lam of the maximal coordinates from the state of a tree. */
 #include "valid.h"
 #include "maximal/maximal.h"
 #include "tree/tree_links.h"
