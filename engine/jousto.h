@@ -495,6 +495,8 @@ void jo_row_metres(const jo_model *m, jo_real *out);
 void jo_constraints(const jo_model *m, jo_data *d, jo_real *c, jo_real *cdot);   /* (nrow) each */
 void jo_mass_matrix(const jo_model *m, jo_data *d, int body, jo_real *M);        /* (6+n)^2, local */
 int jo_residual(const jo_model *m, jo_data *d, jo_real *r);     /* (nv) M a + Cq^T lam - Q at time, q, v, a, lam */
+int jo_body_loads(const jo_model *m, jo_data *d, int body, jo_real *out);   /* (nforce + nfriction + njoint) x (6 + n): [force, moment about
+                                                                             * the origin, modal forces] of each, local, at time, q, v, lam */
 /* (nv + nrow)^2 [ca M + cv D + cq K, Cq^T; d(Cq v)], the last with the same weights, at time, q, v, a, lam */
 int jo_newton_matrix(const jo_model *m, jo_data *d, double ca, double cv, double cq, jo_real *out);
 /* (nnewton) the same in its memory layout, the blocks of jo_node and jo_branch */

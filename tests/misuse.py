@@ -449,6 +449,7 @@ def _recovery(made: Made, folder: Path) -> list[Call]:
         (jo.recovery.error_budget, {"found": made["spots"]}),
         (jo.recovery.friction_stress, {"with_run": run, "without_run": run, "body": "arm"}),
         (jo.recovery.section_forces, {"run": made["beam run"], "beam": "arch"}),
+        (jo.recovery.loads_of, {"run": run, "body": "arm", "times": [0.0]}),
         (jo.recovery.without_friction, {"mechanism": made["mechanism"]}),
         (jo.recovery.Plane, {"normal": (0, 0, 1)}),
         (jo.gauges.read_record, {"path": run.to_csv(folder / "record.csv")}),

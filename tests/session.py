@@ -181,6 +181,9 @@ def stress(found: Objects, _: Path) -> Objects:
         "compared": jo.gauges.compare_gauges(run, jo.gauges.record_of(run), align=False),
         "rosette": jo.gauges.rosette_state([200e-6, 80e-6, -50e-6], E=210e9, nu=0.3),
         "friction": jo.recovery.friction_stress(run, run, "arm"),
+        "loads": (found := jo.recovery.loads_of(run, "arm")),
+        "load": found.loads[0],
+        "body motion": found.motion,
     }
 
 

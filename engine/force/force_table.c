@@ -16,18 +16,22 @@ static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, co
     }
 }
 
-/* forces of all elements that are not released; error_index: force */
-int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
+/* force of one element, 0 after its release */
+int jo_apply_force(const jo_model *m, jo_data *d, const jo_stage *stage, int force)
 {
     static const jo_force_work none = {{0.0}, 0.0, 0.0, 0.0};
+    const jo_force *f = &m->force[force];
+    if (!jo_released(d, f->release)) return table[f->type]->apply(m, d, stage, f, &d->force[force]);
+    d->force[force] = none;
+    if (f->state >= 0) rest_states(m, d, stage, f);
+    return JO_OK;
+}
+
+/* forces of all elements; error_index: force */
+int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage)
+{
     for (int i = 0; i < m->nforce; i++) {
-        const jo_force *f = &m->force[i];
-        if (jo_released(d, f->release)) {
-            d->force[i] = none;
-            if (f->state >= 0) rest_states(m, d, stage, f);
-            continue;
-        }
-        const int status = table[f->type]->apply(m, d, stage, f, &d->force[i]);
+        const int status = jo_apply_force(m, d, stage, i);
         if (status != JO_OK) {
             d->error_index = i;
             return status;

@@ -188,13 +188,18 @@ void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_fr
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 
+/* sliding friction force i in rub onto the bodies */
+void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
+{
+    for (int k = 0; k < jo_slips(&m->friction[i]); k++)
+        if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
+}
+
 /* friction forces at given multipliers and velocities, on the bodies and in rub */
 void jo_friction_apply_forces(const jo_model *m, jo_data *d)
 {
     for (int i = 0; i < m->nfriction; i++) sliding_force(m, d, i, d->rub + 2 * i);
-    for (int i = 0; i < m->nfriction; i++)
-        for (int k = 0; k < jo_slips(&m->friction[i]); k++)
-            if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
+    for (int i = 0; i < m->nfriction; i++) jo_friction_apply_force(m, d, i);
     for (int i = 0; i < m->nfriction; i++)   /* sticking: force of the lock row */
         if (jo_sticks(m, d, &m->friction[i])) jo_friction_sticking_force(m, d, &m->friction[i], d->rub + 2 * i);
 }

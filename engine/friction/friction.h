@@ -16,6 +16,7 @@ static inline int jo_sticks(const jo_model *m, const jo_data *d, const jo_fricti
 }
 
 /* friction.c */
+void jo_friction_apply_force(const jo_model *m, jo_data *d, int i);
 void jo_friction_apply_forces(const jo_model *m, jo_data *d);
 jo_real jo_friction_margin(const jo_model *m, const jo_data *d, int i);
 void jo_friction_update_direction(const jo_model *m, jo_data *d);

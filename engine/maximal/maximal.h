@@ -112,6 +112,7 @@ void jo_joint_solve(const jo_model *m, jo_data *d);
 /* reactions.c */
 void jo_reaction(const jo_model *m, const jo_data *d, int joint, jo_real *y);   /* force and moment on side 1, world */
 void jo_reaction_of(const jo_model *m, const jo_data *d, int joint, const jo_real *lam, jo_real *y);   /* for given lam */
+void jo_apply_reaction(const jo_model *m, jo_data *d, int joint);    /* -Cq^T lam of one joint */
 void jo_apply_reactions(const jo_model *m, jo_data *d);   /* adds -Cq^T lam to the forces on the bodies */
 
 /* energy.c */

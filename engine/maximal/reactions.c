@@ -56,34 +56,38 @@ static void apply_coordinate_reaction(const jo_model *m, jo_data *d, int coordin
     jo_push(m, d, c->a, F, T);
 }
 
+/* forces -Cq^T lam of one joint on its bodies; none of an optional joint that is not active */
+void jo_apply_reaction(const jo_model *m, jo_data *d, int joint)
+{
+    static const jo_real none[3] = {0.0, 0.0, 0.0};
+    const jo_joint *k = &m->joint[joint];
+    const jo_real *lam = d->lam + k->row;
+    const int a = k->side[0], b = k->side[1];
+    jo_real x[3], y[3], t[3];
+    if (k->lock >= 0 && !d->locked[k->lock]) return;
+    if (k->coincident) {
+        jo_push(m, d, a, lam, none);
+        scaled(x, jo_same(-1.0), lam);
+        jo_push(m, d, b, x, none);
+        lam += 3;
+    }
+    for (int r = 0; r < k->nperp; r++, lam++) {   /* (x . y)' = (om_a - om_b) . (x x y) */
+        const jo_real *A = d->marker[a].A + k->perp_a[r], *B = d->marker[b].A + k->perp_b[r];
+        for (int j = 0; j < 3; j++) { x[j] = A[3 * j]; y[j] = B[3 * j]; }
+        jo_cross(t, x, y);
+        scaled(x, -lam[0], t);
+        jo_push(m, d, a, none, x);
+        scaled(x, lam[0], t);
+        jo_push(m, d, b, none, x);
+    }
+    for (int r = 0; r < k->nline; r++, lam++) {
+        const jo_line *l = &m->line[k->line + r];
+        for (int j = 0; j < l->count; j++) apply_coordinate_reaction(m, d, l->coordinate[j], l->data->factor[j] * lam[0]);
+    }
+}
+
 /* forces -Cq^T lam of all joints on the bodies */
 void jo_apply_reactions(const jo_model *m, jo_data *d)
 {
-    static const jo_real none[3] = {0.0, 0.0, 0.0};
-    for (int i = 0; i < m->njoint; i++) {
-        const jo_joint *k = &m->joint[i];
-        const jo_real *lam = d->lam + k->row;
-        const int a = k->side[0], b = k->side[1];
-        jo_real x[3], y[3], t[3];
-        if (k->lock >= 0 && !d->locked[k->lock]) continue;
-        if (k->coincident) {
-            jo_push(m, d, a, lam, none);
-            scaled(x, jo_same(-1.0), lam);
-            jo_push(m, d, b, x, none);
-            lam += 3;
-        }
-        for (int r = 0; r < k->nperp; r++, lam++) {   /* (x . y)' = (om_a - om_b) . (x x y) */
-            const jo_real *A = d->marker[a].A + k->perp_a[r], *B = d->marker[b].A + k->perp_b[r];
-            for (int j = 0; j < 3; j++) { x[j] = A[3 * j]; y[j] = B[3 * j]; }
-            jo_cross(t, x, y);
-            scaled(x, -lam[0], t);
-            jo_push(m, d, a, none, x);
-            scaled(x, lam[0], t);
-            jo_push(m, d, b, none, x);
-        }
-        for (int r = 0; r < k->nline; r++, lam++) {
-            const jo_line *l = &m->line[k->line + r];
-            for (int j = 0; j < l->count; j++) apply_coordinate_reaction(m, d, l->coordinate[j], l->data->factor[j] * lam[0]);
-        }
-    }
+    for (int i = 0; i < m->njoint; i++) jo_apply_reaction(m, d, i);
 }

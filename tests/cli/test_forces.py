@@ -1,10 +1,11 @@
-"""Exact beams on the command line: forces, stress, hotspots, peaks and films."""
+"""Loads on bodies, and exact beams, on the command line: forces, stress, hotspots, films."""
 
 from __future__ import annotations
 
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import jousto as jo
@@ -72,3 +73,96 @@ def test_beams_are_bodies_like_others(bent: jo.Solution, tmp_path: Path) -> None
     assert code == 0 and "beam, 72 places" in text, text
     code, text = call("animate", bent.path, "-o", tmp_path / "film.png", "--stress")
     assert code == 0 and (tmp_path / "film.png").stat().st_size > 2000, text
+
+
+PENDULUM = """
+bodies: [{name: bob, mass: 2 kg, inertia: [0.01, 0.01, 0.01], center: [1, 0, 0]}]
+joints: [{type: revolute, name: pin, a: ground.origin, b: bob.origin, axis: [0, 1, 0]}]
+gravity: [0, 0, -9.81]
+simulation: {t_end: 0.1 s, output_step: 10 ms}
+"""
+
+
+@pytest.fixture
+def pendulum(tmp_path: Path) -> Path:
+    path = tmp_path / "pendulum.yaml"
+    path.write_text(PENDULUM, encoding="utf-8")
+    return path
+
+
+def test_loads_on_a_body_of_a_model_or_of_results(pendulum: Path, tmp_path: Path) -> None:
+    """At first the pin bears what the centre does not take: m g J / (J + m l^2)."""
+    code, text = call("forces", pendulum, "--at", "0 s", "--frame", "world")
+    assert code == 0 and "balance" in text, text
+    row = next(line.split() for line in text.splitlines() if line.split()[:1] == ["pin"])
+    assert row[1:3] == ["joint", "bob.origin"]
+    assert float(row[5]) == pytest.approx(2 * 9.81 * 0.01 / 2.01, rel=1e-5)
+    assert call("run", "-q", pendulum, "-o", tmp_path / "run.h5")[0] == 0
+    code, text = call("forces", tmp_path / "run.h5", "bob", "-o", tmp_path / "loads.csv")
+    assert code == 0 and "gyroscopic" in text, text
+    with (tmp_path / "loads.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    assert len(rows) == 1 + 11 * 4 and rows[1][1] == "pin"
+
+
+def test_wrong_requests_for_loads(pendulum: Path, tmp_path: Path) -> None:
+    code, text = call("forces", pendulum, "bop")
+    assert code == 2 and "did you mean 'bob'" in text
+    code, text = call("forces", pendulum, "--frame", "ground", "--at", "0", "--from", "0")
+    assert code == 2 and "'body' or 'world'" in text and "either instants or a span" in text
+    code, text = call("forces", pendulum, "--model", pendulum)
+    assert code == 2 and "leave --model out" in text
+    code, text = call("forces", pendulum, "-o", tmp_path / "loads.png")
+    assert code == 2 and ".csv" in text
+    ball = jo.RigidBody("ball", 1.0, (1, 1, 1))
+    pin = jo.Spherical("pin", jo.ground["origin"], ball["origin"])
+    model = jo.compile(jo.Mechanism(ball, pin, jo.Gravity((0, 0, -9.81))))
+    jo.simulate(model, 0.01, path=tmp_path / "python.h5")
+    code, text = call("forces", tmp_path / "python.h5")
+    assert code == 2 and "was made in Python" in " ".join(text.split())
+    code, text = call("forces", tmp_path / "python.h5", "--model", pendulum)
+    assert code == 2 and "is not that of" in " ".join(text.split())
+
+
+def test_a_rigid_body_has_no_part_for_a_deck(pendulum: Path, tmp_path: Path) -> None:
+    deck = tmp_path / "bob.inp"
+    code, text = call("forces", pendulum, "-o", deck)
+    assert code == 2 and "name the instants of the load steps" in " ".join(text.split())
+    code, text = call("forces", pendulum, "--at", "0.05 s", "-o", deck)
+    assert code == 2 and "is rigid and has no part" in " ".join(text.split())
+    assert not deck.exists()
+
+
+def test_a_deck_of_the_part_of_a_model_file(tmp_path: Path) -> None:
+    """The part is read again from the model file if the results do not contain it."""
+    x, y, z = np.meshgrid(np.linspace(0, 0.4, 5), (0, 0.03), (0, 0.03), indexing="ij")
+    nodes = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    ring = np.array([0, 4, 6, 2, 1, 5, 7, 3])
+    bricks = jo.mesh.Cells("hexahedron", [4 * i + ring for i in range(4)])
+    mesh = jo.Mesh("bar", nodes, bricks, node_sets={"root": np.arange(4)})
+    jo.write(mesh, tmp_path / "bar.inp")
+    model = tmp_path / "bar.yaml"
+    model.write_text(
+        """
+parts:
+  bar:
+    type: solid
+    mesh: bar.inp
+    material: S355
+    interfaces: [{name: end, nodes: root}]
+    reduce: {type: craig-bampton, interfaces: [end], modes: 3}
+bodies: [{name: arm, part: bar, position: [0, -15 mm, -15 mm]}]
+joints: [{type: fixed, name: wall, a: ground.origin, b: arm.end}]
+gravity: [0, 0, -9.81]
+simulation: {t_end: 1 ms, output_step: 0.5 ms}
+""",
+        encoding="utf-8",
+    )
+    code, text = call("forces", model, "--at", "1 ms", "-o", tmp_path / "deck.inp")
+    assert code == 0 and "written to" in text, text
+    deck = (tmp_path / "deck.inp").read_text(encoding="utf-8")
+    assert deck.count("*STEP") == 1 and "*RIGID BODY" in deck
+    code, text = call(
+        "forces", model, "--at", "1 ms", "--program", "ansys", "-o", tmp_path / "a.inp"
+    )
+    assert code == 2 and "'ansys'" in text

@@ -1,4 +1,4 @@
-"""Commands on stress along bodies and forces along beams: stress, forces."""
+"""The command on stress along bodies."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 import typer
 from numpy.typing import NDArray
 
-from jousto.base.errors import InputError, Problem
 from jousto.cli.group import command
 from jousto.cli.hotspots import REMARK, plane_or_name
 from jousto.cli.options import From, Output, Quantity, Result, Strain, To, instant, only_one
@@ -179,58 +178,3 @@ def write(
         return write(field, path, criterion=criterion, time=moment, histories=sites)
     plot(field, criterion=criterion, path=path)
     return path
-
-
-@command()
-def forces(
-    result: Result,
-    beam: Annotated[
-        str | None, typer.Argument(metavar="[BEAM]", help="Exact beam; may be left out.")
-    ] = None,
-    at: Annotated[
-        list[str] | None, typer.Option("--at", metavar="TIME", help="An instant, '0.5 s'; again.")
-    ] = None,
-    start: From = None,
-    end: To = None,
-    output: Output = None,
-) -> None:
-    """Print the smallest and largest forces and moments along an exact beam, with place and time.
-
-    With --at only these instants are used, else the whole run or the time from --from to --to.
-
-    -o writes the envelope or the instant --at as .csv, diagrams at the instants --at as .png,
-    .svg, .pdf, .jpg, .jpeg, .webp or .eps, the swept surface with its stress as .vtu, and all
-    instants as .pvd.
-    """
-    from jousto.output.style import PICTURES, target
-    from jousto.recovery.beams.forces import section_forces
-    from jousto.simulation.results.solution import load
-
-    moments = [float(instant(text, "--at") or 0.0) for text in at or ()]
-    suffix = ""
-    if output is not None:
-        suffix = target(output, ("csv", "vtu", "pvd", *PICTURES)).suffix.lower()
-        if suffix == ".csv" and len(moments) > 1:
-            raise InputError(Problem("--at", f"a table has one instant, not {len(moments)}"))
-    run = load(result)
-    names = [shape.name for shape in run.beams]
-    name = beam or only_one(names, run.where, "beams", "this run has no beams")
-    found_forces = section_forces(
-        run, name, start=instant(start, "--from"), end=instant(end, "--to")
-    )
-    # start and end must lie within the run
-    say(str(section_forces(run, name, times=sorted(moments)) if moments else found_forces))
-    if output is None:
-        return
-    if suffix == ".csv":
-        path = found_forces.to_csv(output, *moments)
-    elif suffix in (".vtu", ".pvd"):
-        from jousto.output.write import write
-
-        path = write(run, output, beam=name, times=moments or None)
-    else:
-        from jousto.output.plot import plot
-
-        path = output
-        plot(found_forces, times=moments or None, path=output)
-    say(f"written to {path}", style="green")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jousto.base.arguments import explained
 from jousto.mesh.formats import WRITTEN as MESH_FORMATS
@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from jousto.mesh.mesh import Mesh
     from jousto.model.model import Model
     from jousto.natural.verification import Verification
+    from jousto.parts.part import Part
     from jousto.recovery.fields.criteria import Criterion
     from jousto.recovery.fields.field import StressField
     from jousto.recovery.hotspots.hot_spots import HotSpots
+    from jousto.recovery.loads.body_loads import BodyLoads
     from jousto.reduction.reduced import ReducedPart
     from jousto.simulation.results.dataframes import Names
     from jousto.simulation.results.solution import Solution
@@ -47,6 +49,7 @@ WRITTEN = {
     "StressField": {"csv": "figures.stress.write_stress", "vtu": CONTOUR, "pvd": CONTOUR},
     "HotSpots": {"vtu": "figures.hotspots.write_hotspots"},
     "DamageField": {"vtu": "figures.damage.write_damage"},
+    "BodyLoads": dict.fromkeys(("inp", "bdf", "nas"), "files.fe_deck.write_deck"),
     "LoadPath": {"csv": "figures.load_path.write_load_path"},
     "Model": {
         "c": PROGRAM,
@@ -83,6 +86,10 @@ def write(thing: StressField, path: File, *, criterion: Criterion = ..., time: f
 def write(thing: StressField, path: File, run: Solution, *, criterion: Criterion = ..., times: ArrayLike | None = ..., scale: float = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: HotSpots | DamageField, path: File, run: Solution) -> Path: ...
+@overload
+def write(thing: BodyLoads, path: File, *, times: Sequence[float] | None = ...) -> Path: ...
+@overload
+def write(thing: BodyLoads, path: File, part: Part, *, times: Sequence[float] | None = ..., program: Literal["calculix", "abaqus", "nastran"] | None = ...) -> Path: ...  # noqa: E501
 @overload
 def write(thing: Mesh, path: File, *, unit: str = ...) -> Path: ...
 @overload
@@ -121,6 +128,9 @@ def write(thing: Any, path: File, *what: Any, **options: Any) -> Path:
                           .vtu .pvd           over the body; the run, `criterion`, `times`, `scale`
         hot spots         .vtu                worst values and ranks; the run
         damage field      .vtu                damage, life and safety; the run
+        loads on a body   .csv                all loads; `times`
+                          .inp .bdf .nas      CalculiX, Abaqus, Nastran: the part with its loads as
+                                              load steps; the part, `times`, `program`
         load path         .csv                loads, stability and sensors
         compiled model    .c .zip             a program of C99: `solver`, `state`, `name`,
                                               `named` constants

@@ -11,3 +11,5 @@ from .friction import (
 )
 from .hotspots.hot_spots import HotSpots as HotSpots
 from .hotspots.search_result import HotSpot as HotSpot
+from .loads.body_loads import BodyLoad as BodyLoad, BodyLoads as BodyLoads, BodyMotion as BodyMotion
+from .loads.gathered_loads import loads_of as loads_of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,6 +94,26 @@ def test_a_forgotten_moment_is_refused_and_named():
     k = int(np.argmin(np.abs(run.time - float(found[1]))))
     # the section's own inertia, h^2 / L^2, and the rod's sag of 2e-4 m are left out
     assert float(found[2]) == pytest.approx(turning[k, 4], rel=1e-3)
+
+
+def test_all_loads_of_a_run_need_no_sensors():
+    """`loads_of` finds the hinge and the motor, also of the part with an interface elsewhere."""
+    run, hinge, turning = driven()
+    part = rod(material=STIFF)
+    given = jo.twin.drive_part(run, "arm", part, {"start": hinge + turning})
+    loads = jo.recovery.loads_of(run, "arm")
+    found = jo.twin.drive_part(run, "arm", part, loads)
+    np.testing.assert_allclose(found, given, atol=1e-9 * np.abs(given).max())
+    np.testing.assert_array_equal(
+        jo.twin.drive_part(run, "arm", part, loads.resolved("world")).round(12), found.round(12)
+    )
+    with pytest.raises(jo.InputError, match="other instants than the run"):
+        jo.twin.drive_part(run, "arm", part, jo.recovery.loads_of(run, "arm", [0.5]))
+    far = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.02), 8, STIFF, name="far")
+    moved = replace(far, nodes=far.nodes + (0.0, 0.01, 0.0))
+    elsewhere = jo.reduce(moved, jo.CraigBampton(("start", "end"), modes=4))
+    with pytest.raises(jo.InputError, match=r"load 'pin' acts at arm.origin, 0.01 m from"):
+        jo.twin.drive_part(run, "arm", elsewhere, loads)
 
 
 def test_a_reaction_of_the_other_body_and_another_mass_are_named():

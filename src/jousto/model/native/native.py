@@ -359,6 +359,19 @@ class Engine:
         self._check(self._library.jo_residual(self._model, self._data, self._pointer(out)))
         return out
 
+    def body_loads(self, body: int) -> Scalars:
+        """Return the loads (nforce + nfriction + njoint, 6 + n) of each force, friction and joint.
+
+        A row is ``[force, moment about the origin of the body frame, modal forces]`` on one body at
+        time, q, v, lam, resolved in its frame; 0 after a release by an event.
+        """
+        model = self.model
+        body = range(len(model.bodies))[body]  # raises IndexError for an index out of range
+        count = len(model.forces) + len(model.frictions) + len(model.joints)
+        out = np.zeros((count, 6 + model.bodies[body].n), self.dtype)
+        self._check(self._library.jo_body_loads(self._model, self._data, body, self._pointer(out)))
+        return out
+
     def newton_matrix(self, ca: float, cv: float, cq: float) -> Scalars:
         """Return ``[ca M + cv D + cq K, Cq^T; cv Cq + cq d(Cq v)/dq, 0]`` at this state.
 

@@ -97,7 +97,7 @@ def write_mesh(mesh: Mesh, path: str | Path, *, unit: str = "m") -> Path:
 
 
 # Abaqus types of solid formulations; meshio writes modified and hybrid elements
-_TYPES = {
+ABAQUS_TYPES = {
     ("tetra", "full"): "C3D4",
     ("tetra10", "full"): "C3D10",
     ("wedge", "reduced"): "C3D6",
@@ -109,7 +109,7 @@ _TYPES = {
     ("hexahedron", "reduced"): "C3D8R",
     ("hexahedron20", "reduced"): "C3D20R",
 }
-_NEAREST = {"wedge": "C3D6", "wedge15": "C3D15"}
+NEAREST_TYPES = {"wedge": "C3D6", "wedge15": "C3D15"}
 
 
 def _types(path: Path, mesh: Mesh) -> None:
@@ -118,8 +118,8 @@ def _types(path: Path, mesh: Mesh) -> None:
 
     def named(found: re.Match[str]) -> str:
         block = next(blocks)
-        nearest = _NEAREST.get(block.kind, found[2])
-        return found[1] + _TYPES.get((block.kind, block.formulation), nearest)
+        nearest = NEAREST_TYPES.get(block.kind, found[2])
+        return found[1] + ABAQUS_TYPES.get((block.kind, block.formulation), nearest)
 
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"^(\*ELEMENT, *TYPE=)(\w+)", named, text, flags=re.MULTILINE | re.IGNORECASE)
@@ -131,7 +131,7 @@ def _unsupported(mesh: Mesh, suffix: str) -> str:
     lost = []
     for block in mesh.solids:
         way = (block.kind, block.formulation)
-        if way not in _TYPES if suffix == "inp" else block.formulation != "full":
+        if way not in ABAQUS_TYPES if suffix == "inp" else block.formulation != "full":
             lost.append(f"{block.kind} '{block.formulation}'")
     return ", ".join(dict.fromkeys(lost))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from jousto.model.native.native import Engine
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.simulation.results.solution import Solution
-from jousto.simulation.state import MEMORY, State, put
+from jousto.simulation.state import put
 
 
 def accelerations(run: Solution, model: Model | None = None) -> Array:
@@ -40,15 +41,9 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
             )
             raise InputError(Problem(run.where, message))
         return np.asarray(np.gradient(run.v, run.time, axis=0, edge_order=2))
-    engine = Engine(model)
-    q, v, lam, time = run.q, run.v, run.multipliers, run.time
-    remembers = any(getattr(engine, name).size for name in MEMORY if name != "input")
-    remembers = remembers or bool(model.inputs)
-    out = np.empty((len(time), model.nv))
-    for k in range(len(time)):
-        t = float(time[k])
-        state = run.state(t) if remembers else State(q=q[k], v=v[k], lam=lam[k], time=t)
-        put(engine, state, run.where)
+    engine, out = Engine(model), np.empty((run.nt, model.nv))
+    for k, state in enumerate(run.each_state()):
+        put(engine, replace(state, work=None), run.where)  # kinematics knows no work
         out[k] = engine.accelerations()[0]
     return out
 

@@ -6,7 +6,7 @@ import dataclasses
 import shutil
 import tempfile
 import weakref
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,6 +18,7 @@ from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, count, suggest
 from jousto.base.rounding import Scales
 from jousto.model.beam_record import BeamShape
+from jousto.model.model import Model
 from jousto.model.symbol_record import SymbolShape
 from jousto.reduction.fields.stress import StressModes
 from jousto.simulation.results import dataframes
@@ -32,6 +33,7 @@ T = TypeVar("T")
 
 LONG = 100  # maximum length of a name in `repr`, characters
 WORK = ("dissipated", "friction", "work")
+STATES = 256  # number of states read at a time
 
 
 class Solution(Mapping[str, Array]):
@@ -235,22 +237,49 @@ class Solution(Mapping[str, Array]):
                     f"no instant is stored at {time:g} s, the nearest is {instants[k]:.9g} s",
                 )
             )
-        here = slice(k, k + 1)
+        return self._states(slice(k, k + 1))[0]
+
+    def each_state(self, instants: Iterable[int] | None = None) -> Iterator[State]:
+        """Yield the states at stored instants, each piece of the file read once.
+
+        Parameters
+        ----------
+        instants : iterable of int, optional
+            Indices of the instants; best in order. All if not given.
+        """
+        first, block = 0, list[State]()
+        for k in range(self.nt) if instants is None else instants:
+            if not first <= k < first + len(block):
+                first = k - k % STATES
+                block = self._states(slice(first, min(first + STATES, self.nt)))
+            yield block[k - first]
+
+    def _states(self, rows: slice) -> list[State]:
+        """Return the states at consecutive instants."""
         read = self._records.read
-        memory: dict[str, Any] = {
-            name: read(f"state/{name}", here)[0] for name in self._records.memory()
-        }
-        if "input" in memory:
-            values = memory.pop("input")
-            memory["inputs"] = dict(zip(self._records.inputs(), map(float, values), strict=True))
-        return State(
-            q=read("state/q", here)[0],
-            v=read("state/v", here)[0],
-            lam=read("state/multipliers", here)[0],
-            time=float(instants[k]),
-            work=np.array([read(f"diagnostics/{name}", here)[0] for name in WORK]),
-            **memory,
-        )
+        memory = {name: read(f"state/{name}", rows) for name in self._records.memory()}
+        given = memory.pop("input", None)
+        names = () if given is None else self._records.inputs()
+        q, v, lam = (read(f"state/{name}", rows) for name in ("q", "v", "multipliers"))
+        time, work = read("time", rows), [read(f"diagnostics/{name}", rows) for name in WORK]
+        found = []
+        for k in range(len(time)):
+            inside: dict[str, Any] = {name: values[k] for name, values in memory.items()}
+            if given is not None:
+                inside["inputs"] = dict(zip(names, map(float, given[k]), strict=True))
+            done = np.array([values[k] for values in work])
+            found.append(State(q[k], v[k], lam[k], time=float(time[k]), work=done, **inside))
+        return found
+
+    @property
+    def model(self) -> Model | None:
+        """Compiled model of results in memory; None for those of a file or another process."""
+        found: Model | None = getattr(self._records, "model", None)
+        if found is None:
+            return None
+        # copies for other processes contain neither functions of the user nor beams
+        functions = all(f.function is not None for f in found.forces if f.kind == "user")
+        return found if functions and (found.beams or not found.beam_shapes) else None
 
     @property
     def inputs(self) -> dict[str, Array]:

@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, Problems
-from jousto.measurement.twin.motion.balance import Load, check_balance
+from jousto.measurement.twin.motion.balance import check_balance
+from jousto.measurement.twin.motion.nodal_loads import given_at_nodes, loads_at_nodes
 from jousto.measurement.twin.motion.reference import InertialForce, Motion, Reference
+from jousto.recovery.loads.body_loads import BodyLoads
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.damping import Damping, modal_damping
 from jousto.reduction.reduced import ReducedPart
@@ -27,7 +29,7 @@ def drive_part(
     run: Solution,
     body: str,
     reduced: ReducedPart,
-    loads: Mapping[str, ArrayLike],
+    loads: BodyLoads | Mapping[str, ArrayLike],
     *,
     damping: Damping = 0.0,
     start: tuple[ArrayLike, ArrayLike] | None = None,
@@ -51,10 +53,11 @@ def drive_part(
         in it.
     reduced : ReducedPart
         The part.
-    loads : mapping of str to (nt, 3) or (nt, 6) array_like
-        Name of a node to force, or force and moment about it, on the part, world axes, N and N m:
-        *all* that acts on the part but its weight. A `ReactionSensor` measures what acts on the
-        body of its marker b; on that of marker a it is the opposite.
+    loads : BodyLoads or mapping of str to (nt, 3) or (nt, 6) array_like
+        `loads_of(run, body)`, all that the run contains, each load at the node of the part where it
+        acts. Or a name of a node to force, or force and moment about it, on the part, world axes, N
+        and N m: *all* that acts on the part but its weight. A `ReactionSensor` measures what acts
+        on the body of its marker b; on that of marker a it is the opposite.
     damping : float, sequence of float or Rayleigh
         Damping of the modes.
     start : tuple of two (n,) array_like, optional
@@ -77,23 +80,16 @@ def drive_part(
     reference = Reference.from_run(run, body)
     A = rotation_matrices(run.q[:, shape.q_offset + 3 : shape.q_offset + 7])
     problems = Problems()
+    if isinstance(loads, BodyLoads):
+        wrenches = loads_at_nodes(problems, where, reduced, loads, t)
+    else:
+        wrenches = given_at_nodes(problems, where, reduced, loads, A)
     f = np.zeros((len(t), n))
-    wrenches: list[Load] = []
-    for name, given in loads.items():
-        columns = 6 if np.shape(given)[-1:] == (6,) else 3
-        load = problems.array(where, f"loads[{name!r}]", given, (len(t), columns))
-        if load is None:
-            continue
-        node = reduced.node(name)
-        force, moment = np.einsum("tba,tb->ta", A, load[:, :3]), np.zeros((len(t), 3))
+    for node, force, moment in wrenches:
         f += force @ reduced.modes[node]
         turn = reduced.rotation(node)
-        if columns == 6 and turn is not None:
-            moment = np.einsum("tba,tb->ta", A, load[:, 3:])
+        if turn is not None:
             f += moment @ turn
-        elif columns == 6 and np.any(load[:, 3:]):
-            problems.add(where, f"loads[{name!r}] has moments, but node {name!r} has no rotations")
-        wrenches.append((node, force, moment))
     first = [problems.array(where, f"start[{i}]", x, (n,)) for i, x in enumerate(start or ())]
     if len(first) not in (0, 2):
         problems.add(where, f"start has {len(first)} arrays, must be coordinates and velocities")
