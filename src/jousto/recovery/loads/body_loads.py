@@ -18,10 +18,11 @@ from jousto.base.errors import InputError, Problem, suggest
 from jousto.base.files import write_table
 from jousto.base.object_repr import described
 from jousto.base.ranking import largest
+from jousto.mechanism.sensors.loads import FORCE, MOMENT
 from jousto.recovery.instants import bracket_instants
 
 FRAMES = ("body", "world")
-COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+COMPONENTS = (*FORCE, *MOMENT)
 UNITS = ("N", "N", "N", "N m", "N m", "N m")
 GROUPS = ("force", "moment", "modal force")
 """Equations of a body: of its force, its moment and its modal forces."""
