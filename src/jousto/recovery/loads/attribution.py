@@ -57,7 +57,7 @@ class Source:
         sites = [m.site.node for m in self.markers if m.site is not None]
         return sites[0] if len(sites) == len(self.markers) == 1 else None
 
-    def points(self, p: Array, centre: Array) -> Array:
+    def points(self, p: Array, center: Array) -> Array:
         """Return its place in the body frame (nt, 3), m: its first marker, else the centre.
 
         ``u = u0 + Phi p + chi(p, p) / 2``, with the second-order displacement chi of a part with
@@ -67,11 +67,11 @@ class Source:
         ----------
         p : (nt, n) array
             Modal coordinates.
-        centre : (nt, 3) array
+        center : (nt, 3) array
             Centre of mass, body frame, m.
         """
         if not self.markers:
-            return centre
+            return center
         marker = self.markers[0]
         u = np.real(marker.u0) + np.zeros((len(p), 3))
         if marker.Phi is not None:

@@ -125,7 +125,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
         Axes of the vectors.
     rotation : (nt, 3, 3) array
         Rotation of the body frame, body to world.
-    centre : (nt, 3) array
+    center : (nt, 3) array
         Centre of mass from the origin of the body frame, m, in the axes of the vectors.
     motion : BodyMotion
         Motion of the body, always in the body frame.
@@ -143,7 +143,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
     loads: tuple[BodyLoad, ...]
     frame: str
     rotation: Array
-    centre: Array
+    center: Array
     motion: BodyMotion
     nodes: Array
     modes: Array
@@ -181,7 +181,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
 
         ``Q_joint + Q_applied + Q_friction + Q_gravity + Q_inertia + Q_elastic = 0`` up to rounding.
         """
-        return np.asarray(sum(self._about_centre(load) for load in self.loads))
+        return np.asarray(sum(self._about_center(load) for load in self.loads))
 
     @cached_property
     def balance(self) -> Array:
@@ -192,15 +192,15 @@ class BodyLoads(Mapping[str, BodyLoad]):
         forces all forces at the largest displacement in a mode; what is below the rounding error of
         the machine counts as 0.
         """
-        norms = sum(group_norms(self._about_centre(load)) for load in self.loads)
+        norms = sum(group_norms(self._about_center(load)) for load in self.loads)
         force, moment, modal = np.max(np.asarray(norms), axis=0, initial=0.0)
         scale = np.array([force, moment + self.arm * force, modal + self.reach * force])
         floor = np.array([*self.floor, self.reach * self.floor[0]])
         rest = np.maximum(group_norms(self.sums) - floor, 0.0)
         return np.asarray(rest / np.where(scale > 0.0, scale, 1.0))
 
-    def _about_centre(self, load: BodyLoad) -> Array:
-        moment = load.moment + np.cross(load.point - self.centre, load.force)
+    def _about_center(self, load: BodyLoad) -> Array:
+        moment = load.moment + np.cross(load.point - self.center, load.force)
         return np.concatenate([load.force, moment, load.modal], axis=1)
 
     def resolved(self, frame: Literal["body", "world"]) -> BodyLoads:
@@ -219,9 +219,9 @@ class BodyLoads(Mapping[str, BodyLoad]):
         if frame == self.frame:
             return self
         A = self.rotation if frame == "world" else np.swapaxes(self.rotation, 1, 2)
-        centre = np.einsum("tab,tb->ta", A, self.centre)
+        center = np.einsum("tab,tb->ta", A, self.center)
         loads = tuple(load.turned(A) for load in self.loads)
-        return replace(self, frame=frame, loads=loads, centre=centre)
+        return replace(self, frame=frame, loads=loads, center=center)
 
     @explained
     def at(self, times: ArrayLike) -> BodyLoads:
@@ -254,7 +254,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
             time=np.atleast_1d(np.asarray(times, dtype=np.float64)),
             loads=tuple(loads),
             rotation=self.rotation[near],
-            centre=mixed(here.centre),
+            center=mixed(here.center),
             motion=self.motion.mapped(mixed),
         )
         return found.resolved(self.frame)  # type: ignore[arg-type]

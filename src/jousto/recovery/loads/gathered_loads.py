@@ -104,27 +104,27 @@ def _gathered(run: Solution, body: str, instants: Ints | range, given: Model | N
     v[:, :3], a[:, :3] = (np.einsum("tba,tb->ta", A, x[:, :3]) for x in (v, a))
     felt = np.einsum("tba,b->ta", A, np.real(model.gravity))
     motion = BodyMotion(felt, a[:, :3], v[:, 3:6], a[:, 3:6], q[:, 7:], v[:, 6:], a[:, 6:])
-    centre = (np.real(of.S0) + motion.p @ np.real(of.I3).T) / float(np.real(of.mass[0]))
+    center = (np.real(of.S0) + motion.p @ np.real(of.I3).T) / float(np.real(of.mass[0]))
     own = own_loads(of, felt, q, v, a)
     loads = []
     for source in sources(model, k):
         row = rows[:, list(source.rows)].sum(axis=1)
         facts = {"place": source.place, "node": source.node, "position": source.position}
-        point = source.points(motion.p, centre)
+        point = source.points(motion.p, center)
         loads.append(_load(source.name, source.kind, row, point, **facts))
-    loads += [_load(kind, kind, own[kind], centre) for kind in OWN if kind in own]
+    loads += [_load(kind, kind, own[kind], center) for kind in OWN if kind in own]
     scales, shape = scales_of(model), find_body(run, body)
     # radius: of the nodes about the centre, or of gyration
     mass, moments = float(np.real(of.mass[0])), float(np.real(of.J0[:3]).sum())
-    gyration = np.sqrt(abs(0.5 * moments / mass - centre[0] @ centre[0]))
-    extent = np.linalg.norm(shape.nodes - centre[0], axis=1).max(initial=0.0)
+    gyration = np.sqrt(abs(0.5 * moments / mass - center[0] @ center[0]))
+    extent = np.linalg.norm(shape.nodes - center[0], axis=1).max(initial=0.0)
     return BodyLoads(
         body=body,
         time=time,
         loads=tuple(loads),
         frame="body",
         rotation=A,
-        centre=centre,
+        center=center,
         motion=motion,
         nodes=shape.nodes,
         modes=shape.modes,

@@ -190,7 +190,7 @@ def _unbalanced(loads: BodyLoads, rest: Array, rows: list[int]) -> Array:
         group_norms(np.hstack([load.force, load.moment, load.modal]))[rows] for load in loads.loads
     )
     size = np.asarray(norms).max(axis=0, initial=0.0)
-    moment = rest[:, 3:] - np.cross(loads.centre[rows], rest[:, :3])
+    moment = rest[:, 3:] - np.cross(loads.center[rows], rest[:, :3])
     scale = np.array([size[0], size[1] + loads.arm * size[0]])
     both = np.stack([np.linalg.norm(x, axis=1) for x in (rest[:, :3], moment)], axis=1)
     return np.asarray((both / np.where(scale > 0.0, scale, 1.0)).max(axis=1))
