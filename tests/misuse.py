@@ -127,6 +127,8 @@ def _machines(made: Made, folder: Path) -> list[Call]:
     sites = (jo.StressSensor, jo.VonMisesSensor, jo.mechanism.PrincipalStressSensor)
     return [
         (jo.RigidBody, {"name": "r", "mass": 1.0, "inertia": (1.0, 1.0, 1.0)}),
+        (jo.mechanism.velocity_matrix, {"e": (1.0, 0.0, 0.0, 0.0)}),
+        (jo.mechanism.rate_matrix, {"e": (1.0, 0.0, 0.0, 0.0)}),
         (jo.RigidBody.box, {"name": "r", "size": (1.0, 1.0, 1.0), "mass": 1.0}),
         (jo.RigidBody.cylinder, {"name": "r", "radius": 1.0, "length": 1.0, "mass": 1.0}),
         (jo.RigidBody.sphere, {"name": "r", "radius": 1.0, "mass": 1.0}),
