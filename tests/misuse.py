@@ -312,7 +312,7 @@ def _parts(made: Made, folder: Path) -> list[Call]:
         (jo.certificate.certify, {"part": beam, "reduced": made["reduced"]}),
         (jo.reduction.from_modes, {"part": beam, "modes": shape, "frequencies": [1.0]}),
         (jo.certificate.advise, {"part": beam, "interfaces": ("start",), "frequency_limit": 300.0}),
-        (jo.reduction.clamp, {"reduced": made["reduced"], "node": "start"}),
+        (jo.reduction.clamp, {"part": made["reduced"], "supports": "start"}),
         (
             jo.reduction.in_frame,
             {"reduced": made["reduced"], "frame": jo.reduction.NodeFrame("start")},

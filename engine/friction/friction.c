@@ -188,9 +188,10 @@ void jo_friction_sticking_force(const jo_model *m, const jo_data *d, const jo_fr
     for (int r = 0; r < jo_slips(f); r++) y[r] = -d->lam[k->row + r] * m->line[k->line + r].data->factor[0];
 }
 
-/* sliding friction force i in rub onto the bodies */
+/* sliding friction force i in rub onto the bodies; none while it sticks, when its lock rows act */
 void jo_friction_apply_force(const jo_model *m, jo_data *d, int i)
 {
+    if (jo_sticks(m, d, &m->friction[i])) return;
     for (int k = 0; k < jo_slips(&m->friction[i]); k++)
         if (d->rub[2 * i + k] != 0.0) jo_push_along(m, d, jo_slip_of(&m->friction[i], k), d->rub[2 * i + k]);
 }

@@ -7,7 +7,7 @@
 #include "maximal/maximal.h"
 #include "newton/newton.h"
 #include "force/force.h"
-#include "friction/friction_law.h"
+#include "friction/friction.h"
 
 /* forces on the body = 0 */
 static void clear(const jo_body *b, jo_body_work *w)
@@ -43,7 +43,7 @@ int jo_body_loads(const jo_model *m, jo_data *d, int body, jo_real *out)
         out = take(b, w, out);
     }
     for (int i = 0; i < m->nfriction; i++) {
-        if (!jo_sticks(m, d, &m->friction[i])) jo_friction_apply_force(m, d, i);
+        jo_friction_apply_force(m, d, i);
         out = take(b, w, out);
     }
     for (int i = 0; i < m->njoint; i++) {
