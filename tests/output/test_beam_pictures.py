@@ -109,6 +109,6 @@ def test_unknown_beams_are_named(bent: jo.Solution, tmp_path: Path) -> None:
         jo.plot(bent, beam="bean")
     with pytest.raises(jo.InputError, match="did you mean 'beam'"):
         jo.write(bent, tmp_path / "a.vtu", beam="bean")
-    with pytest.raises(jo.InputError, match="one beam at least"):
+    with pytest.raises(jo.InputError, match="at least one beam"):
         jo.plot(bent, beam=[])
     assert exponential(np.zeros((1, 3)))[0] == pytest.approx(np.eye(3))

@@ -146,7 +146,7 @@ def test_contact_is_warned_of_once_where_bodies_can_touch(tmp_path: Path) -> Non
         (arm('stiffness="1 2"'), "terms of higher order are not read"),
         (
             arm(head='<compiler coordinate="global"/>'),
-            "coordinate is 'global', which MuJoCo reads no",
+            "coordinate is 'global', which MuJoCo no longer reads",
         ),
         (model("<body><flexcomp/></body>"), "<flexcomp> is deformable"),
         (arm(tail='<actuator><motor joint="c"/></actuator>'), "motor: no joint 'c'"),

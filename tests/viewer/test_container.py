@@ -61,16 +61,16 @@ def test_empty_arrays_and_columns_of_others() -> None:
 def test_large_whole_numbers_and_objects_are_refused() -> None:
     with pytest.raises(InputError, match="32 bits"):
         pack({"a": np.array([2**40])})
-    with pytest.raises(InputError, match="no array of object"):
+    with pytest.raises(InputError, match="does not accept arrays of object"):
         pack({"a": np.array([None])})
 
 
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda data: b"PNG" + data, "begins with no header"),
-        (lambda data: data[:6], "begins with no header"),
-        (lambda data: data[:20], "begins with no header"),
+        (lambda data: b"PNG" + data, "does not begin with a header"),
+        (lambda data: data[:6], "does not begin with a header"),
+        (lambda data: data[:20], "does not begin with a header"),
         (lambda data: data[:-8], "ends within an array"),
         (lambda data: data.replace(b'"at"', b'"at '), "damaged header"),
     ],
