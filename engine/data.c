@@ -88,6 +88,7 @@ jo_data *jo_data_place(const jo_model *m, void *memory)
     jo_marker_setup(m, d, 0);
     jo_joint_plan(m, d);
     jo_joint_setup(m, d, 0);
+    jo_force_setup(m, d);
     if (jo_watched(m)) jo_event_setup(m, d);
     if (m->nmeter) jo_damage_setup(m, d);
     for (int i = 0; i < m->nmarker; i++) {   /* ground markers are constant */

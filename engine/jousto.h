@@ -33,6 +33,7 @@ typedef double jo_real;
  * stop: f = -stiffness d (1 + loss s(d'/speed)), d: distance of s beyond lower or upper; see force_stop.c
  * modal_load: force and torque on the body frame, resolved in it, followed by (np) modal forces; times signal
  * user: result of jo_force.function; no data
+ * plastic: elastic-plastic spring, see force_plastic.c; five states from jo_force.state on
  * pid: controller with integral part and filtered derivative, see force_pid.c; two states from jo_force.state on
  * moving_load: force resolved in the world or the body frame; followed by s_k (count) and (count - 1) x (1 + modes) x 3 x 4
  *   coefficients of (s - s_k)^0..3 of the position and of each mode shape; at s = reference(t), times signal; 0 beyond the ends */
@@ -45,6 +46,7 @@ typedef double jo_real;
     ROW(user, none) \
     ROW(moving_load, count, modes, force[3]) \
     ROW(pid, proportional, integral, derivative, weight, filter, filter_share, tracking, tracking_share, lower, upper, start, speed) \
+    ROW(plastic, stiffness, free, strength, kinematic, recovery, isotropic, saturation, rate) \
     /* the last row */
 
 /* Methods of integration, a row each: ROW(name, family, order, stages, coefficients), which the Python binding reads, too. A row makes
@@ -75,7 +77,7 @@ typedef enum { JO_FORCES(JO_FORCE_NUMBER) } jo_force_type;
 JO_FORCES(JO_FORCE_DATA)
 
 /* BEGIN */
-enum { JO_ABI = 17 };           /* version of the structs and their meaning below */
+enum { JO_ABI = 18 };           /* version of the structs and their meaning below */
 enum { JO_PAD = 4 };           /* arrays over modal coordinates are padded with 0 to a multiple of JO_PAD */
 enum { JO_ROW_D = 24 };        /* rows of one block of jo_body.ED */
 enum { JO_ROW_B = 12 };        /* rows of one block of jo_body.EB */
@@ -113,7 +115,8 @@ typedef enum { JO_SENSOR_POSITION = 1, JO_SENSOR_VELOCITY = 2, JO_SENSOR_ORIENTA
                JO_SENSOR_VON_MISES = 16, JO_SENSOR_PRINCIPAL = 17, JO_SENSOR_FRICTION = 18, JO_SENSOR_DAMAGE = 19,
                JO_SENSOR_BRIDGE = 21, JO_SENSOR_SECTION = 22,
                JO_SENSOR_ACCELERATION_PARTS = 23,
-               JO_SENSOR_DEFORMATION_MOMENTUM = 24 } jo_sensor_type;
+               JO_SENSOR_DEFORMATION_MOMENTUM = 24,
+               JO_SENSOR_FORCE_STATE = 25 } jo_sensor_type;
 typedef enum { JO_ENERGY_KINETIC = 0, JO_ENERGY_STRAIN = 1, JO_ENERGY_POTENTIAL = 2, JO_ENERGY_SPRINGS = 3,
                JO_ENERGY_DISSIPATED = 4, JO_ENERGY_FRICTION = 5, JO_ENERGY_WORK = 6 } jo_energy_kind;
 typedef enum { JO_RESIDUE_HALF = 0, JO_RESIDUE_REPEAT = 1, JO_RESIDUE_IGNORE = 2 } jo_residue;
@@ -378,6 +381,7 @@ typedef struct {
     int nmeter, nmemory;    /* number of damage meters and of doubles of their memory */
     int nbeam;
     int nstate;             /* first-order states of forces, x' = f(t, q, v, x) */
+    int nyielding;          /* number of forces that yield, see jo_accept_yielding */
     int nbreak;             /* number of times at which a signal jumps or has a kink */
     int nq, nv, nrow, nout;
     int nlink, nx, nu;      /* links, joint coordinates and rates of trees; 0: maximal coordinates q, v only */
@@ -487,6 +491,7 @@ int jo_rates(const jo_model *m, jo_data *d, double alpha, double beta, jo_real *
 int jo_assemble(const jo_model *m, jo_data *d, int iterations, double tolerance);   /* q, v that satisfy the constraints; tolerance in m */
 int jo_step(const jo_model *m, jo_data *d, const jo_solver *s);
 void jo_start_states(const jo_model *m, jo_data *d);      /* initial states of forces at q, v */
+void jo_yield(const jo_model *m, jo_data *d);   /* states of forces that yield, after a slow motion to the present q, v */
 void jo_restart(jo_data *d);      /* to be called after a replacement of the state: resets the history of methods and events */
 void jo_energy(const jo_model *m, jo_data *d, jo_energies *out);
 void jo_residuals(const jo_model *m, jo_data *d, jo_real *out);   /* (2) largest |C|, m, and |Cq v|, m/s, rows times jo_row_metres */

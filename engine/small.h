@@ -12,11 +12,13 @@
 #define jo_sqrt csqrt
 #define jo_sin csin
 #define jo_cos ccos
+#define jo_exp cexp
 #else
 #define JO_RE(x) (x)
 #define jo_sqrt sqrt
 #define jo_sin sin
 #define jo_cos cos
+#define jo_exp exp
 #endif
 
 /* a function compiled for the constants of its call */

@@ -90,6 +90,14 @@ def reaching_arm() -> jo.Mechanism:
             "spin", twist.coordinates[1], 0.3, kp=0.4, ki=3.0, filter=0.01, kd=0.01
         ),
         jo.mechanism.Stop("end", slide.coordinates[0], -0.01, 0.01, stiffness=4e3, speed=0.5),
+        jo.mechanism.PlasticSpring(
+            *("shear pin", lift.angle, 60.0, 1.5),
+            kinematic=30.0,
+            recovery=4.0,
+            isotropic=5.0,
+            saturation=0.5,
+            rate=20.0,
+        ),
         jo.Spring("coil", twist.coordinates[1], stiffness=12.0, damping=0.3),
         jo.Spring.between("line", plate.at((0.6, 0, 0)), kite["origin"], 30.0, damping=0.5),
         jo.Bushing("pad", ground.at((2, 0, 0)), cross.at((0, 0, 0)), (40, 40, 40, 1, 1, 1), 0.5),

@@ -158,6 +158,10 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.SignalSensor, {"name": "s", "signal": one}),
         (jo.ReactionSensor, {"name": "s", "joint": hinge}),
         (jo.ForceSensor, {"name": "s", "force": spring}),
+        (
+            jo.mechanism.ForceStateSensor,
+            {"name": "s", "force": jo.mechanism.PlasticSpring("p", angle, 1.0, 1.0)},
+        ),
         (jo.mechanism.ModalSensor, {"name": "s", "body": arm}),
         (jo.mechanism.DeformationMomentumSensor, {"name": "s", "body": arm}),
         *((kind, {"name": "s", "body": arm}) for kind in sites),
@@ -179,6 +183,10 @@ def _machines(made: Made, folder: Path) -> list[Call]:
         (jo.Bushing, {"name": "f", "a": a, "b": b, "stiffness": 1.0}),
         (jo.JointForce, {"name": "f", "coordinate": angle, "signal": one}),
         (jo.mechanism.Stop, {"name": "f", "coordinate": angle, "lower": 0.0, "stiffness": 1.0}),
+        (
+            jo.mechanism.PlasticSpring,
+            {"name": "f", "coordinate": angle, "stiffness": 1.0, "strength": 1.0},
+        ),
         (jo.Servo, {"name": "f", "coordinate": angle, "reference": one, "kp": 1.0}),
         (jo.UserForce, {"name": "f", "marker": b, "function": lambda t, x: [0.0] * 6}),
         (jo.mechanism.ModalLoad, {"name": "f", "body": arm, "pattern": np.zeros((5, 3))}),
@@ -497,6 +505,19 @@ def _fatigue(made: Made, _: Path) -> list[Call]:
         ),
         (jo.fatigue.local_cycles, {"series": history, "material": notch, "residue": "half"}),
         (jo.fatigue.local_path, {"series": history, "material": notch}),
+        (jo.fatigue.hinge_cycles, {"moment": [0.0, 1.0, -1.0], "plastic": [0.0, 0.1, -0.1]}),
+        (
+            jo.fatigue.hinge_life,
+            {
+                "moment": [1.0, -1.0, 1.0],
+                "plastic": [0.1, -0.1, 0.1],
+                "material": notch,
+                "length": 1.0,
+                "modulus": 1.0,
+                "depth": 0.1,
+                "residue": "half",
+            },
+        ),
         (jo.fatigue.neuber, {"stress": history, "material": notch}),
         (jo.fatigue.glinka, {"stress": history, "material": notch}),
         (

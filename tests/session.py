@@ -215,6 +215,7 @@ def life(found: Objects, _: Path) -> Objects:
         ),
         "plane damage": jo.fatigue.plane_damage(s, jo.fatigue.Findley(0.3), curve, residue="half"),
         "local cycles": jo.fatigue.local_cycles(s[:, 0], notch, residue="half"),
+        "hinge cycles": jo.fatigue.hinge_cycles([0.0, 1.0, -1.0, 1.0], [0.0, 0.1, -0.1, 0.1]),
         "local path": jo.fatigue.local_path(s[:, 0], notch),
         "strain damage": jo.fatigue.strain_damage(
             field, notch, residue="half", sites=field.labels[:2]

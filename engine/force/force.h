@@ -11,6 +11,13 @@ typedef struct { jo_real value, rate, second; } jo_signal_work;
 typedef struct jo_slopes_of_state { jo_real force, decay, value, rate; } jo_slopes_of_state;
 static inline const jo_slopes_of_state *jo_force_slopes(const jo_data *d, int state) { return d->forces.slopes + state; }
 
+/* Kinds whose force depends on the motion before: their states are constant within a step and change at its end. */
+typedef struct {
+    /* states at the present coordinates; returns the energy dissipated in the step, J */
+    jo_real (*update)(const jo_data *d, const jo_force *f, jo_real *x);
+    jo_real (*margin)(const jo_data *d, const jo_force *f);   /* < 0: its branch has changed within the step */
+} jo_yielding;
+
 /* functions that the file of each kind of force defines; the rows of the kinds are in jousto.h. */
 typedef struct {
     /* forces on the bodies, result in y; adds dissipated power to d->power.damping and power of forces to d->power.forces, W */
@@ -21,6 +28,7 @@ typedef struct {
     /* kinds with states: initial values, and nominal values for error control in a run of `duration` seconds; NULL: no states */
     void (*start)(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x);
     void (*nominals)(const jo_model *m, const jo_force *f, double duration, double *x);
+    const jo_yielding *yielding;   /* NULL: the force does not depend on the motion before */
 } jo_force_kind;
 
 #define JO_FORCE_DECLARED(name, ...) extern const jo_force_kind jo_force_##name;
@@ -39,6 +47,15 @@ int jo_apply_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 int jo_newton_forces(const jo_model *m, jo_data *d, const jo_stage *stage);
 jo_real jo_stored(const jo_model *m, const jo_data *d);   /* energy of springs at the present coordinates */
 void jo_state_nominals(const jo_model *m, double duration, double *x);   /* (nstate) nominal values for error control */
+const jo_yielding *jo_yielding_of(const jo_force *f);   /* NULL: it does not yield */
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a);
+
+/* yielding.c */
+void jo_accept_yielding(const jo_model *m, jo_data *d);   /* the states at the end of a step, after jo_yielding_ready */
+void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y);   /* one state at present */
+jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k);   /* of force d->forces.yielding[k] */
+int jo_yielding_ready(const jo_model *m, jo_data *d);   /* coordinates of the forces that yield, at the present state */
+jo_real jo_yielding_loss(const jo_model *m, const jo_data *d);   /* dissipated since the start of the step, J */
+void jo_force_setup(const jo_model *m, jo_data *d);
 
 #endif

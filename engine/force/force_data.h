@@ -3,6 +3,8 @@
 #define JO_FORCE_DATA_H
 
 typedef struct {
+    int nstate;             /* states of all forces, as in the model */
+    int *yielding;          /* (nyielding) forces that yield */
     struct jo_slopes_of_state *slopes;   /* (nstate) derivatives of states in a Rosenbrock method's matrix */
 } jo_forces;
 

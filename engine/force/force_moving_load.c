@@ -100,4 +100,4 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     return JO_OK;
 }
 
-const jo_force_kind jo_force_moving_load = {apply, 0, tangent, 0, 0};
+const jo_force_kind jo_force_moving_load = {apply, 0, tangent, 0, 0, 0};

@@ -159,4 +159,4 @@ static void nominals(const jo_model *m, const jo_force *f, double duration, doub
     x[1] = y;
 }
 
-const jo_force_kind jo_force_pid = {apply, 0, tangent, start, nominals};
+const jo_force_kind jo_force_pid = {apply, 0, tangent, start, nominals, 0};

@@ -65,4 +65,4 @@ static int tangent(const jo_model *m, jo_data *d, const jo_stage *stage, const j
     return JO_OK;
 }
 
-const jo_force_kind jo_force_stop = {apply, stored, tangent, 0, 0};
+const jo_force_kind jo_force_stop = {apply, stored, tangent, 0, 0, 0};

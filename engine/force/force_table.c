@@ -6,6 +6,8 @@
 #define JO_FORCE_ENTRY(name, ...) &jo_force_##name,
 static const jo_force_kind *const table[] = {JO_FORCES(JO_FORCE_ENTRY)};
 
+const jo_yielding *jo_yielding_of(const jo_force *f) { return table[f->type]->yielding; }
+
 /* states of a released force: constant */
 static void rest_states(const jo_model *m, jo_data *d, const jo_stage *stage, const jo_force *f)
 {
@@ -87,5 +89,6 @@ void jo_state_nominals(const jo_model *m, double duration, double *x)
 
 void jo_force_layout(const jo_model *m, jo_data *d, jo_arena *a)
 {
+    d->forces.yielding = jo_take_ints(a, m->nyielding);
     d->forces.slopes = jo_take_many(a, m->nstate, sizeof *d->forces.slopes);
 }

@@ -1,9 +1,10 @@
 /* events.c - zero crossings: detected at the end of a step, located in time by repetition of the step with other lengths.
  *
- * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin). side: sign of each
- * value; of margins 1. */
+ * Watched values: sensor value - threshold of the events, then the margins of stick-slip frictions (jo_friction_margin) and of forces that
+ * yield (jo_yielding_margin). side: sign of each value; of margins 1. */
 #include "valid.h"
 #include "maximal/maximal.h"
+#include "force/force.h"
 #include "friction/friction.h"
 #include "integrate/integrate.h"
 #include <float.h>
@@ -11,6 +12,7 @@
 
 enum { JO_MAX_TRIALS = 120 };   /* steps tried for one crossing: three times the 40 bisections from 1 s to 1e-12 s */
 enum { JO_LOG_ENTRIES = 32, JO_LOG_ENTRIES_EACH = 8 };   /* entries of one step in the log: at all, and for each watched value */
+enum { JO_YIELDS_EACH = 16 };   /* ends of branches in one step for each force that yields; more are not located, the law holds across them */
 enum { JO_LOG_STEPS = 4 };      /* steps for which the log has room */
 
 #define JO_TIME_RESOLUTION 1e-12    /* largest error of the time of an event, s */
@@ -25,8 +27,11 @@ static int sign(double x) { return (x > 0.0) - (x < 0.0); }
 
 static int is_event(const jo_model *m, int i) { return i < m->nevent; }
 
-/* number of watched values: events, and frictions if any of these can stick */
-int jo_watched(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
+/* first watched value of the forces that yield: those of events, and of frictions if any of these can stick, are before it */
+static int first_yielding(const jo_model *m) { return m->nevent + (m->nlock ? m->nfriction : 0); }
+
+/* number of watched values */
+int jo_watched(const jo_model *m) { return first_yielding(m) + m->nyielding; }
 
 /* largest number of log entries of one step; more are an endless chain of events */
 static int max_entries(const jo_model *m) { return JO_LOG_ENTRIES + JO_LOG_ENTRIES_EACH * jo_watched(m); }
@@ -82,16 +87,27 @@ void jo_event_setup(const jo_model *m, jo_data *d)
     }
 }
 
+/* g = margins of the forces that yield; 1 once their branches have ended too often in a step */
+static int yielding_margins(const jo_model *m, jo_data *d, double *g)
+{
+    const int status = jo_yielding_ready(m, d);
+    if (status != JO_OK) return status;
+    const int located = d->events.yields < JO_YIELDS_EACH * m->nyielding;
+    for (int k = 0; k < m->nyielding; k++) g[k] = located ? JO_RE(jo_yielding_margin(m, d, k)) : 1.0;
+    return JO_OK;
+}
+
 /* g = watched values at the present state */
 static int watched_values(const jo_model *m, jo_data *d, double *g)
 {
     const int status = jo_ready_sensors(m, d, d->events.demanding);
     if (status != JO_OK) return status;
     if (m->nevent) jo_sensors(&d->events.watch, d, d->events.measured);
-    for (int i = 0; i < jo_watched(m); i++)
+    const int first = first_yielding(m);
+    for (int i = 0; i < first; i++)
         g[i] = is_event(m, i) ? JO_RE(d->events.measured[m->event[i].output]) - m->event[i].threshold
                               : JO_RE(jo_friction_margin(m, d, i - m->nevent));
-    return JO_OK;
+    return m->nyielding ? yielding_margins(m, d, g + first) : JO_OK;
 }
 
 /* whether value i has changed its side in a direction that counts */
@@ -106,6 +122,15 @@ static int any_crosses(const jo_model *m, const jo_data *d, const double *g)
     for (int i = 0; i < jo_watched(m); i++)
         if (crosses(m, d, i, g[i])) return 1;
     return 0;
+}
+
+/* states of forces that yield at the end of a step, and their margins from there on */
+static int accept_yielding(const jo_model *m, jo_data *d, double *g)
+{
+    int status = jo_yielding_ready(m, d);
+    if (status != JO_OK) return status;
+    jo_accept_yielding(m, d);
+    return yielding_margins(m, d, g + first_yielding(m));
 }
 
 /* accept the values g of the present state: sides, levels, directions of slip */
@@ -250,7 +275,7 @@ static int frictions_switch(const jo_model *m, jo_data *d, int *chain)
     const int *before = (const int *)(d->events.start.state + ((char *)d->slip - d->state));
     const int logged = d->events.logged;
     int last = -1, status = JO_OK;
-    for (int i = m->nevent; i < jo_watched(m) && status == JO_OK; i++)
+    for (int i = m->nevent; i < first_yielding(m) && status == JO_OK; i++)
         if (crosses(m, d, i, d->events.above[i])) {
             status = jo_friction_switch(m, d, i - m->nevent);
             last = i;
@@ -274,7 +299,9 @@ static int all_happen(const jo_model *m, jo_data *d, int *stop, int *chain)
     int status = jo_accelerations_valid(d) ? JO_OK : jo_accelerations(m, d);
     if (status != JO_OK) return status;
     jo_add_step_work(d);
-    status = events_happen(m, d, stop, chain);
+    d->events.yields++;
+    if (m->nyielding) status = accept_yielding(m, d, d->events.above);
+    if (status == JO_OK) status = events_happen(m, d, stop, chain);
     if (status == JO_OK && m->nlock) {
         const int before = d->events.logged;
         status = frictions_switch(m, d, chain);
@@ -307,6 +334,7 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
     const double end = s->step;
     double done = 0.0;
     int chain = 0, first = !jo_levels_valid(d);
+    d->events.yields = 0;
     int status = m->nlock ? jo_friction_initialise_states(m, d) : JO_OK;
     if (first && status == JO_OK) status = start(m, d);
     while (status == JO_OK && end - done > time_resolution(d)) {
@@ -319,7 +347,8 @@ int jo_event_step(const jo_model *m, jo_data *d, const jo_solver *s)
         if (first) set_first_sides(m, d, d->events.above);
         first = 0;
         if (!any_crosses(m, d, d->events.above)) {
-            accept_values(m, d, d->events.above);
+            if (m->nyielding) status = accept_yielding(m, d, d->events.above);
+            if (status == JO_OK) accept_values(m, d, d->events.above);
             break;
         }
         for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
@@ -354,8 +383,10 @@ int jo_event_find(const jo_model *m, jo_data *d, const jo_solver *s, int first, 
     if (first) set_first_sides(m, d, d->events.above);
     *found = any_crosses(m, d, d->events.above);
     if (!*found) {
-        accept_values(m, d, d->events.above);
-        return JO_OK;
+        d->events.yields = 0;
+        if (m->nyielding) status = accept_yielding(m, d, d->events.above);
+        if (status == JO_OK) accept_values(m, d, d->events.above);
+        return status;
     }
     for (int i = 0; i < jo_watched(m); i++) d->events.scale[i] = fabs(d->events.above[i] - d->events.level[i]);
     const long long steps = d->counts.steps;

@@ -60,6 +60,7 @@ typedef struct {
                                                       * interval in which a crossing lies, between; change in the step */
     int *side;              /* sign of the value, 0: starts at the threshold */
     int demanding;          /* watched sensors need accelerations */
+    int yields;             /* ends of a branch of forces that yield, since the last step without */
     double *log;            /* (jo_log_room x 3) time, event or nevent + friction, direction or slip */
     int logged;
 } jo_events;

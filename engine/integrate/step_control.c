@@ -58,6 +58,8 @@ static int write_between(const jo_model *m, jo_data *d, const jo_solver *s, doub
         status = jo_accelerations(m, d);
         if (status == JO_OK) close_joints(m, d);
     }
+    if (status == JO_OK && m->nyielding) status = jo_yielding_ready(m, d);
+    if (status == JO_OK) jo_accept_yielding(m, d);
     if (status == JO_OK) status = jo_write_row(m, d, row);
     for (int i = 0; i < d->ny; i++) d->y[i] = d->adaptive.q1[i];
     for (int i = 0; i < d->nw; i++) d->w[i] = d->adaptive.v1[i];

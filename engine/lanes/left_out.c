@@ -264,5 +264,5 @@ void jo_tree_implicit_state_rates(const jo_model *m, jo_data *d, const jo_stage 
 }
 
 /* kinds of force that no file of this build defines */
-#define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0};
+#define LEFT_OUT(name, ...) const jo_force_kind jo_force_##name __attribute__((weak)) = {0, 0, 0, 0, 0, 0};
 JO_FORCES(LEFT_OUT)

@@ -210,7 +210,7 @@ static jo_real energy(const jo_model *m, jo_data *d, int kind)
 {
     jo_energies now;
     switch (kind) {
-    case JO_ENERGY_DISSIPATED: return d->work.damping;
+    case JO_ENERGY_DISSIPATED: return d->work.damping + jo_yielding_loss(m, d);
     case JO_ENERGY_FRICTION: return d->work.friction;
     case JO_ENERGY_WORK: return d->work.forces;
     default: break;
@@ -272,6 +272,7 @@ int jo_needs_accelerations(const jo_sensor *s)
     case JO_SENSOR_STRESS: case JO_SENSOR_VON_MISES: case JO_SENSOR_PRINCIPAL: case JO_SENSOR_COORDINATE: case JO_SENSOR_RATE: case JO_SENSOR_SIGNAL:
     case JO_SENSOR_DAMAGE:
     case JO_SENSOR_BRIDGE:
+    case JO_SENSOR_FORCE_STATE:
         return 0;
     case JO_SENSOR_ENERGY: return s->object >= JO_ENERGY_DISSIPATED;   /* work: needs the power at the end of the step */
     default: return 1;
@@ -330,6 +331,7 @@ void jo_sensors(const jo_model *m, jo_data *d, jo_real *out)
             break;
         case JO_SENSOR_BRIDGE: bridge(m, d, s, y); break;
         case JO_SENSOR_SECTION: section(m, d, s, y); break;
+        case JO_SENSOR_FORCE_STATE: jo_force_state(m, d, s->object, s->other, y); break;
         default: break;
         }
     }

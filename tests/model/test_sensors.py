@@ -545,7 +545,7 @@ def test_every_sensor_says_what_it_is():
     """Every class of sensor: as many components as the engine writes, unit and description."""
     beam = jo.FlexibleBody("beam", rod())
     hinge = jo.Revolute("hinge", jo.ground["origin"], beam["start"], Z)
-    spring = jo.Spring("spring", hinge.angle, 1.0)
+    spring = jo.mechanism.PlasticSpring("spring", hinge.angle, 1.0, 9.0)  # it has states, too
     rope = jo.BeamBody("rope", [(0, 0, 0), (1, 0, 0)], jo.Circle(0.05), SOFT, elements=3)
     root = jo.Fixed("root", jo.ground["origin"], rope["start"])
     given = {

@@ -77,6 +77,7 @@ def everything() -> jo.Mechanism:
     clamp = jo.Fixed("clamp", jo.ground.at((0, 4, 0)), rope["start"])
     end, distance = arm["end"], jo.Distance(arm["end"], slider["tip"])
     spring = jo.Spring("spring", distance, 100.0, damping=2.0)
+    yields = jo.mechanism.PlasticSpring("yields", slide.displacement, 1e4, 50.0)
     stress = jo.StressSensor("stress", arm, ("e1.a.top",))
     top = jo.gauges.Gauge("gauge", arm, "e1.a.top")
     pattern = np.zeros((5, 3))
@@ -92,6 +93,7 @@ def everything() -> jo.Mechanism:
         jo.Bushing("bushing", jo.ground.at((0, 2, 0.1)), slider["origin"], np.ones(6)),
         jo.JointForce("torque", axle.angle, jo.Constant(1.0)),
         jo.mechanism.Stop("limit", slide.displacement, upper=0.4, stiffness=1e4),
+        yields,
         jo.Servo("servo", slide.displacement, jo.Constant(0.1), kp=10.0),
         jo.mechanism.PID("hold", slide.displacement, 0.1, kp=10.0, ki=1.0),
         jo.mechanism.SpeedPID("spin", axle.angle, 1.0, kp=1.0),
@@ -115,6 +117,7 @@ def everything() -> jo.Mechanism:
         jo.ReactionSensor("reaction", hinge),
         jo.ReactionSensor("drive torque", axle),
         jo.ForceSensor("felt", spring),
+        jo.mechanism.ForceStateSensor("bent", yields),
         jo.mechanism.SectionSensor("section", rope),
         stress,
         jo.VonMisesSensor("mises", arm),

@@ -70,6 +70,7 @@ def test_laws_that_store_energy_act_between_bodies(name):
     assert (apply, tangent) == ("apply", "tangent")
     assert stored == "0" or LAWS[name].between
     assert bool(LAWS[name].fast) == LAWS[name].between
+    assert row.endswith("&yielding") == LAWS[name].yields
 
 
 def test_states_and_units_are_those_of_a_model():

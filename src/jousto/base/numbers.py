@@ -20,8 +20,13 @@ def set_fields(target: Any, **values: Any) -> None:
         object.__setattr__(target, key, value)
 
 
-def number(problems: Problems, where: str, name: str, value: Any, *path: str | int) -> float | None:
-    """Return a finite float, or report why the value is none, at a path (its name if empty)."""
+def number(
+    problems: Problems, where: str, name: str, value: Any, *path: str | int, remedy: str = ""
+) -> float | None:
+    """Return a finite float, or report why the value is none, at a path (its name if empty).
+
+    A remedy, ``; do this``, follows the message that it is infinite.
+    """
     try:
         if value is None or isinstance(value, str):
             raise TypeError
@@ -32,7 +37,8 @@ def number(problems: Problems, where: str, name: str, value: Any, *path: str | i
         problems.add(where, f"{name} is {value!r}, must be a number", *(path or (name,)))
         return None
     if not np.isfinite(array):
-        problems.add(where, f"{name} is {array[()]:g}, must be finite", *(path or (name,)))
+        message = f"{name} is {array[()]:g}, must be finite{remedy if np.isinf(array) else ''}"
+        problems.add(where, message, *(path or (name,)))
         return None
     return scalar(array[()])
 
@@ -96,7 +102,7 @@ class _Numeric(Field[In, Out]):
             if found is None or self.missed(found):
                 problems.add(where, f"{self.label} is {value!r}, must be {self.wanted}")
             return found
-        found = number(problems, where, self.label, value)
+        found = number(problems, where, self.label, value, remedy=self.remedy)
         if found is not None and (missed := self.missed(found)):
             shown = f"{found:g} {unit}".rstrip()
             problems.add(where, f"{self.label} is {shown}, {missed}{self.remedy}")

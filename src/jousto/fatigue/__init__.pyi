@@ -40,6 +40,11 @@ from .cycles.rainflow import (
     RainflowMatrix as RainflowMatrix,
     rainflow as rainflow,
 )
+from .local.hinge_life import (
+    HingeCycles as HingeCycles,
+    hinge_cycles as hinge_cycles,
+    hinge_life as hinge_life,
+)
 from .local.strain_life import (
     LocalCycles as LocalCycles,
     LocalPath as LocalPath,

@@ -8,6 +8,7 @@ from .forces.friction import Regularised as Regularised, StickSlip as StickSlip
 from .forces.line_load import LineLoad as LineLoad
 from .forces.moving import MovingLoad as MovingLoad
 from .forces.pid import PID as PID, SpeedPID as SpeedPID
+from .forces.plastic import PlasticSpring as PlasticSpring
 from .forces.springs import ModalLoad as ModalLoad
 from .forces.stop import Stop as Stop
 from .joints.directions import ParallelAxes as ParallelAxes, Perpendicular as Perpendicular
@@ -17,6 +18,7 @@ from .sensors.body import (
     PrincipalStressSensor as PrincipalStressSensor,
 )
 from .sensors.damage import DamageSensor as DamageSensor
+from .sensors.force_state import ForceStateSensor as ForceStateSensor
 from .sensors.motion import (
     AccelerationPartsSensor as AccelerationPartsSensor,
     AngularAccelerationSensor as AngularAccelerationSensor,

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from jousto.base.arrays import Array
 from jousto.base.errors import InputError, Problem, SimulationError, warn
@@ -100,6 +101,8 @@ def settle_controllers(
     speeds = np.array([bool(named("jo_pid_data", force.data).speed) for force in found])
     sought = np.flatnonzero((gains > 0.0) & ~speeds)
     parts = np.array(engine.states[places])
+    yielding = yielding_states(model)
+    yielded = np.array(engine.states[yielding])  # deformation at the start
     begin = State(engine.q, 0.0 * engine.v, engine.lam, float(engine.time[0]))
     wanted = Engine(_without_limits(model))
     put(wanted, replace(begin, states=None), "equilibrium")
@@ -120,9 +123,12 @@ def settle_controllers(
         states[places] = parts
         there = rest(replace(near, states=states))
         put(engine, replace(there, v=0.0 * there.v, states=None), "equilibrium")
-        engine.states[places] = parts
+        engine.states[places], engine.states[yielding] = parts, yielded
         engine.accelerations()
-        there = replace(there, states=np.array(engine.states))
+        states = np.array(engine.states)
+        if there.states is not None:
+            states[yielding] = there.states[yielding]
+        there = replace(there, states=states)
         return np.array(engine.state_rates[places]), there
 
     x = np.array(parts[sought])
@@ -157,6 +163,19 @@ def settle_controllers(
     )
 
 
+def yielding_states(model: Model) -> NDArray[np.intp]:
+    """Return the places of the states of forces that yield, which are no rates' integrals."""
+    places = [
+        range(force.state, force.state + force.states) for force in model.forces if force.law.yields
+    ]
+    return np.array([i for some in places for i in some], dtype=np.intp)
+
+
+def moving_states(model: Model) -> NDArray[np.intp]:
+    """Return the places of the other states, which have rates."""
+    return np.setdiff1d(np.arange(model.nstate), yielding_states(model))
+
+
 def state_sizes(model: Model) -> Array:
     """Return the scale (nstate,) of force states for an error of the coordinate's size."""
     out = np.zeros(model.nstate)
@@ -170,7 +189,8 @@ def state_sizes(model: Model) -> Array:
 
 def follow_filters(model: Model, engine: Engine) -> None:
     """Set the filters of controllers to the measured values; integral parts keep their values."""
-    parts = {force.state: float(engine.states[force.state]) for force in controllers(model)}
+    places = [*(force.state for force in controllers(model)), *yielding_states(model).tolist()]
+    parts = {place: float(engine.states[place]) for place in places}
     engine.start_states()
     for place, value in parts.items():
         engine.states[place] = value

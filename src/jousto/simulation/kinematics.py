@@ -130,7 +130,7 @@ def _instants(model: Any, times: Any) -> Array:
 
 
 def _check_driven(model: Model) -> None:
-    """Raise an error for stick-slip friction and for undriven rigid motions at the initial pose."""
+    """Raise an error for forces that depend on the motion before, and for undriven motions."""
     without_fmus(model, "kinematics", "moves by forces")
     without_controllers(model, "kinematics")
     problems = Problems()
@@ -140,6 +140,13 @@ def _check_driven(model: Model) -> None:
                 f"friction '{friction.name}'",
                 "sticks and slips, which kinematics does not support; give it law=Regularised(), "
                 "or run simulate",
+            )
+    for force in model.forces:
+        if force.law.yields:
+            problems.add(
+                f"force '{force.name}'",
+                "yields, so that its force depends on all of the motion before, which kinematics "
+                "does not follow between the instants; run simulate",
             )
     problems.raise_if_any()
     Cq = unit_rows(model, Engine(model)) if model.permanent else np.zeros((0, model.nv))

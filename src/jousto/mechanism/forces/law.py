@@ -48,6 +48,8 @@ class EngineLaw:
     fast : mapping of str to tuple of str
         What messages about its speed call it, and the numbers of which one is not zero then, or
         the functions (``spring``, ``damper``) of which one is there; none for always.
+    yields : bool
+        Whether its force depends on the motion before: its states change at the ends of steps.
     side_by_side : bool
         Whether machines with it may step together; the file of its formula is compiled for
         vectors (``CMakeLists.txt``).
@@ -62,6 +64,7 @@ class EngineLaw:
     signal: Unit = "1"
     between: bool = False
     fast: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    yields: bool = False
     side_by_side: bool = False
 
     def _facts(self) -> str:

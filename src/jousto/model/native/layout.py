@@ -207,6 +207,7 @@ class Layout:
             "nnode": len(newton.nodes),
             "nnewton": newton.reals,
             "nstate": m.nstate,
+            "nyielding": sum(force.law.yields for force in m.forces),
             "nbreak": len(m.breaks),
             "nmeter": len(m.meters),
             "nmemory": sum(meter_size(meter.rule) for meter in m.meters),

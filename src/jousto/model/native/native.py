@@ -150,6 +150,10 @@ class Engine:
         """Set the states of forces to their values at the start of a run, at time, q, v."""
         self._library.jo_start_states(self._model, self._data)
 
+    def yield_forces(self) -> None:
+        """Set the states of forces that yield to those after a slow motion to q."""
+        self._library.jo_yield(self._model, self._data)
+
     def accelerations(self) -> tuple[Scalars, Scalars]:
         """Compute and return a (nv,) and lam (nrow,) at time, q, v."""
         self._check(self._library.jo_accelerations(self._model, self._data))

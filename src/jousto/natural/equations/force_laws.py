@@ -332,5 +332,8 @@ LAWS: dict[str, Callable[[Push, Frames, Scalars], Law]] = {
 }
 """Laws by the word of a `Push`."""
 
-REFUSED = {"pid": "it does not integrate the states of controllers"}
+REFUSED = {
+    "pid": "it does not integrate the states of controllers",
+    "plastic": "it has no plastic deformation that the end of a step keeps",
+}
 """Laws of the engine that the moving frame does not have, and why."""

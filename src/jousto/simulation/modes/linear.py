@@ -16,7 +16,7 @@ from jousto.base.rotations import rotation_matrix
 from jousto.model.model import Model
 from jousto.model.native.native import IMAGINARY, Engine, displaced
 from jousto.model.packing.foreign import without_fmus
-from jousto.simulation.controllers import controllers, hold_controllers
+from jousto.simulation.controllers import controllers, hold_controllers, moving_states
 from jousto.simulation.second_order import where_noticed
 from jousto.simulation.state import State, put
 
@@ -196,22 +196,25 @@ def tangent(model: Model, state: State | None = None) -> Tangent:
         T.T @ engine.newton_matrix(1.0, 0.0, 0.0)[:nv, :nv] @ T
     )  # mass matrix, including the masses of beams
 
+    moving = moving_states(model)
+
     def slopes(*along: Array) -> tuple[Array, ...]:
         """Return directional derivatives of C, C', a (body frames), sensors and state rates."""
         dq, dv, dx, du = along
         steps.q[:] = displaced(model, q, 1j * IMAGINARY * (T @ dq))
         steps.v[:] = v + 1j * IMAGINARY * (T @ dv)
-        steps.states[:] = engine.states + 1j * IMAGINARY * dx
+        steps.states[:] = engine.states
+        steps.states[moving] += 1j * IMAGINARY * dx
         steps.input[:] = engine.input + 1j * IMAGINARY * du
         steps.time[0] = time
         c, cdot = steps.constraints()
         acceleration, _ = steps.accelerations()
-        rates = np.array(steps.state_rates)
+        rates = np.array(steps.state_rates[moving])
         parts = (c, cdot, T.T @ acceleration, steps.sensors(), rates)
         return tuple(np.array(part.imag) / IMAGINARY for part in parts)
 
-    sizes = (nv, nv, model.nstate, len(model.inputs))
-    lengths = (model.nrow, model.nrow, nv, model.nout, model.nstate)
+    sizes = (nv, nv, len(moving), len(model.inputs))
+    lengths = (model.nrow, model.nrow, nv, model.nout, len(moving))
 
     def columns(which: int) -> list[Array]:
         """Return derivatives by q, v, states or inputs (which = 0 .. 3), (rows, columns) each."""
@@ -391,7 +394,7 @@ def linearise(
         state_names=(
             *(f"y{k}" for k in range(f)),
             *(f"u{k}" for k in range(f)),
-            *model.state_names,
+            *(model.state_names[i] for i in moving_states(model)),
         ),
     )
 

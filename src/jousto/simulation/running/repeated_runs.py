@@ -110,14 +110,16 @@ class Repeated:
         Raises
         ------
         NotAnalytic
-            If the run switches (adaptive steps, friction, events), calls a function of Python, does
-            not fit into memory or does not reach its end.
+            If the run switches (adaptive steps, friction, yielding, events), calls a function of
+            Python, does not fit into memory or does not reach its end.
         """
         model = self._plain_model
         if self._solver.adaptive:
             raise NotAnalytic(f"{type(self._solver).__name__} chooses its steps")
         if any(friction.sticks for friction in model.frictions):
             raise NotAnalytic("friction sticks and slips")
+        if any(force.law.yields for force in model.forces):
+            raise NotAnalytic("a force yields")
         if any(force.function is not None for force in model.forces):
             raise NotAnalytic("a force is a function of Python")
         if not self._plain:

@@ -59,20 +59,22 @@ def _largest(model: Model, solver: Solver, step: float) -> float:
     nv = model.nv
 
     states = np.array(engine.states)
+    free = np.flatnonzero(state_sizes(model))  # plastic deformation stays
 
     def after(x: Array) -> tuple[Array, Array]:
         engine.time[0] = 0.0
         engine.q[:] = displaced(model, model.q0, x[:nv])
         engine.v[:] = model.v0 + x[nv : 2 * nv]
-        engine.states[:] = states + x[2 * nv :]
+        engine.states[:] = states
+        engine.states[free] += x[2 * nv :]
         engine.restart()
         engine.step(native)
-        return engine.q.copy(), np.concatenate([engine.v, engine.states])
+        return engine.q.copy(), np.concatenate([engine.v, engine.states[free]])
 
-    after(np.zeros(2 * nv + len(states)))
+    after(np.zeros(2 * nv + len(free)))
     back = np.linalg.pinv(engine.increments())  # map from small changes of q to increments
     unit = model.size / velocity_metres(model)
-    sizes = [DISTANCE * unit, SPEED * unit / step, DISTANCE * state_sizes(model)]
+    sizes = [DISTANCE * unit, SPEED * unit / step, DISTANCE * state_sizes(model)[free]]
     columns = []
     scale = np.concatenate(sizes)
     for x in np.diag(scale):

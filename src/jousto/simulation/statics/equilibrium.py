@@ -105,7 +105,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
     for _ in range(ITERATIONS):
         t = at_rest(model, replace(start, q=q, v=rest, turn=None, joint=None))
         if t.N.shape[1] == 0:
-            return replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None)
+            return _yielded(engine, replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None))
         force = t.N.T @ t.M @ t.a
         squares, shapes = stiffness_modes(t)
         # modal forces c by least squares: under follower loads the shapes are not orthogonal
@@ -126,7 +126,7 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         reach = max(max(*moves, bent) / (TRAVEL * model.size), max(turns) / TURN, 1e-300)
         body = model.bodies[int(np.argmax(np.array(moves) / model.size + np.array(turns)))].name
         if pull <= tolerance * largest or reach < 1e-13:
-            return replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None)
+            return _yielded(engine, replace(start, q=q, v=rest, lam=t.lam, turn=None, joint=None))
         before = float(force @ force)
         factor = min(1.0, bound / reach)
         engine.time[0] = time
@@ -147,3 +147,12 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         time=time,
         body=body,
     )
+
+
+def _yielded(engine: Engine, found: State) -> State:
+    """Return the state with what has yielded on the way to it."""
+    if not engine.model.nstate:
+        return found
+    engine.q[:], engine.v[:] = found.q, found.v
+    engine.yield_forces()
+    return replace(found, states=np.array(engine.states))

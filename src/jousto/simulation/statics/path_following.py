@@ -242,6 +242,7 @@ class Walk:
         )
         ahead = Rates(np.concatenate([x, extra]), 0.0)
         size = 0.5 * length
+        balance.go_back(self.states[-2])
         while True:
             try:
                 point = at_arc_length(balance, at, ahead, size, self.weight)
@@ -251,6 +252,7 @@ class Walk:
                 pass
             size *= 0.5
             if size < SHORTEST * length:
+                balance.go_back(self.states[-1])
                 return None
         for kept in (
             self.points,
@@ -259,6 +261,7 @@ class Walk:
             self.rows,
         ):  # remove the point beyond the bifurcation
             kept.pop()
+        balance.go_back(self.states[-1])
         came = Rates(
             np.concatenate([balance.between(at.q, point.q), point.lam - at.lam]),
             point.value - at.value,
@@ -282,6 +285,7 @@ class Walk:
 
     def _crossing(self, fraction: Callable[[float], Point], place: int) -> CriticalPoint:
         """Return the point where mode `place`, ascending, has omega^2 = 0 (Illinois rule)."""
+        self.balance.go_back(self.states[-2])
         left, right = 0.0, 1.0
         fl, fr = (self._ascending(self.spectra[i], place)[0] for i in (-2, -1))
         scale = max(abs(fl), abs(fr))
@@ -307,11 +311,13 @@ class Walk:
                 right, fr, fl = x, value, 0.5 * fl
         point, shape = best
         model = self.balance.model
+        kind = self._kind(point, shape)
         state, _ = self.balance.accept(point.q, point.lam, point.value)
+        self.balance.go_back(self.states[-1])
         drawn = normalised_shapes(model, state.q, local(model, state.q, shape[:, None]))
         return CriticalPoint(
             load=point.value,
-            kind=self._kind(point, shape),
+            kind=kind,
             state=state,
             increments=shape,
             shape={name: np.real(moved[0]) for name, moved in drawn.items()},

@@ -161,7 +161,7 @@ class Balance:
 
     def _same(self, engine: Engine) -> None:
         """Copy time, inputs and states of events from the engine to another one."""
-        for name in ("time", "input", "turn", "locked", "held", "slip", "direction"):
+        for name in ("time", "input", "turn", "locked", "held", "slip", "direction", "states"):
             getattr(engine, name)[:] = getattr(self.engine, name)
         engine.happened[:] = self.engine.happened
 
@@ -323,13 +323,19 @@ class Balance:
             )
         return out
 
+    def go_back(self, state: State) -> None:
+        """Let forces have yielded as they had at a state."""
+        if state.states is not None:
+            self.engine.states[:] = state.states
+
     def accept(self, q: Array, lam: Array, value: float) -> tuple[State, Array]:
-        """Return the state and its sensor values; update the revolution counters of angles."""
+        """Return the state and its sensor values; count turns, and let forces yield."""
         engine = self.at(q, lam, value)
         if len(engine.turn):  # revolution counters, updated by assemble
             engine.assemble(0)
             engine = self.at(q, lam, value)
         velocities = np.array(engine.v)
+        engine.yield_forces()
         engine.row()
         sensors = np.array(engine.sensors())
         kept = {name: float(engine.input[i]) for i, name in enumerate(self.model.inputs)}
@@ -340,6 +346,7 @@ class Balance:
             time=float(engine.time[0]),
             turn=np.array(engine.turn),
             inputs=kept,
+            states=np.array(engine.states),
         )
         return state, sensors
 

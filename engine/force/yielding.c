@@ -1,0 +1,81 @@
+/* yielding.c - forces that yield: their states at the ends of steps, margins and dissipated energy. */
+#include "valid.h"
+#include "maximal/maximal.h"
+#include "force/force.h"
+
+enum { JO_MAX_YIELDING_STATES = 8 };   /* states of a force that yields */
+
+int jo_yielding_ready(const jo_model *m, jo_data *d)
+{
+    const int status = jo_ready_sensors(m, d, 0);
+    if (status != JO_OK || !m->nyielding) return status;
+    jo_marker_position(m, d, m->nactive);
+    jo_marker_velocity(m, d, m->nactive);
+    for (int k = 0; k < m->nyielding; k++) {
+        const int c = m->force[d->forces.yielding[k]].coordinate;
+        jo_coordinate_value(m, d, c);
+        jo_coordinate_rate(m, d, c);
+    }
+    return JO_OK;
+}
+
+jo_real jo_yielding_margin(const jo_model *m, const jo_data *d, int k)
+{
+    const jo_force *f = &m->force[d->forces.yielding[k]];
+    return jo_released(d, f->release) ? jo_same(1.0) : jo_yielding_of(f)->margin(d, f);
+}
+
+/* states of force k of those that yield, at the present coordinates; returns what it has dissipated in the step */
+static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f, jo_real *x)
+{
+    for (int i = 0; i < f->states; i++) x[i] = jo_states(m, d)[f->state + i];
+    return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(d, f, x);
+}
+
+/* The states of the end of a step, and its dissipated energy. They belong to the history of generalised alpha, which goes on. */
+void jo_accept_yielding(const jo_model *m, jo_data *d)
+{
+    jo_real x[JO_MAX_YIELDING_STATES];
+    for (int k = 0; k < m->nyielding; k++) {
+        const jo_force *f = &m->force[d->forces.yielding[k]];
+        d->work.damping += update_of(m, d, f, x);
+        for (int i = 0; i < f->states; i++) {
+            jo_states(m, d)[f->state + i] = x[i];
+            d->alpha.end_v[m->nv + f->state + i] = x[i];
+        }
+    }
+}
+
+void jo_yield(const jo_model *m, jo_data *d)
+{
+    if (!m->nyielding) return;
+    jo_state_changed(d);
+    if (jo_yielding_ready(m, d) == JO_OK) jo_accept_yielding(m, d);   /* never fails: it needs no accelerations */
+    jo_state_changed(d);
+}
+
+jo_real jo_yielding_loss(const jo_model *m, const jo_data *d)
+{
+    jo_real sum = {0.0}, x[JO_MAX_YIELDING_STATES];
+    for (int k = 0; k < m->nyielding; k++) sum += update_of(m, d, &m->force[d->forces.yielding[k]], x);
+    return sum;
+}
+
+void jo_force_state(const jo_model *m, const jo_data *d, int force, int state, jo_real *y)
+{
+    const jo_force *f = &m->force[force];
+    jo_real x[JO_MAX_YIELDING_STATES];
+    y[0] = jo_states(m, d)[f->state + state];
+    if (!jo_yielding_of(f)) return;
+    update_of(m, d, f, x);
+    y[0] = x[state];
+}
+
+/* the list of the forces that yield, and where states are without a model */
+void jo_force_setup(const jo_model *m, jo_data *d)
+{
+    int k = 0;
+    d->forces.nstate = m->nstate;
+    for (int i = 0; i < m->nforce && k < m->nyielding; i++)
+        if (jo_yielding_of(&m->force[i])) d->forces.yielding[k++] = i;
+}

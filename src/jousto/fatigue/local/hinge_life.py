@@ -1,0 +1,278 @@
+"""Plastic hinges over a run: cycles of plastic deformation, shakedown, ratchet, strain life."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from jousto.base.arguments import explained
+from jousto.base.arrays import Array
+from jousto.base.errors import Problems, suggest, warn
+from jousto.base.files import Rows, Tabular
+from jousto.base.object_repr import described
+from jousto.fatigue.cycles.rainflow import turning_points
+from jousto.fatigue.local.strain_life import LocalCycles, Residue, loops
+from jousto.materials.strength.strain_life import FORMS, Form, StrainLife
+from jousto.mechanism.sensors.damage_rule import RESIDUES
+
+STILL = 1e-6
+"""Range of the plastic deformation in a cycle over that of the history, below which it is none."""
+CLOSED = 1e-3
+"""Drift of the plastic deformation in a cycle, over its range, below which its loop is closed."""
+OPEN = 0.01
+"""The same over the whole history, above which a repetition would start elsewhere."""
+
+
+@described
+@dataclass(frozen=True, eq=False)
+class HingeCycles(Tabular):
+    """Load cycles of a plastic hinge: how far it yields in each, and what becomes of it.
+
+    Attributes
+    ----------
+    range : (n,) array
+        Largest less smallest plastic deformation in each cycle, rad or m.
+    drift : (n,) array
+        Plastic deformation at the end of each cycle less that at its start, rad or m.
+    work : (n,) array
+        Plastic work in each cycle, J.
+    largest : float
+        Largest magnitude of the plastic deformation over the history.
+    verdict : str
+        "elastic": it never yields; "shakedown": it has yielded, and in the last cycle no longer;
+        "alternating": it yields to and fro in a closed loop; "ratchet": every cycle adds to it.
+    """
+
+    range: Array
+    drift: Array
+    work: Array
+    largest: float
+    verdict: str
+
+    def table(self, rows: int = 10) -> str:
+        """Return a table of the last cycles."""
+        about = {
+            "elastic": "it never yields",
+            "shakedown": "no plastic deformation in the last cycle",
+            "alternating": "the last cycle is a closed plastic loop: low-cycle fatigue",
+            "ratchet": "every cycle adds plastic deformation",
+        }
+        lines = [
+            f"plastic hinge, {len(self.range)} load cycles: {self.verdict}, "
+            f"{about[self.verdict]}; largest deformation {self.largest:.6g}",
+            f"{'cycle':>6} {'range':>12} {'drift':>12} {'work':>12}",
+        ]
+        for k in range(max(0, len(self.range) - rows), len(self.range)):
+            lines.append(
+                f"{k + 1:6d} {self.range[k]:12.5g} {self.drift[k]:12.5g} {self.work[k]:12.5g}"
+            )
+        return "\n".join(lines)
+
+    def _csv(self) -> Rows:
+        """Return the table of all cycles."""
+        rows = zip(self.range.tolist(), self.drift.tolist(), self.work.tolist(), strict=True)
+        return ("range", "drift", "plastic work (J)", self.verdict), rows
+
+    def __str__(self) -> str:
+        return self.table()
+
+
+@explained
+def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05) -> HingeCycles:
+    """Return the load cycles of a plastic hinge with the range of its deformation in each.
+
+    A cycle goes from one turning point of the moment to the next but one.
+
+    Parameters
+    ----------
+    moment : (nt,) array_like
+        Moment M that bends the hinge, N m, or force that stretches the bar, N: minus the value of
+        its `ForceSensor`, which is the force on body b.
+    plastic : (nt,) array_like
+        Plastic deformation, rad or m: `ForceStateSensor`.
+    ignore : float
+        Turns of the moment smaller than this share of its largest range are no cycles.
+
+    Raises
+    ------
+    InputError
+        If histories are empty, not finite, of different lengths, or the moment has the wrong sign.
+
+    Examples
+    --------
+    >>> M = [0.0, 4000.0, -4000.0, 4000.0, -4000.0]
+    >>> print(hinge_cycles(M, [0.0, 0.05, -0.05, 0.05, -0.05]).verdict)
+    alternating
+    """
+    M, p = _histories("hinge cycles", moment, plastic)
+    problems = Problems()
+    problems.number("hinge cycles", "ignore", ignore, "", "0 to below 1", lambda x: 0 <= x < 1)
+    problems.raise_if_any()
+    ends = _large_turns(M, ignore * float(np.ptp(M)))
+    starts, stops = ends[:-2:2], ends[2::2]
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (M[1:] + M[:-1]) * np.diff(p))])
+    ranges = np.array([np.ptp(p[i : j + 1]) for i, j in zip(starts, stops, strict=True)])
+    drift = p[stops] - p[starts]
+    return HingeCycles(
+        range=ranges,
+        drift=drift,
+        work=work[stops] - work[starts],
+        largest=float(np.abs(p).max()),
+        verdict=_verdict(p, ranges, drift),
+    )
+
+
+def _verdict(p: Array, ranges: Array, drift: Array) -> str:
+    whole = float(np.ptp(p))
+    if whole == 0.0:
+        return "elastic"
+    if not len(ranges):
+        warn("hinge cycles", "the moment has no complete cycle; the run is too short for a verdict")
+        return "alternating" if np.ptp(p[len(p) // 2 :]) > STILL * whole else "shakedown"
+    if ranges[-1] <= STILL * whole:
+        return "shakedown"
+    return "alternating" if abs(drift[-1]) <= CLOSED * ranges[-1] else "ratchet"
+
+
+def _large_turns(x: Array, small: float) -> NDArray[np.int64]:
+    """Return the indices of the turning points that remain without turns smaller than `small`."""
+    values, index = turning_points(x)
+    kept: list[int] = [0]
+    for k in range(1, len(values)):
+        last = values[kept[-1]]
+        if len(kept) >= 2 and (values[k] - last) * (last - values[kept[-2]]) >= 0.0:
+            kept[-1] = k  # it goes on in the same direction
+        elif abs(values[k] - last) > small:
+            kept.append(k)
+    return index[kept]
+
+
+@explained
+def hinge_life(
+    moment: ArrayLike,
+    plastic: ArrayLike,
+    material: StrainLife,
+    *,
+    length: float,
+    modulus: float,
+    depth: float | None = None,
+    residue: Residue,
+    form: Form = "swt",
+) -> LocalCycles:
+    """Return the strain loops of the outer fibre of a plastic hinge, with their damage.
+
+    The strain is ``M / (E W) + p h / (2 l_p)``: the curvature of the plastic deformation p over the
+    plastic length l_p, at half the depth h of the section, and the elastic strain. A bar has
+    ``F / (E A) + p / l_p``. The stress of the mean stress correction is ``M / W`` or ``F / A``.
+
+    Parameters
+    ----------
+    moment, plastic : (nt,) array_like
+        As for `hinge_cycles`.
+    material : StrainLife
+    length : float
+        Plastic length l_p, m: the length over which the deformation of the hinge is spread, often
+        half the depth to the depth of the section. The life depends on it directly, so it is asked
+        for.
+    modulus : float
+        Elastic section modulus W, m3; with ``depth=None`` the area A, m2.
+    depth : float, optional
+        Depth h of the section in the plane of bending, m; None for a bar under axial force.
+    residue : {"half", "repeat", "ignore"}
+        As for `local_cycles`; mandatory.
+    form : {"coffin-manson", "morrow", "swt"}
+        Form of the mean stress correction.
+
+    Raises
+    ------
+    InputError
+        If histories are empty, not finite, of different lengths, or the moment has the wrong sign;
+        if a number is not positive, or a word unknown.
+
+    Warns
+    -----
+    JoustoWarning
+        If the history is to be repeated and ends at another plastic deformation than it starts at.
+
+    Examples
+    --------
+    >>> from jousto.fatigue import StrainLife
+    >>> steel = StrainLife(E=206e9, sf=930e6, b=-0.095, ef=0.26, c=-0.47)
+    >>> found = hinge_life([100, -100, 100], [0.02, -0.02, 0.02], steel,
+    ...                    length=0.1, modulus=1.0, depth=0.1, residue="repeat")
+    >>> round(2 * found.life, 3)
+    1748.506
+    """
+    where = "hinge life"
+    problems = Problems()
+    for name, value, unit in (("length", length, "m"), ("modulus", modulus, "m3")):
+        problems.positive(where, name, value, unit)
+    if depth is not None:
+        problems.positive(where, "depth", depth, "m")
+    if residue not in RESIDUES:
+        problems.add(where, f"residue is {residue!r}{suggest(residue, RESIDUES)}")
+    if form not in FORMS:
+        problems.add(where, f"form is {form!r}{suggest(form, FORMS)}")
+    problems.raise_if_any()
+    M, p = _histories(where, moment, plastic)
+    lever = 1.0 if depth is None else 0.5 * depth
+    stress = M / modulus
+    strain = stress / material.E + p * lever / length
+    if residue == "repeat":
+        _check_closed(where, p)
+        turn = int(np.argmax(np.abs(strain)))
+        stress, strain = (np.concatenate([x[turn:], x[: turn + 1]]) for x in (stress, strain))
+    turns, index = turning_points(strain)
+    i, j, count = loops(turns, residue)
+    amplitude = 0.5 * np.abs(turns[i] - turns[j])
+    mean = 0.5 * (stress[index[i]] + stress[index[j]])
+    return LocalCycles(
+        strain=amplitude,
+        stress=0.5 * np.abs(stress[index[i]] - stress[index[j]]),
+        mean=mean,
+        count=count,
+        cycles=material.cycles(amplitude, mean=mean, form=form),
+        residue=residue,
+        rule="hinge",
+        form=form,
+        material=material.name,
+    )
+
+
+def _check_closed(where: str, p: Array) -> None:
+    whole = float(np.ptp(p))
+    if abs(p[-1] - p[0]) > OPEN * whole:
+        warn(
+            where,
+            f"the plastic deformation goes from {p[0]:.4g} to {p[-1]:.4g}: a repetition of the "
+            "history would start from there; give a whole cycle at its steady state, or "
+            "residue='half'",
+        )
+
+
+def _histories(where: str, moment: ArrayLike, plastic: ArrayLike) -> tuple[Array, Array]:
+    """Return the histories of the moment and of the plastic deformation, (nt,) each."""
+    problems = Problems()
+    out = []
+    for name, series in (("moment", moment), ("plastic", plastic)):
+        x = np.asarray(series, dtype=float) if not isinstance(series, str) else series
+        if isinstance(x, np.ndarray) and x.ndim == 2 and x.shape[1] == 1:
+            x = x[:, 0]  # a sensor with one component
+        out.append(problems.array(where, name, x, (None,)))
+    M, p = out
+    if M is not None and p is not None:
+        if len(M) != len(p):
+            problems.add(where, f"{len(M)} values of moment, {len(p)} of plastic; give as many")
+        elif not len(M):
+            problems.add(where, "the histories are empty")
+        elif float((M[1:] + M[:-1]) @ np.diff(p)) < 0.0:
+            problems.add(
+                where,
+                "the plastic deformation goes against the moment; a ForceSensor has the force on "
+                "body b, give minus its value",
+            )
+    problems.raise_if_any()
+    assert M is not None and p is not None
+    return np.asarray(M, dtype=float), np.asarray(p, dtype=float)
