@@ -32,17 +32,14 @@ static jo_real update_of(const jo_model *m, const jo_data *d, const jo_force *f,
     return jo_released(d, f->release) ? jo_same(0.0) : jo_yielding_of(f)->update(d, f, x);
 }
 
-/* The states of the end of a step, and its dissipated energy. They belong to the history of generalised alpha, which goes on. */
+/* The states of the end of a step, and its dissipated energy. */
 void jo_accept_yielding(const jo_model *m, jo_data *d)
 {
     jo_real x[JO_MAX_YIELDING_STATES];
     for (int k = 0; k < m->nyielding; k++) {
         const jo_force *f = &m->force[d->forces.yielding[k]];
         d->work.damping += update_of(m, d, f, x);
-        for (int i = 0; i < f->states; i++) {
-            jo_states(m, d)[f->state + i] = x[i];
-            d->alpha.end_v[m->nv + f->state + i] = x[i];
-        }
+        for (int i = 0; i < f->states; i++) jo_states(m, d)[f->state + i] = x[i];
     }
 }
 

@@ -130,6 +130,7 @@ static int accept_yielding(const jo_model *m, jo_data *d, double *g)
     int status = jo_yielding_ready(m, d);
     if (status != JO_OK) return status;
     jo_accept_yielding(m, d);
+    for (int i = 0; i < m->nstate; i++) d->alpha.end_v[m->nv + i] = jo_states(m, d)[i];   /* generalised alpha goes on */
     return yielding_margins(m, d, g + first_yielding(m));
 }
 

@@ -71,7 +71,9 @@ class PlasticSpring(ForceElement, tag="plastic-spring"):
     """
 
     kind = "plastic spring"
-    coordinate: CoordinateField = field("Coordinate of the spring: a length (N, m) or an angle (N m, rad)")
+    coordinate: CoordinateField = field(
+        "Coordinate of the spring: a length (N, m) or an angle (N m, rad)"
+    )
     stiffness: Number = field(
         "k, elastic",
         unit=STIFFNESS,
