@@ -68,9 +68,13 @@ def parts(_: Objects, __: Path) -> Objects:
     solid = jo.Part.solid(pipe, STEEL, name="pipe").with_interfaces(
         jo.Interface("bore", bore.nodes)
     )
+    supported = jo.reduction.clamp(beam, ["start", jo.reduction.SpringSupport("end", [1e5] * 6)])
     return {
         "beam": beam,
         "reduced": reduced,
+        "supported": supported,
+        "supported modes": supported.modes(2),
+        "supported state": supported.statics(jo.parts.Weight((0, 0, -9.81))),
         "mesh": pipe,
         "hole": bore,
         "quality": pipe.quality(),
@@ -253,6 +257,7 @@ def twins(_: Objects, folder: Path) -> Objects:
     return {
         "twin": twin,
         "estimate": estimate,
+        "weighed": jo.twin.weigh_modes(B, e, reduced),
         "band": jo.twin.stress_band(estimate, reduced, "s11", sites=watched.SPOTS),
         "placement": jo.twin.place_gauges(reduced, 3),
         "load": load,

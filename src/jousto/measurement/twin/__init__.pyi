@@ -13,6 +13,7 @@ from .loads import (
     locate_load as locate_load,
     place_loads as place_loads,
 )
+from .mode_weights import WeighedModes as WeighedModes, weigh_modes as weigh_modes
 from .motion.part_motion import drive_part as drive_part
 from .motion.reference import InertialForce as InertialForce, Reference as Reference
 from .motion.system import Accelerometer as Accelerometer, UnknownLoad as UnknownLoad

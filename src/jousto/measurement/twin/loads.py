@@ -206,6 +206,18 @@ def equivalent_load(M: Any, shapes: ArrayLike, f: ArrayLike) -> Array:
     return np.asarray((M @ (np.asarray(shapes) @ np.atleast_2d(f).T)).T)
 
 
+def modal_loads(where: str, loads: Any, reduced: ReducedPart | None) -> Array:
+    """Return the modal loads ``Phi^T L`` (n, na) of unit loads, given as such or by their place."""
+    given = (loads,) if isinstance(loads, UnknownLoad) else loads
+    if isinstance(given, Iterable) and not isinstance(given, np.ndarray):
+        given = tuple(given)
+        if given and isinstance(given[0], UnknownLoad):
+            if reduced is None:
+                raise InputError(Problem(where, "loads by place need reduced="))
+            given = np.hstack([load.columns(reduced)[0] for load in given])
+    return np.asarray(given, dtype=np.float64)
+
+
 def place_loads(
     f: ArrayLike, loads: Any, reduced: ReducedPart | None = None
 ) -> tuple[Array, float]:
@@ -232,14 +244,7 @@ def place_loads(
     InputError
         More loads than modes, or loads that the modes cannot distinguish.
     """
-    given = (loads,) if isinstance(loads, UnknownLoad) else loads
-    if isinstance(given, Iterable) and not isinstance(given, np.ndarray):
-        given = tuple(given)
-        if given and isinstance(given[0], UnknownLoad):
-            if reduced is None:
-                raise InputError(Problem("place_loads", "loads by place need reduced="))
-            given = np.hstack([load.columns(reduced)[0] for load in given])
-    L = np.asarray(given, dtype=np.float64)
+    L = modal_loads("place_loads", loads, reduced)
     modal = np.atleast_2d(np.asarray(f, dtype=np.float64))
     if L.ndim != 2 or L.shape[0] != modal.shape[1]:
         raise InputError(

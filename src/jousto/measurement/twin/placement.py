@@ -16,7 +16,7 @@ from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.object_repr import described
 from jousto.base.ranking import largest
 from jousto.measurement.twin.motion.system import as_rows
-from jousto.measurement.twin.reconstruction import FEWER, NOISE
+from jousto.measurement.twin.reconstruction import NOISE, WEIGH
 from jousto.measurement.twin.signals import LARGEST, read_noise
 from jousto.reduction.reduced import ReducedPart
 
@@ -165,7 +165,7 @@ def place_gauges(
         raise InputError(
             Problem(
                 where,
-                f"{count} gauges cannot distinguish {n} modes; take more, {FEWER}, or give a prior "
+                f"{count} gauges cannot distinguish {n} modes; take more, {WEIGH}, or give a prior "
                 "or the trajectory of a run",
             )
         )

@@ -28,11 +28,8 @@ PARALLEL = 1e-9
 """Cosine of two gauge rows from which they carry the same information: 1 - this value."""
 UNSEEN = 1e-9
 """Strain of a mode relative to the largest mode below which it is rounding."""
-FEWER = (
-    "reduce the part with fewer modes= (not by reduced.keep: the static shapes of its interfaces, "
-    "by which loads are found, are spread over all modes)"
-)
-"""Advice on a part with fewer modes that still represents the loads."""
+WEIGH = "weigh the modes by their stiffness (jo.twin.weigh_modes(B, e, part))"
+"""Advice on modes that gauges cannot distinguish; none has to be left out."""
 
 
 @described
@@ -399,7 +396,7 @@ class Reconstruction:
                     f"condition number {self.condition:.2g}: the gauges measure some "
                     "combinations of modes that much less than others, which amplifies the "
                     "noise; move gauges (place_gauges), "
-                    f"{FEWER}, or give a prior",
+                    f"{WEIGH}, or give a prior",
                 )
             return
         rank = n - hidden.shape[1]
@@ -418,7 +415,7 @@ class Reconstruction:
                 Problem(
                     "Reconstruction",
                     f"{found}{which}; add gauges elsewhere (other faces, axial and bending "
-                    f"apart), {FEWER}, or give prior= (covariance of the modes in a simulated run)",
+                    f"apart), {WEIGH}, or give prior= (covariance of the modes in a simulated run)",
                 )
             )
         warn(

@@ -10,26 +10,26 @@ from jousto.base.errors import Problem
 ROUNDING = 1e-9  # entry of a motion over the largest, below which it is zero
 
 
-def names_of_motions(left: Array, centre: Array, length: float) -> list[str]:
+def names_of_motions(left: Array, center: Array, length: float) -> list[str]:
     """Return names of rigid motions such as ``rotation about x through (0, 0, 0) m``.
 
     Parameters
     ----------
     left : (6, r) array
         Independent motions: translation of the centre over the length, and rotation.
-    centre : (3,) array
+    center : (3,) array
         Point to which they refer, m.
     length : float
         Size of the body, m.
     """
     # rotations first, so that each of the motions has as few rotations as possible
     rows = _reduced_rows(np.vstack([left[3:], left[:3]]).T)
-    return [_name(row[3:] * length, row[:3], centre, length) for row in rows]
+    return [_name(row[3:] * length, row[:3], center, length) for row in rows]
 
 
-def mechanism_left(where: str, left: Array, centre: Array, length: float) -> Problem:
+def mechanism_left(where: str, left: Array, center: Array, length: float) -> Problem:
     """Return the error for supports that leave rigid motions free."""
-    found = names_of_motions(left, centre, length)
+    found = names_of_motions(left, center, length)
     return Problem(
         where,
         f"its supports leave {len(found)} rigid motion{'s' * (len(found) > 1)}: "
@@ -55,12 +55,12 @@ def _reduced_rows(A: Array) -> Array:
     return A
 
 
-def _name(t: Array, w: Array, centre: Array, length: float) -> str:
+def _name(t: Array, w: Array, center: Array, length: float) -> str:
     turn = float(np.linalg.norm(w))
     if turn <= ROUNDING * max(1.0, float(np.linalg.norm(t)) / length):
         return f"translation along {_direction(t)}"
     # the axis of the screw: its point next to the centre, and its advance in a radian
-    point = centre + np.cross(w, t) / turn**2
+    point = center + np.cross(w, t) / turn**2
     advance = float(w @ t) / turn**2
     point = np.where(np.abs(point) <= 1e-6 * length, 0.0, point)
     place = ", ".join(f"{x:.4g}" for x in point)

@@ -8,12 +8,15 @@ import numpy as np
 
 from jousto.base.arrays import Array, read_only
 from jousto.base.declare import Declared
-from jousto.base.errors import Problems
+from jousto.base.errors import Problems, count
 from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalValues
+from jousto.mesh.picks import Pick
 from jousto.parts.interface import Tied
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+
+TWO = (slice(0, 3), slice(3, 6))  # translations and rotations
 
 SYMMETRY = 1e-9  # asymmetry of a stiffness over its largest entry, above which it is refused
 INDEFINITE = 1e-9  # negative eigenvalue over the largest one, above which it is refused
@@ -89,10 +92,11 @@ class Support(Declared):
     @property
     def label(self) -> str:
         """Name in messages and tables."""
-        return repr(self.on)
-
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__} on {self.label}>"
+        if isinstance(self.on, str):
+            return repr(self.on)
+        if isinstance(self.on, Pick):
+            return type(self.on).__name__
+        return count(int(np.size(self.on)), "node")
 
 
 class Clamp(Support):
@@ -106,7 +110,7 @@ class Clamp(Support):
     Examples
     --------
     >>> Clamp("start", "x y z", settlement=(0, 0, -1e-3, 0, 0, 0))
-    <Clamp on 'start'>
+    <Clamp 'start': x y z>
     """
 
     directions: Directions = field(
@@ -120,6 +124,9 @@ class Clamp(Support):
         shape=(6,),
         default=None,
     )
+
+    def __repr__(self) -> str:
+        return f"<Clamp {self.label}: {' '.join(self.directions or ()) or 'all directions'}>"
 
     @property
     def motion(self) -> Array:
@@ -138,10 +145,14 @@ class SpringSupport(Support):
     Examples
     --------
     >>> SpringSupport("end", (0, 0, 2e5, 0, 0, 0))
-    <SpringSupport on 'end'>
+    <SpringSupport 'end': up to 200000 N/m, 0 N m/rad>
     """
 
     stiffness: NodeStiffness = field(
         "Stiffness of each node in part axes: x y z in N/m, rx ry rz in N m/rad; six numbers or a "
         "(6, 6) matrix"
     )
+
+    def __repr__(self) -> str:
+        push, turn = (float(np.diag(self.stiffness)[part].max()) for part in TWO)
+        return f"<SpringSupport {self.label}: up to {push:g} N/m, {turn:g} N m/rad>"

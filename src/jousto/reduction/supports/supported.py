@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Index
-from jousto.base.errors import InputError, Problem, Problems, warn
+from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.base.object_repr import described
 from jousto.parts.part import Part
 from jousto.reduction.modes import eigen
@@ -150,8 +150,7 @@ class SupportedPart:
         self._check_rigid()
 
     def __repr__(self) -> str:
-        names = ", ".join(f"{type(x).__name__} on {x.label}" for x in self.supports)
-        return f"<SupportedPart {self.part.name!r}: {names}>"
+        return f"<SupportedPart {self.part.name!r}: {count(len(self.supports), 'support')}>"
 
     @explained
     def modes(self, count: int = 10) -> SupportedModes:
@@ -283,7 +282,7 @@ class SupportedPart:
                 rows.append(strained @ (unit[at, None] * R[at]))
         left = rigid_left(np.concatenate(rows))
         if left.shape[1]:
-            raise InputError(mechanism_left(s.where, left, s.centre, s.length))
+            raise InputError(mechanism_left(s.where, left, s.center, s.length))
 
     def _reactions(self, r: Array, u: Array) -> tuple[Reaction, ...]:
         """Return the reactions from the forces on held coordinates and the displacements."""

@@ -54,7 +54,7 @@ class System:
         Rigid motions: translations, and rotations about the centre.
     nodes : tuple of tuple of SupportedNode
         Nodes of each support.
-    centre : (3,) array
+    center : (3,) array
         Centroid of the nodes, m.
     length : float
         Size of the part, m.
@@ -73,7 +73,7 @@ class System:
     load: Callable[[Sequence[Any]], Array]
     motions: Array
     nodes: tuple[tuple[SupportedNode, ...], ...]
-    centre: Array
+    center: Array
     length: float
     label: Callable[[int], str]
     points: Array | None
@@ -133,7 +133,7 @@ def full_system(part: Part, supports: Sequence[Support]) -> System:
         load=load,
         motions=z.motions * np.repeat([1.0, z.length], 3),
         nodes=tuple(found),
-        centre=part.nodes.mean(axis=0),
+        center=part.nodes.mean(axis=0),
         length=z.length,
         label=z.label,
         points=z.points,
@@ -185,10 +185,10 @@ def reduced_system(part: ReducedPart, supports: Sequence[Support]) -> System:
     M = np.triu(M) + np.triu(M, 1).T
     K = np.zeros_like(M)
     K[6:, 6:] = np.diag(part.stiffness)
-    centre = part.nodes.mean(axis=0)
+    center = part.nodes.mean(axis=0)
     rigid = np.vstack([np.eye(6), np.zeros((n, 6))])
     # rotations about the centre
-    rigid[:3, 3:6] = skew(centre)
+    rigid[:3, 3:6] = skew(center)
 
     def displacements(x: Array) -> Array:
         turned = -np.einsum("nij,jk->nik", skew(part.nodes), x[3:6])
@@ -209,7 +209,7 @@ def reduced_system(part: ReducedPart, supports: Sequence[Support]) -> System:
             )
             for some in chosen
         ),
-        centre=centre,
+        center=center,
         length=length,
         label=lambda k: f"coordinate {k + 1}",
         points=None,
