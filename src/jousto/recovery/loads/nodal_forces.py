@@ -16,7 +16,7 @@ from jousto.recovery.loads.own_loads import DAMPING, OWN
 NEAR = 1e-6
 """Distance of a load from a node or interface / size of the part, below which it acts there."""
 LEVER = 1e-9
-"""Moment / (largest force of the run at the size of the part) below which it is rounding."""
+"""Moment / (largest load of the run at the size of the part) below which it is rounding."""
 WARNED, REFUSED = 0.01, 0.1
 """Part of the loads that the inertia of the part does not balance: warning and error."""
 

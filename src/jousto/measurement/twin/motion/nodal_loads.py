@@ -11,13 +11,9 @@ from jousto.base.arrays import Array
 from jousto.base.errors import Problems
 from jousto.measurement.twin.motion.balance import Load
 from jousto.recovery.loads.body_loads import BodyLoad, BodyLoads
+from jousto.recovery.loads.nodal_forces import LEVER, NEAR
 from jousto.recovery.loads.own_loads import OWN
 from jousto.reduction.reduced import ReducedPart
-
-NEAR = 1e-6
-"""Distance of a load from a node of the part / size of the part, below which it acts there."""
-LEVER = 1e-9
-"""Moment / (largest force and moment at the size of the part) below which it is rounding."""
 
 
 def given_at_nodes(
