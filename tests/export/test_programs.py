@@ -102,7 +102,7 @@ def test_what_no_program_can_do_is_refused(machine: jo.Model, tmp_path: Path) ->
     law = jo.UserForce("law", ball["origin"], lambda t, x: [0.0] * 6)
     rail = jo.Prismatic("rail", jo.ground["origin"], ball["origin"])
     model = jo.compile(jo.Mechanism(ball, rail, law))
-    with pytest.raises(jo.InputError, match="force 'law': is a function of Python"):
+    with pytest.raises(jo.InputError, match="force 'law': is a Python function"):
         jo.write(model, tmp_path / "ball.c")
     assert not list(tmp_path.iterdir())
 
