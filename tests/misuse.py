@@ -570,6 +570,7 @@ def _twins(made: Made, folder: Path) -> list[Call]:
     data = watched.written(folder / "d.csv", watched.lines(t, e))
     return [
         (jo.twin.Reconstruction, {"B": B}),
+        (jo.twin.weigh_modes, {"B": B, "e": e, "part": reduced}),
         (twin.estimate, {"e": e}),
         (jo.twin.UnknownLoad, {"place": "end"}),
         (jo.twin.Accelerometer, {"name": "a", "node": "end"}),

@@ -144,7 +144,7 @@ def test_a_page_has_rows_sensors_and_worst_places(tmp_path: Path) -> None:
         ({"port": True}, "port is True"),
         ({"open": "no"}, "open is 'no', must be True or False"),
         ({"damage": 5}, "damage"),
-        ({"modes": True}, "modes: are those of a machine"),
+        ({"modes": True}, "modes: need a model file: only a machine"),
     ],
 )
 def test_wrong_options_are_named(how: dict[str, Any], said: str) -> None:
@@ -161,7 +161,7 @@ def test_what_cannot_be_seen_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot be shown; known: .*\.h5 .*\.yaml .*\.msh"):
         jo.view(tmp_path / "text.txt", open=False)
     (tmp_path / "other.h5").write_bytes(b"no HDF5")
-    with pytest.raises(InputError, match="no HDF5 file"):
+    with pytest.raises(InputError, match="is not an HDF5 file"):
         jo.view(tmp_path / "other.h5", open=False)
     with pytest.raises(InputError, match="is a folder; name a file in it, such as other.h5"):
         jo.view(tmp_path, open=False)
