@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import jousto as jo
 from jousto.fatigue import StrainLife, hinge_cycles, hinge_life
@@ -91,6 +92,75 @@ def test_verdict(loads: list[float], law: dict[str, float], verdict: str) -> Non
         assert found.range[-1] == pytest.approx(100.0 / 2e4, rel=1e-4)
 
 
+def test_yielding_in_the_last_half_cycle_counts() -> None:
+    M, p = [0.0, *[1000.0, -1000.0] * 3, 5000.0], [0.0] * 7 + [0.1]
+    found = hinge_cycles(M, p)
+    assert found.verdict == "undecided"
+    assert found.drift[-1] == pytest.approx(0.1)
+    assert found.work.sum() == pytest.approx(0.1 * 2000.0)  # nothing is left out
+    # what yields while the moment stays after the last turn counts, too
+    assert hinge_cycles([*M, 5000.0], [*p, 0.3]).drift[-1] == pytest.approx(0.3)
+
+
+def test_one_cycle_with_drift_is_no_ratchet() -> None:
+    M, p = [0.0, *[1000.0, -1000.0] * 3, 5000.0, -1000.0], [0.0] * 7 + [0.1, 0.1]
+    assert hinge_cycles(M, p).verdict == "undecided"
+    # shakedown after it, and a ratchet once other cycles add as much
+    assert hinge_cycles([*M, 1000.0, -1000.0], [*p, 0.1, 0.1]).verdict == "shakedown"
+    more = [*M, 5000.0, -1000.0, 5000.0, -1000.0]
+    assert hinge_cycles(more, [*p, 0.2, 0.2, 0.3, 0.3]).verdict == "ratchet"
+    # to and fro by turns adds nothing
+    assert hinge_cycles(more, [*p, 0.0, 0.0, 0.1, 0.1]).verdict == "undecided"
+
+
+@pytest.mark.parametrize("count", [6, 12, 40])
+def test_a_drift_that_dies_away_settles(count: int) -> None:
+    """Armstrong and Frederick with isotropic hardening: X and the yield force step by step.
+
+    Between two turns M the flow dl solves ``s X + M_y + Hi l = s M`` with
+    ``s X = C/G - (C/G - s X0) exp(-G dl)``.
+    """
+    C, G, Hi, strength, X, p, path = 6e4, 30.0, 5e3, 3000.0, 0.0, 0.0, 0.0
+    M, plastic = [0.0], [0.0]
+    for load in [4000.0, -3500.0] * count:
+        s = np.sign(load)
+
+        def over(
+            dl: float, s: float = s, load: float = load, X: float = X, l: float = path
+        ) -> float:
+            back = C / G - (C / G - s * X) * np.exp(-G * dl)
+            return float(back + strength + Hi * (l + dl) - s * load)
+
+        dl = scipy.optimize.brentq(over, 0.0, 1.0, xtol=1e-18) if over(0.0) < 0.0 else 0.0
+        X = s * (C / G - (C / G - s * X) * np.exp(-G * dl))
+        p, path = p + s * dl, path + dl
+        M.append(load)
+        plastic.append(p)
+    found = hinge_cycles(M, plastic)
+    assert abs(found.drift[-1]) < 0.75 * abs(found.drift[-2])
+    assert found.verdict == "settling"
+    assert f"drift of the last cycle {found.drift[-1]:.4g}" in str(found)
+
+
+def test_a_plateau_of_the_moment_belongs_to_the_cycle_that_ends_there() -> None:
+    """Without hardening it flows at a constant moment."""
+    up, down = [3000.0] * 3, [-3000.0] * 3
+    M = [0.0, *up, *down, *up, *down]
+    p = np.array([0, 0, 0.05, 0.1, 0.1, 0, -0.1, -0.1, 0, 0.1, 0.1, 0, -0.1])
+    found = hinge_cycles(M, p)
+    assert found.verdict == "alternating"
+    assert found.range == pytest.approx([0.2, 0.2])
+    assert found.work[-1] == pytest.approx(3000.0 * 0.4)
+
+
+def test_back_force_may_move_the_hinge_against_the_moment() -> None:
+    """X = 6000 above M_y = 3000: from 9000 down to 3000 it is elastic, at 1000 it flows back."""
+    found = hinge_cycles([9000.0, 3000.0, 1000.0, 9000.0], [0.3, 0.3, 0.2, 0.3])
+    assert found.work[-1] == pytest.approx(-0.1 * 2000.0 + 0.1 * 5000.0)
+    with pytest.warns(jo.JoustoWarning, match="no complete cycle"):
+        assert hinge_cycles([9000, 3000, 1000], [0.3, 0.3, 0.2]).verdict == "undecided"
+
+
 def test_small_turns_are_no_cycles() -> None:
     M = np.array([0, 100, 98, 4000, 3990, 4000, -4000, -3999, -4000, 4000.0])
     p = np.array([0, 0, 0, 0.05, 0.05, 0.05, -0.05, -0.05, -0.05, 0.05])
@@ -104,6 +174,11 @@ def test_wrong_histories() -> None:
         hinge_cycles([0.0, -4000.0, 4000.0], p)
     with pytest.raises(jo.InputError, match="3 values of moment, 2 of plastic"):
         hinge_cycles(M, p[:2])
+    with pytest.raises(jo.InputError, match="against the moment"):  # without hardening
+        hinge_cycles([0.0, -3000.0, -3000.0], [0.0, 0.0, 0.1])
+    for wrong in ([0.0, 1j, 0.0], None, "M"):
+        with pytest.raises(jo.InputError, match="moment"):
+            hinge_cycles(wrong, p)  # type: ignore[arg-type]
     with pytest.raises(jo.InputError, match="empty"):
         hinge_cycles([], [])
     with pytest.raises(jo.InputError) as error:

@@ -348,3 +348,22 @@ def test_numbers_are_checked() -> None:
         jo.mechanism.ForceStateSensor("p", hinge, "plastik")
     with pytest.raises(jo.InputError, match="spring 's' has no states; take a PlasticSpring"):
         jo.mechanism.ForceStateSensor("p", jo.Spring("s", root.angle, 1.0))
+
+
+@pytest.mark.parametrize(
+    "law, load", [({}, 3001.0), ({"kinematic": 6e4, "recovery": 30.0}, 5001.0)]
+)
+def test_a_load_beyond_the_plastic_limit_is_named(law: dict[str, float], load: float) -> None:
+    """The limit is M_y without hardening, M_y + C/G by Armstrong and Frederick."""
+    body = jo.RigidBody("boom", 30.0, (66.67,) * 3)
+    root = jo.Revolute("root", jo.ground["origin"], body["origin"], axis=(0, 0, 1))
+    hinge = jo.mechanism.PlasticSpring("hinge", root.angle, 2e5, 3000.0, **law)
+    push = jo.JointForce("load", root.angle, jo.Input("load"))
+    model = jo.compile(jo.Mechanism(body, root, hinge, push))
+    named = r"'hinge' \(3000 N m\) carries the full strength .* likely the plastic limit"
+    with pytest.raises(jo.SimulationError, match=named):
+        jo.simulation.load_path(model, "load", to=load, steps=10)
+    with pytest.raises(jo.SimulationError, match=named):
+        jo.equilibrium(model, replace(jo.equilibrium(model), inputs={"load": load}))
+    # below it there is an equilibrium
+    assert jo.simulation.load_path(model, "load", to=load - 10.0, steps=10).states

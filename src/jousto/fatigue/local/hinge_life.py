@@ -21,6 +21,14 @@ STILL = 1e-6
 """Range of the plastic deformation in a cycle over that of the history, below which it is none."""
 CLOSED = 1e-3
 """Drift of the plastic deformation in a cycle, over its range, below which its loop is closed."""
+ROUND = 1e-9
+"""Difference of moments over their range, up to which they are the same."""
+TREND = 0.01
+"""Decrease from cycle to cycle, over the value, from which on yielding dies away."""
+UNLIKE = 2.0
+"""Yielding in the last cycle over the largest of those before, above which they do not tell."""
+LAST = 3
+"""Most cycles by which a trend is judged."""
 OPEN = 0.01
 """The same over the whole history, above which a repetition would start elsewhere."""
 
@@ -42,7 +50,9 @@ class HingeCycles(Tabular):
         Largest magnitude of the plastic deformation over the history.
     verdict : str
         "elastic": it never yields; "shakedown": it has yielded, and in the last cycle no longer;
-        "alternating": it yields to and fro in a closed loop; "ratchet": every cycle adds to it.
+        "alternating": it yields to and fro in a closed loop; "ratchet": the last cycles add to it
+        the same way; "settling": it yields, in each of the last cycles less than before;
+        "undecided": it yields in the last cycle, and too few cycles before it are like it.
     """
 
     range: Array
@@ -57,11 +67,17 @@ class HingeCycles(Tabular):
             "elastic": "it never yields",
             "shakedown": "no plastic deformation in the last cycle",
             "alternating": "the last cycle is a closed plastic loop: low-cycle fatigue",
-            "ratchet": "every cycle adds plastic deformation",
+            "ratchet": "the last cycles add plastic deformation the same way",
+            "settling": "each of the last cycles yields less than the one before",
+            "undecided": "too few cycles like the last one, in which it yields; give more cycles",
         }
+        n = len(self.drift)
+        last = f"; drift of the last cycle {self.drift[-1]:.4g}" if n else ""
+        if n > 1:
+            last += f", of the one before {self.drift[-2]:.4g}"
         lines = [
             f"plastic hinge, {len(self.range)} load cycles: {self.verdict}, "
-            f"{about[self.verdict]}; largest deformation {self.largest:.6g}",
+            f"{about[self.verdict]}; largest deformation {self.largest:.6g}{last}",
             f"{'cycle':>6} {'range':>12} {'drift':>12} {'work':>12}",
         ]
         for k in range(max(0, len(self.range) - rows), len(self.range)):
@@ -83,7 +99,9 @@ class HingeCycles(Tabular):
 def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05) -> HingeCycles:
     """Return the load cycles of a plastic hinge with the range of its deformation in each.
 
-    A cycle goes from one turning point of the moment to the next but one.
+    A cycle goes from one turning point of the moment to the next but one. They are counted back
+    from the end of the history, so that none of its end is left out; a half cycle that is over is
+    the first. The verdict compares up to three cycles, without one that begins with the history.
 
     Parameters
     ----------
@@ -111,7 +129,9 @@ def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05)
     problems.number("hinge cycles", "ignore", ignore, "", "0 to below 1", lambda x: 0 <= x < 1)
     problems.raise_if_any()
     ends = _large_turns(M, ignore * float(np.ptp(M)))
-    starts, stops = ends[:-2:2], ends[2::2]
+    ends = _plateau_ends(M, ends)
+    first = (len(ends) - 1) % 2
+    starts, stops = ends[first:-2:2], ends[first + 2 :: 2]
     work = np.concatenate([[0.0], np.cumsum(0.5 * (M[1:] + M[:-1]) * np.diff(p))])
     ranges = np.array([np.ptp(p[i : j + 1]) for i, j in zip(starts, stops, strict=True)])
     drift = p[stops] - p[starts]
@@ -120,20 +140,31 @@ def hinge_cycles(moment: ArrayLike, plastic: ArrayLike, *, ignore: float = 0.05)
         drift=drift,
         work=work[stops] - work[starts],
         largest=float(np.abs(p).max()),
-        verdict=_verdict(p, ranges, drift),
+        verdict=_verdict(p, ranges, drift, len(ranges) - 1 + first),
     )
 
 
-def _verdict(p: Array, ranges: Array, drift: Array) -> str:
+def _verdict(p: Array, ranges: Array, drift: Array, like: int) -> str:
+    """Return the verdict; the last `like` cycles do not begin with the history."""
     whole = float(np.ptp(p))
     if whole == 0.0:
         return "elastic"
     if not len(ranges):
         warn("hinge cycles", "the moment has no complete cycle; the run is too short for a verdict")
-        return "alternating" if np.ptp(p[len(p) // 2 :]) > STILL * whole else "shakedown"
+        return "undecided"
     if ranges[-1] <= STILL * whole:
         return "shakedown"
-    return "alternating" if abs(drift[-1]) <= CLOSED * ranges[-1] else "ratchet"
+    closed = abs(drift[-1]) <= CLOSED * ranges[-1]
+    x = (ranges if closed else np.abs(drift))[len(ranges) - min(like, LAST) :]
+    if len(x) < 2:
+        return "alternating" if closed else "undecided"
+    if (x[1:] < (1.0 - TREND) * x[:-1]).all():
+        return "settling"
+    if x[-1] > UNLIKE * x[:-1].max():
+        return "undecided"
+    if closed:
+        return "alternating"
+    return "ratchet" if drift[-1] * drift[-2] > 0.0 else "undecided"
 
 
 def _large_turns(x: Array, small: float) -> NDArray[np.int64]:
@@ -147,6 +178,16 @@ def _large_turns(x: Array, small: float) -> NDArray[np.int64]:
         elif abs(values[k] - last) > small:
             kept.append(k)
     return index[kept]
+
+
+def _plateau_ends(M: Array, ends: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the last instants at the turning points: without hardening it yields on a plateau."""
+    same = ROUND * float(np.ptp(M))
+    out = ends.copy()
+    for k, (i, j) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+        out[k] = i + np.flatnonzero(np.abs(M[i:j] - M[i]) <= same)[-1]
+    out[-1] = len(M) - 1  # with the yielding after the last turn
+    return out
 
 
 @explained
@@ -257,22 +298,33 @@ def _histories(where: str, moment: ArrayLike, plastic: ArrayLike) -> tuple[Array
     problems = Problems()
     out = []
     for name, series in (("moment", moment), ("plastic", plastic)):
-        x = np.asarray(series, dtype=float) if not isinstance(series, str) else series
-        if isinstance(x, np.ndarray) and x.ndim == 2 and x.shape[1] == 1:
-            x = x[:, 0]  # a sensor with one component
-        out.append(problems.array(where, name, x, (None,)))
+        one = np.ndim(series) == 2 and np.shape(series)[1] == 1  # a sensor with one component
+        x = problems.array(where, name, series, (None, 1) if one else (None,))
+        out.append(x[:, 0] if one and x is not None else x)
     M, p = out
     if M is not None and p is not None:
         if len(M) != len(p):
             problems.add(where, f"{len(M)} values of moment, {len(p)} of plastic; give as many")
         elif not len(M):
             problems.add(where, "the histories are empty")
-        elif float((M[1:] + M[:-1]) @ np.diff(p)) < 0.0:
+        elif _is_against(M, p):
             problems.add(
                 where,
-                "the plastic deformation goes against the moment; a ForceSensor has the force on "
+                "the plastic work of the whole history is negative, the plastic deformation goes "
+                "against the moment; a ForceSensor has the force on "
                 "body b, give minus its value",
             )
     problems.raise_if_any()
     assert M is not None and p is not None
     return np.asarray(M, dtype=float), np.asarray(p, dtype=float)
+
+
+def _is_against(M: Array, p: Array) -> bool:
+    """Return whether the plastic deformation has the wrong sign for the moment.
+
+    The work over a history is negative then. So it may be where the back force moves the hinge back
+    after the history has begun; but then the moment changes with the flow, ``dM dp > 0``, as in
+    every hinge that hardens (Drucker's postulate), whereas with a wrong sign it never does.
+    """
+    dp = np.diff(p)
+    return float((M[1:] + M[:-1]) @ dp) < 0.0 and float(np.diff(M) @ dp) <= 0.0

@@ -21,6 +21,7 @@ from jousto.simulation.state import State, put
 from jousto.simulation.statics.equilibrium_sparse import settle
 from jousto.simulation.statics.free_bodies import check_adrift
 from jousto.simulation.statics.neglected_stiffening import check_second_order
+from jousto.simulation.statics.plastic_limit import name_plastic_limit
 
 ITERATIONS = 100  # maximum number of iterations
 TURN = 0.5  # largest rotation of an iteration, rad
@@ -140,10 +141,12 @@ def _by_modes(model: Model, state: State | None, tolerance: float) -> State:
         after = t.N.T @ t.M @ (body_frame_increments(model, q).T @ a)
         if float(after @ force) < 0.0 and float(after @ after) > before:
             bound *= 0.5
+    remedy = name_plastic_limit(engine, q) or (
+        "; if a force acts on it in a direction without stiffness, add a joint or remove the "
+        "load; otherwise start nearer to the equilibrium (state=...)"
+    )
     raise SimulationError(
-        f"no static equilibrium found in {ITERATIONS} iterations, body '{body}' moves most; if a "
-        "force acts on it in a direction without stiffness, add a joint or remove the load; "
-        "otherwise start nearer to the equilibrium (state=...)",
+        f"no static equilibrium found in {ITERATIONS} iterations, body '{body}' moves most{remedy}",
         time=time,
         body=body,
     )

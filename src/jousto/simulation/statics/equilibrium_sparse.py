@@ -23,6 +23,7 @@ from jousto.simulation.statics.continuation import (
     step_factor,
 )
 from jousto.simulation.statics.free_bodies import UNHELD
+from jousto.simulation.statics.plastic_limit import name_plastic_limit
 from jousto.simulation.statics.residual import TIME, Balance
 
 TRIES = 300  # maximum number of steps
@@ -52,11 +53,14 @@ def settle(model: Model, state: State | None) -> State:
     flow = _Flow(Balance(model, TIME, state, where="equilibrium", frictionless=True))
     at, s = flow.start, max(flow.fall / (FIRST * model.size), flow.least)
     why: NoConvergenceError | None = None
+    limit = ""
     for _ in range(TRIES):
         try:
             at, length = flow.step(at, s)
         except NoConvergenceError as error:
             why = error
+            # at the first failures: later the body may have turned round
+            limit = limit or name_plastic_limit(flow.balance.engine, at.q)
             s *= HARDER
             continue
         s = max(s * (SOFTER if at.iterations <= QUICK else SOFT), flow.least)
@@ -67,7 +71,7 @@ def settle(model: Model, state: State | None) -> State:
                 why = error
                 continue
             return flow.balance.accept(found.q, found.lam, flow.time)[0]
-    raise flow.failed(at, why)
+    raise flow.failed(at, why, limit)
 
 
 class _Flow:
@@ -121,22 +125,23 @@ class _Flow:
         if not alone and float(r @ x) > SMALL * float(np.abs(r) @ np.abs(x)):
             raise NoConvergenceError("a step raised the energy", most_moved_body(self.balance, x))
 
-    def failed(self, at: Point, why: NoConvergenceError | None) -> SimulationError:
-        """Return the error of a search that found no equilibrium."""
+    def failed(self, at: Point, why: NoConvergenceError | None, limit: str) -> SimulationError:
+        """Return the error of a search that found no equilibrium, with its plastic limit."""
         balance = self.balance
         try:
             step, free = least_step(balance, at)
         except NoConvergenceError:
             step = free = np.zeros(balance.size)
-        if balance.length(free) > max(PUSHED, balance.length(step)):
+        if not limit and balance.length(free) > max(PUSHED, balance.length(step)):
             body = most_moved_body(balance, free)
             text = UNHELD.format(body)
         else:
             body = why.body if why and why.body else most_moved_body(balance, step)
-            text = (
-                f"{why or 'it still moves'}, body '{body}' moves most; start nearer to the "
-                "equilibrium (state=...), or raise the loads in steps with load_path"
+            remedy = limit or (
+                "; start nearer to the equilibrium (state=...), or raise the loads in steps with "
+                "load_path"
             )
+            text = f"{why or 'it still moves'}, body '{body}' moves most{remedy}"
         return SimulationError(
             f"no static equilibrium found in {TRIES} steps: {text}", time=self.time, body=body
         )

@@ -32,6 +32,7 @@ from jousto.simulation.statics.load_path_result import (
     LoadPath,
     PathFailed,
 )
+from jousto.simulation.statics.plastic_limit import name_plastic_limit
 from jousto.simulation.statics.residual import Balance
 
 WATCHED = 6  # number of lowest modes of the tangent stiffness computed at each point
@@ -101,10 +102,12 @@ class Walk:
                 f"the tangent stiffness is singular, {free}; add a joint or a spring, or "
                 "begin at loads that stiffen this motion (start=..., state=...)"
             )
-        return (
-            f"{error}; give a state nearer to the equilibrium (from `equilibrium`), or begin with "
-            "a smaller load"
+        engine = self.balance.engine
+        remedy = name_plastic_limit(engine, at.q, np.array(engine.q)) or (
+            "; give a state nearer to the equilibrium (from `equilibrium`), or begin with a "
+            "smaller load"
         )
+        return f"{error}{remedy}"
 
     def _add(self, point: Point) -> bool:
         """Append a point and the critical points before it; return whether the path goes on."""
@@ -383,7 +386,10 @@ class Walk:
         first = np.real(self.spectra[0].squares)
         name = self.balance.parameter
         near = abs(lowest) < 0.2 * float(np.abs(first).min(initial=np.inf))
-        if self.arc is None and near:
+        plastic = name_plastic_limit(self.balance.engine, last.q)
+        if plastic:
+            remedy = f"{error}{plastic}"
+        elif self.arc is None and near:
             remedy = (
                 "the lowest mode of the tangent stiffness has fallen to "
                 f"{np.sqrt(abs(lowest)) / (2 * np.pi):.3g} Hz, so a limit point is near, beyond "
