@@ -152,6 +152,96 @@ def test_a_tip_load_is_found_and_no_mode_is_left_out(
         assert found.by == "loads"
 
 
+def tip_load(count: int, other: float, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Errors (rms) of a tip load and of least squares with the noise alone, N, and the band.
+
+    Other motions are drawn with the covariance ``(other k_1)^2 K^-2``, k_1 of the first mode.
+    """
+    rod = jo.Part.beam(1.0, jo.Rectangle(0.02, 0.01), 20, STEEL)
+    whole = jo.reduce(rod, jo.CraigBampton(("start", "end"), modes=3))
+    body = jo.reduction.clamp(whole, "start")
+    body = body.keep(body.in_plane("xz"))
+    places = zip((0.05, 0.2, 0.35, 0.5, 0.65, 0.8), 3 * (0.005, -0.005), strict=True)
+    gauges = [jo.gauges.Gauge(f"g{k}", body, (x, 0.0, z)) for k, (x, z) in enumerate(places)]
+    B = jo.gauges.gauge_rows(gauges, body)[:count]
+    force = 20.0 * np.sin(np.linspace(0.0, 6.0, 200))
+    unit = B @ (body.modes[body.node("end"), 2] / body.stiffness)
+    p = other * body.stiffness[0] * rng.normal(size=(200, len(body.stiffness))) / body.stiffness
+    e = np.outer(force, unit) + p @ B.T + NOISE * rng.normal(size=(200, count))
+    found = jo.twin.weigh_modes(B, e, body, noise=NOISE)
+    loads, band = found.place_loads(e, [jo.twin.UnknownLoad("end", ("fz",))], body)
+    plain = e @ unit / (unit @ unit) - force
+    return float((loads[:, 0] - force).std()), float(plain.std()), float(band[0])
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+def test_a_load_that_explains_all_does_not_compete_with_itself(
+    count: int, rng: np.random.Generator
+) -> None:
+    """Least squares is the best of 200 instants; a deviation of theirs has 5 % of chance."""
+    error, plain, band = tip_load(count, 0.0, rng)
+    assert error < 1.05 * plain
+    assert error / band == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("other", [5e-4, 2e-3])
+@pytest.mark.parametrize("count", [3, 6])
+def test_the_band_grows_with_other_motions(
+    count: int, other: float, rng: np.random.Generator
+) -> None:
+    error, _, band = tip_load(count, other, rng)
+    assert 0.5 < error / band < 2.0
+    assert band > 2.0 * tip_load(count, 0.0, rng)[2]
+
+
+def test_the_weight_of_other_motions_is_the_restricted_maximum(rng: np.random.Generator) -> None:
+    """``log|C| + log|H^T C^-1 H| + e^T P e`` (Patterson, Thompson 1971) is least there."""
+    B, W = system(rng)
+    L = rng.normal(size=(9, 2)) * np.sqrt(W)[:, None]
+    H = B @ (L / W[:, None])
+    e = record(B, W, 1e8, 30, rng) + 1e-5 * rng.normal(size=(30, 2)) @ H.T
+    loads, band = jo.twin.weigh_modes(B, e, W, noise=NOISE, by="energy").place_loads(e, L)
+
+    def fitted(log_b: float, G: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        C = NOISE**2 * np.eye(6) + B @ np.diag(np.exp(-log_b) / G) @ B.T
+        Ci = np.linalg.inv(C)
+        info = H.T @ Ci @ H
+        F = np.linalg.solve(info, H.T @ Ci @ e.T).T
+        P = Ci - Ci @ H @ np.linalg.solve(info, H.T @ Ci)
+        least = 30 * (np.linalg.slogdet(C)[1] + np.linalg.slogdet(info)[1])
+        return (
+            float(least + np.einsum("ti,ij,tj", e, P, e)),
+            F,
+            np.sqrt(np.diag(np.linalg.inv(info))),
+        )
+
+    tried = [(x, G) for G in (W, W**2) for x in np.arange(5.0, 35.0, 0.02)]
+    _, F, wanted = min((fitted(*one) for one in tried), key=lambda found: found[0])
+    np.testing.assert_allclose(band, wanted, rtol=0.02)
+    np.testing.assert_allclose(loads, F, atol=0.02 * wanted.max())
+
+
+@pytest.mark.parametrize(
+    ("loads", "message"),
+    [
+        ("end", "loads is 'end', must be at least one UnknownLoad"),
+        ([], "must be at least one UnknownLoad"),
+        (None, "loads is None, must be at least one UnknownLoad"),
+        ([jo.twin.UnknownLoad("end", "fz"), "end"], "must be at least one UnknownLoad"),
+        (jo.twin.UnknownLoad("start", "fz"), "load 1 strains none of the gauges"),
+        (jo.twin.UnknownLoad("end", ("fz", "my")), "1 gauge cannot distinguish 2 loads"),
+    ],
+)
+def test_wrong_loads_are_named(loads: object, message: str, rng: np.random.Generator) -> None:
+    body, B = cantilever(6)
+    e = 1e-4 + NOISE * rng.normal(size=(5, 1))
+    found = jo.twin.weigh_modes(B[:1], e, body, noise=NOISE)
+    with pytest.raises(jo.InputError, match=message):
+        found.place_loads(e, loads, body)
+    with pytest.raises(jo.InputError, match="no instants"):
+        found.place_loads(e[:0], jo.twin.UnknownLoad("end", "fz"), body)
+
+
 def test_the_band_of_loads_holds(rng: np.random.Generator) -> None:
     """Loads beside motions of the size of the prior: deviations have the size of the band."""
     B, W = system(rng)
@@ -180,6 +270,9 @@ def test_the_band_of_loads_holds(rng: np.random.Generator) -> None:
         (lambda B, e, W: (B, e, np.diag(W) + np.eye(9, k=1)), "not symmetric"),
         (lambda B, e, W: (B * 0.0, e, W), "no gauge is strained"),
         (lambda B, e, W: (B, e * 0.0, W), "0 times the noise"),
+        (lambda B, e, W: (B[:0], e[:, :0], W), "0 rows and 9 columns"),
+        (lambda B, e, W: (B, e[:0], W), "no instants"),
+        (lambda B, e, W: (B, e, None), "part is None, must be a ReducedPart"),
     ],
 )
 def test_wrong_records_are_named(change: object, message: str, rng: np.random.Generator) -> None:

@@ -209,13 +209,28 @@ def equivalent_load(M: Any, shapes: ArrayLike, f: ArrayLike) -> Array:
 def modal_loads(where: str, loads: Any, reduced: ReducedPart | None) -> Array:
     """Return the modal loads ``Phi^T L`` (n, na) of unit loads, given as such or by their place."""
     given = (loads,) if isinstance(loads, UnknownLoad) else loads
-    if isinstance(given, Iterable) and not isinstance(given, np.ndarray):
+    if isinstance(given, Iterable) and not isinstance(given, np.ndarray | str):
         given = tuple(given)
-        if given and isinstance(given[0], UnknownLoad):
+        if given and all(isinstance(load, UnknownLoad) for load in given):
             if reduced is None:
                 raise InputError(Problem(where, "loads by place need reduced="))
             given = np.hstack([load.columns(reduced)[0] for load in given])
-    return np.asarray(given, dtype=np.float64)
+    try:
+        columns = np.asarray(given, dtype=np.float64)
+        wrong = given is None or not columns.size or columns.ndim != 2
+    except (TypeError, ValueError):
+        wrong = True
+    if wrong:
+        text = f"of shape {given.shape}" if isinstance(given, np.ndarray) else repr(loads)
+        raise InputError(
+            Problem(
+                where,
+                f"loads is {text}, must be at least one UnknownLoad, such as "
+                "[UnknownLoad('end', ('fz',))], or their modal loads (n, na)",
+                path=("loads",),
+            )
+        )
+    return columns
 
 
 def place_loads(

@@ -14,14 +14,16 @@ from scipy.optimize import minimize_scalar
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, JoustoWarning, Problem, Problems
+from jousto.base.errors import InputError, JoustoWarning, Problem, Problems, count
 from jousto.base.object_repr import described
 from jousto.measurement.twin.loads import modal_loads
 from jousto.measurement.twin.reconstruction import NOISE, Reconstruction
 from jousto.measurement.twin.signals import LARGEST, read_noise, read_strain
+from jousto.parts.part import Part
 from jousto.reduction.reduced import ReducedPart
 
 KINDS = ("energy", "loads")
+STRAINLESS = 1e-10  # strain over the largest possible one, up to which it is round-off
 ALIKE = 1e-8  # smallest singular value of unit strains of loads, below which they are alike
 UNSEEN = 0.01  # share of a mode that the strains decide, below which it is listed as not seen
 # logarithms of the weight over the squared singular values, between which the evidence is searched
@@ -65,9 +67,14 @@ class WeighedModes:
     ) -> tuple[Array, Array]:
         """Return static loads at known places from strains, with their standard deviation.
 
-        ``F = (H^T C^-1 H)^-1 H^T C^-1 e`` with ``H = S K^-1 L`` and ``C = R + S (a W)^-1 S^T``:
-        least squares of the strains beside other motions of the size of the prior. Unlike loads
-        from the modal coordinates (`jousto.twin.place_loads`) they are not reduced by the prior.
+        ``F = (H^T C^-1 H)^-1 H^T C^-1 e`` with ``H = S K^-1 L`` and ``C = R + S (b W)^-1 S^T``:
+        least squares of the strains beside noise and other motions. The weight b of the other
+        motions, and W (K or ``K^2``), have the largest evidence of what the loads leave of the
+        strains, the projection onto the complement of ``R^-1/2 H`` (restricted maximum likelihood:
+        Patterson, Thompson, *Biometrika* 58 (1971) 545-554). Where the loads explain all, b is
+        infinite and C is R. The band does not contain motions that strain the gauges as the loads
+        do and leave less than the noise; as many gauges as loads leave nothing. Unlike loads from
+        the modal coordinates (`jousto.twin.place_loads`) they are not reduced by the prior.
 
         Parameters
         ----------
@@ -83,12 +90,13 @@ class WeighedModes:
         F : (nt, na) array
             N and N m.
         band : (na,) array
-            Standard deviation.
+            Standard deviation at each instant.
 
         Raises
         ------
         InputError
-            Sizes that do not fit, gaps, or loads that the gauges cannot distinguish.
+            Sizes that do not fit, gaps, loads that strain no gauge, or loads that the gauges
+            cannot distinguish.
         """
         where, problems = "WeighedModes.place_loads", Problems()
         twin = self.reconstruction
@@ -96,17 +104,23 @@ class WeighedModes:
         L = problems.array(where, "loads", modal_loads(where, loads, reduced), (twin.n, None))
         if strain is not None and not np.isfinite(strain).all():
             problems.add(where, "the strains have gaps (nan); leave out these instants")
+        elif strain is not None and not len(strain):
+            problems.add(where, "the strains have no instants")
         problems.raise_if_any()
         assert strain is not None and L is not None
-        H = twin.B @ la.solve(self.stiffness, L, assume_a="pos")
-        root = la.cholesky(twin.noise + twin.B @ twin.prior @ twin.B.T, lower=True)
+        # strains in units of the noise: of modes, of unit loads, measured
+        root = la.cholesky(twin.noise, lower=True)
+        S = la.solve_triangular(root, twin.B, lower=True)
+        H = S @ la.solve(self.stiffness, L, assume_a="pos")
+        E = la.solve_triangular(root, strain.T, lower=True)
+        _check_loads(problems, where, H, S @ la.inv(self.stiffness), L, reduced)
+        # noise and other motions
+        C = np.eye(len(S)) + _rest(S, H, E, self.stiffness)
+        root = la.cholesky(C, lower=True)
         white = la.solve_triangular(root, H, lower=True)
         size = np.linalg.norm(white, axis=0)
-        unit = white / np.where(size > 0.0, size, 1.0)
-        if len(white) < L.shape[1] or la.svdvals(unit)[-1] < ALIKE:
-            problems.add(where, f"{len(white)} gauges cannot distinguish {L.shape[1]} loads")
-            problems.raise_if_any()
-        F = la.lstsq(unit, la.solve_triangular(root, strain.T, lower=True))[0] / size[:, None]
+        unit = white / size
+        F = la.lstsq(unit, la.solve_triangular(root, E, lower=True))[0] / size[:, None]
         band = np.sqrt(np.diag(la.inv(unit.T @ unit))) / size
         return np.asarray(F.T), np.asarray(band)
 
@@ -187,6 +201,12 @@ def weigh_modes(
     problems.raise_if_any()
     assert S is not None
     ng, n = S.shape
+    if not ng or not n:
+        text = (
+            f"B has {count(ng, 'row')} and {count(n, 'column')}; give at least one gauge and mode"
+        )
+        problems.add(where, text, "B")
+        problems.raise_if_any()
     if names and len(names) != ng:
         problems.add(where, f"{len(names)} names for {ng} rows of B")
     labels = tuple(names) if len(names) == ng else tuple(f"g{k + 1}" for k in range(ng))
@@ -198,7 +218,9 @@ def weigh_modes(
     complete = None
     if strain is not None:
         complete = strain[np.isfinite(strain).all(axis=1)]
-        if not len(complete):
+        if not len(strain):
+            problems.add(where, "the strains have no instants")
+        elif not len(complete):
             problems.add(where, "every instant of the strains has a gap; leave out dead gauges")
     problems.raise_if_any()
     assert R is not None and K is not None and complete is not None
@@ -231,9 +253,61 @@ def _weighed(
     return WeighedModes(found, by, a, effective, np.diag(gain[0] @ S).copy(), evidence, K)
 
 
+def _check_loads(
+    problems: Problems, where: str, H: Array, flexibility: Array, L: Array, part: ReducedPart | None
+) -> None:
+    """Raise an error for loads without strain (columns of H), or that gauges cannot distinguish."""
+    size = np.linalg.norm(H, axis=0)
+    moved = np.linalg.norm(L, axis=0)
+    if part is not None:  # a load at a clamp moves nothing but by round-off
+        moved = np.maximum(moved, float(np.abs(part.modes).max()))
+    still = np.flatnonzero(size <= STRAINLESS * np.linalg.norm(flexibility, 2) * moved)
+    for k in still:
+        problems.add(
+            where,
+            f"load {k + 1} strains none of the gauges, so that they do not measure it: it acts at "
+            "a clamp, or moves no mode; leave it out",
+            "loads",
+        )
+    problems.raise_if_any()
+    ng, na = H.shape
+    if ng < na or la.svdvals(H / size)[-1] < ALIKE:
+        problems.add(where, f"{count(ng, 'gauge')} cannot distinguish {count(na, 'load')}")
+    problems.raise_if_any()
+
+
+def _rest(S: Array, H: Array, E: Array, K: Array) -> Array:
+    """Return the covariance (ng, ng) of the strains of motions beside the loads.
+
+    All in units of the noise: strains of modes S (ng, n), of unit loads H (ng, na), measured E
+    (ng, nt). The kind and the weight have the largest restricted likelihood.
+    """
+    left = la.qr(H)[0][:, H.shape[1] :]  # complement of the strains of the loads
+    best, covariance = 0.0, np.zeros((len(S), len(S)))
+    if not left.shape[1]:
+        return covariance
+    for W in (K, K @ K):
+        modes = la.solve_triangular(la.cholesky(W, lower=True), S.T, lower=True).T
+        U, s, _ = la.svd(left.T @ modes, full_matrices=False)
+        if not s[0] > STRAINLESS * np.linalg.norm(modes, 2):
+            continue  # other motions strain as the loads do: nothing tells them apart
+        power = ((U.T @ (left.T @ E)) ** 2).sum(axis=1)
+        log_b, loss, _ = _most_likely(s**2, power, E.shape[1])
+        if loss < best:
+            best, covariance = loss, modes @ modes.T * np.exp(-log_b)
+    return covariance
+
+
 def _stiffness(problems: Problems, where: str, part: Any, n: int) -> Array | None:
     """Return the stiffness (n, n) of the modes, or report one that does not fit."""
     given = part.stiffness if isinstance(part, ReducedPart) else part
+    if given is None or isinstance(given, str | Part):
+        problems.add(
+            where,
+            f"part is {part!r}, must be a ReducedPart from clamp, or the stiffness of the modes",
+            "part",
+        )
+        return None
     shape = (n, n) if np.ndim(given) == 2 else (n,)
     W = problems.array(where, "stiffness", given, shape)
     if W is None:
@@ -253,7 +327,7 @@ def _stiffness(problems: Problems, where: str, part: Any, n: int) -> Array | Non
     return np.asarray(0.5 * (W + W.T))
 
 
-def _likeliest_weight(where: str, s2: Array, power: Array, count: int) -> tuple[float, float]:
+def _likeliest_weight(where: str, s2: Array, power: Array, instants: int) -> tuple[float, float]:
     """Return the weight of the largest evidence and its logarithm.
 
     Parameters
@@ -264,23 +338,14 @@ def _likeliest_weight(where: str, s2: Array, power: Array, count: int) -> tuple[
         Squared singular values.
     power : (k,) array
         Sums of the squared coordinates of the strains, in units of the noise.
-    count : int
+    instants : int
         Number of instants.
     """
-
-    def loss(log_a: float) -> float:
-        ratio = s2 * np.exp(-log_a)
-        # relative to the evidence of no motion, power / 2
-        gained = power * ratio / (1.0 + ratio)
-        return 0.5 * float((count * np.log1p(ratio) - gained).sum())
-
     if not s2[0] > 0.0:
         raise InputError(Problem(where, "no gauge is strained by any mode"))
-    grid = np.log(s2[0]) + np.linspace(-1.0, 1.0, STEPS) * RANGE * np.log(10.0)
-    losses = np.array([loss(x) for x in grid])
-    k = int(losses.argmin())
-    if losses[k] >= 0.0 or k == len(grid) - 1:
-        rms = float(np.sqrt(power.sum() / max(count * len(power), 1)))
+    log_a, loss, k = _most_likely(s2, power, instants)
+    if loss >= 0.0 or k == STEPS - 1:
+        rms = float(np.sqrt(power.sum() / max(instants * len(power), 1)))
         raise InputError(
             Problem(
                 where,
@@ -292,7 +357,24 @@ def _likeliest_weight(where: str, s2: Array, power: Array, count: int) -> tuple[
         raise InputError(
             Problem(where, "the strains are too large for their noise; give noise= in m/m")
         )
+    return float(np.exp(log_a)), -loss
+
+
+def _most_likely(s2: Array, power: Array, instants: int) -> tuple[float, float, int]:
+    """Return the likeliest log a, its loss (0 without motion), and its place on the grid."""
+
+    def loss(log_a: float) -> float:
+        ratio = s2 * np.exp(-log_a)
+        # relative to the evidence of no motion, power / 2
+        gained = power * ratio / (1.0 + ratio)
+        return 0.5 * float((instants * np.log1p(ratio) - gained).sum())
+
+    grid = np.log(s2[0]) + np.linspace(-1.0, 1.0, STEPS) * RANGE * np.log(10.0)
+    losses = np.array([loss(x) for x in grid])
+    k = int(losses.argmin())
+    if k in (0, STEPS - 1):
+        return float(grid[k]), float(losses[k]), k
     best = minimize_scalar(
         loss, bounds=(grid[k - 1], grid[k + 1]), method="bounded", options={"xatol": 1e-9}
     )
-    return float(np.exp(best.x)), -float(best.fun)
+    return float(best.x), float(best.fun), k
