@@ -127,3 +127,15 @@ def test_a_misspelt_name_suggests_the_nearest() -> None:
         jo.Revolut  # noqa: B018
     with pytest.raises(AttributeError, match="'rainflo'; did you mean 'rainflow'"):
         jo.fatigue.rainflo  # noqa: B018
+
+
+def test_no_message_names_what_is_not_there() -> None:
+    """Messages and docstrings name functions as users write them: ``jo.room.name``."""
+    home, gone = Path(str(jo.__file__)).parent, []
+    for file in sorted(home.rglob("*.py")):
+        for place in set(re.findall(r"\bjo\.([A-Za-z_]\w*(?:\.\w+)*)", file.read_text("utf-8"))):
+            try:
+                attrgetter(place)(jo)
+            except AttributeError as error:
+                gone.append(f"{file.relative_to(home)}: jo.{place}: {error}")
+    assert not gone, "\n".join(gone)

@@ -112,6 +112,9 @@ def test_wrong_requests_for_loads(pendulum: Path, tmp_path: Path) -> None:
     assert code == 2 and "'body' or 'world'" in text and "either instants or a span" in text
     code, text = call("forces", pendulum, "--model", pendulum)
     assert code == 2 and "leave --model out" in text
+    for more in ([], ["-o", tmp_path / "loads.csv"]):
+        code, text = call("forces", pendulum, "--program", "abaqus", *more)
+        assert code == 2 and "name the deck, -o FILE.inp" in " ".join(text.split())
     code, text = call("forces", pendulum, "-o", tmp_path / "loads.png")
     assert code == 2 and ".csv" in text
     ball = jo.RigidBody("ball", 1.0, (1, 1, 1))
@@ -166,3 +169,21 @@ simulation: {t_end: 1 ms, output_step: 0.5 ms}
         "forces", model, "--at", "1 ms", "--program", "ansys", "-o", tmp_path / "a.inp"
     )
     assert code == 2 and "'ansys'" in text
+
+
+def test_another_model_than_that_of_the_results(pendulum: Path, tmp_path: Path) -> None:
+    """Results contain the text of their model; another one is told, or refused if it differs."""
+    run = tmp_path / "run.h5"
+    assert call("run", "-q", pendulum, "-o", run)[0] == 0
+    text = pendulum.read_text(encoding="utf-8")
+    code, told = call("forces", run, "bob", "--model", pendulum)
+    assert code == 0 and "is not the text" not in " ".join(told.split())
+    remark = tmp_path / "remark.yaml"
+    remark.write_text(text + "\n# a remark\n", encoding="utf-8")
+    code, told = call("forces", run, "bob", "--model", remark)
+    assert code == 0 and "is not the text of the model in run.h5" in " ".join(told.split()), told
+    moon = tmp_path / "moon.yaml"
+    moon.write_text(text.replace("-9.81", "-1.62"), encoding="utf-8")
+    assert moon.read_text(encoding="utf-8") != text
+    code, told = call("forces", run, "bob", "--model", moon)
+    assert code == 2 and "its gravity is" in " ".join(told.split()), told

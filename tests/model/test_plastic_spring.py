@@ -367,3 +367,32 @@ def test_a_load_beyond_the_plastic_limit_is_named(law: dict[str, float], load: f
         jo.equilibrium(model, replace(jo.equilibrium(model), inputs={"load": load}))
     # below it there is an equilibrium
     assert jo.simulation.load_path(model, "load", to=load - 10.0, steps=10).states
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("path", -1e-3, "state 'path' of plastic spring 'hinge' is -0.001, must not be negative"),
+        ("dissipated", -1.0, "state 'dissipated' .* must not be negative"),
+        ("flow", 0.5, "state 'flow' .* must be -1, 0 or 1"),
+        ("flow", 2.0, "state 'flow' .* must be -1, 0 or 1"),
+    ],
+)
+def test_a_state_that_the_law_cannot_reach_is_refused(name: str, value: float, told: str) -> None:
+    model = jo.compile(boom(kinematic=H))
+    state = jo.simulate(model, 0.02, solver=jo.RK4(1e-3), output_step=1e-2).state()
+    assert state.states is not None
+    jo.simulate(model, 0.03, solver=jo.RK4(1e-3), state=state)
+    states = state.states.copy()
+    states[list(STATES).index(name)] = value
+    with pytest.raises(jo.InputError, match=told):
+        jo.simulate(model, 0.03, solver=jo.RK4(1e-3), state=replace(state, states=states))
+
+
+def test_a_state_of_words_is_refused() -> None:
+    model = jo.compile(boom(kinematic=H))
+    state = jo.simulate(model, 0.02, solver=jo.RK4(1e-3), output_step=1e-2).state()
+    words: Any = ("a",) * 5
+    for name in ("states", "q", "turn"):
+        with pytest.raises(jo.InputError, match="of the state are not all numbers"):
+            jo.simulate(model, 0.03, state=replace(state, **{name: words}))

@@ -156,3 +156,11 @@ def test_a_material_with_directions_is_refused(tmp_path: Path) -> None:
     loads = jo.recovery.loads_of(hung(one), "arm")
     with pytest.raises(jo.InputError, match="Orthotropic is not isotropic"):
         jo.write(loads, tmp_path / "a.inp", one)
+
+
+def test_a_deck_has_at_least_one_step(tmp_path: Path) -> None:
+    one = part()
+    loads = jo.recovery.loads_of(hung(one), "arm")
+    with pytest.raises(jo.InputError, match="times is empty: name at least one instant"):
+        jo.write(loads, tmp_path / "a.inp", one, times=[])
+    assert not (tmp_path / "a.inp").exists()

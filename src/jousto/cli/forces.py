@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jousto.base.errors import InputError, Problem, Problems
+from jousto.base.errors import InputError, Problem, Problems, warn
 from jousto.cli.group import command
 from jousto.cli.options import (
     From,
@@ -90,6 +90,9 @@ def forces(
     stored = is_hdf5(source)
     if model is not None and not stored:
         raise InputError(Problem("--model", f"{source} is a model itself; leave --model out"))
+    if program is not None and (output is None or output.suffix.lower().lstrip(".") not in DECKS):
+        message = "is the dialect of a deck; name the deck, -o FILE.inp, or leave --program out"
+        raise InputError(Problem("--program", message))
     run, machine = (load(source), None) if stored else simulated(source, trust)
     beams, bodies = [beam.name for beam in run.beams], bodies_of(run)
     name = body or only_one(
@@ -149,8 +152,14 @@ def machine_of_results(run: Solution, source: Path, given: Path | None, trust: b
     from jousto.schema.read import parse_model, read_model
 
     if given is not None:
-        mechanism = read_model(given, trust=trust).mechanism
-        return mechanism, compile_model(mechanism)
+        file = read_model(given, trust=trust)
+        if run.model_text.strip() and run.model_text.strip() != file.text.strip():
+            message = (
+                f"{given} is not the text of the model in {source.name}; without --model the loads "
+                "are those of that text"
+            )
+            warn("--model", message)
+        return file.mechanism, compile_model(file.mechanism)
     if not run.model_text.strip():
         message = (
             "does not contain its model, which was made in Python: jo.recovery.loads_of(run, "

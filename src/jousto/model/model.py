@@ -261,7 +261,7 @@ class ForceModel:
     """Force element; its kind is one of jousto.h: "load", "along", "modal load".
 
     `release` is the event that removes it, -1 for none; `state` is the first of its first-order
-    states.
+    states; `element` is the kind of the declared force, such as "servo".
     """
 
     name: str
@@ -281,6 +281,7 @@ class ForceModel:
     release: int = -1
     state: int = -1
     state_names: tuple[str, ...] = ()
+    element: str = ""
 
     @property
     def law(self) -> EngineLaw:

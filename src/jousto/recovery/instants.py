@@ -33,9 +33,11 @@ def bracket_instants(time: Array, times: ArrayLike, where: str) -> tuple[Index, 
     Raises
     ------
     InputError
-        If a time is outside the run or not a number.
+        If there is no time, or one is outside the run or not a number.
     """
     wanted = np.atleast_1d(np.asarray(times, dtype=np.float64))
+    if not wanted.size:
+        raise InputError(Problem(where, "name at least one instant; times is empty"))
     slack = 1e-9 * max(float(time[-1] - time[0]), 1e-300)
     bad = wanted[~((wanted >= time[0] - slack) & (wanted <= time[-1] + slack))]
     if len(bad):

@@ -68,7 +68,7 @@ def mechanism_facts(mechanism: Mechanism) -> Facts:
         kind = type(coupler).__name__.lower()
         rows.append((f"{kind} {coupler.name}", coupler.row_names[0]))
     for force in mechanism.forces:
-        rows.append((f"{type(force).__name__.lower()} {force.name}", given(force)))
+        rows.append((f"{force.kind} {force.name}", given(force)))
     for friction in mechanism.frictions:
         text = f"of joint {friction.joint.name}, mu {friction.mu_kinetic:g}"
         rows.append((f"friction {friction.name}", f"{text}, {friction.law}"))

@@ -107,7 +107,11 @@ def put(engine: Engine, state: State, where: str) -> None:
     if state.work is not None:
         pairs.append(("work", state.work, engine.work))
     for name, value, room in pairs:
-        given = floats(value)
+        try:
+            given = floats(value)
+        except (TypeError, ValueError):
+            problems.add(where, f"the {name} of the state are not all numbers: {value!r:.60}")
+            continue
         if given.shape != room.shape:
             found = f"{given.size} {name}" if name.endswith("s") else f"'{name}' of {given.size}"
             problems.add(where, f"state has {found}, the model {room.size}; take one of this model")
@@ -123,6 +127,8 @@ def put(engine: Engine, state: State, where: str) -> None:
             problems.add(where, f"the {name} of the state are not finite")
         else:
             room[:] = given
+            if name == "states":
+                _check_states(problems, where, engine.model, np.real(given))
     if not np.isfinite(state.time):
         problems.add(where, f"the time of the state is {state.time}, must be finite")
     problems.raise_if_any()
@@ -133,6 +139,21 @@ def put(engine: Engine, state: State, where: str) -> None:
         if state.inputs is not None and name in state.inputs:
             engine.input[i] = state.inputs[name]
     engine.restart()
+
+
+def _check_states(problems: Problems, where: str, model: Model, states: Array) -> None:
+    """Report states of forces that their law cannot reach."""
+    for force in model.forces:
+        law = force.law
+        own = states[force.state : force.state + force.states] if force.states else states[:0]
+        # energies may have the rounding errors of the other states
+        small = 1e-12 * float(np.abs(own).max(initial=0.0))
+        for name, value in zip(force.state_names, own.tolist(), strict=True):
+            what = f"state '{name}' of {force.element or force.kind} '{force.name}' is {value:g}"
+            if name in law.grows and value < -small:
+                problems.add(where, f"{what}, must not be negative")
+            if name in law.signs and value not in (-1.0, 0.0, 1.0):
+                problems.add(where, f"{what}, must be -1, 0 or 1")
 
 
 def take(engine: Engine) -> State:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import pickle
+import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import jousto as jo
+from jousto.recovery.fields.inertia import accelerations
 from jousto.recovery.loads import gathered_loads
+from jousto.schema.summary import mechanism_facts
 
 Array = np.ndarray
 
@@ -360,7 +364,7 @@ def test_unknown_names_and_beams_are_refused() -> None:
     base = jo.Fixed("base", jo.ground["origin"], beam["start"])
     bent = jo.simulate(jo.compile(jo.Mechanism(beam, base)), 0.01)
     for name in ("cable", "cable.node1"):
-        with pytest.raises(jo.InputError, match="exact beam"):
+        with pytest.raises(jo.InputError, match=r"exact beam; jo\.recovery\.section_forces\("):
             jo.recovery.loads_of(bent, name)
 
 
@@ -374,3 +378,106 @@ def test_a_table_has_all_loads(tmp_path: Path) -> None:
     assert np.abs(total).max() < ROUND
     with pytest.raises(jo.InputError, match=r"must end with \.csv"):
         loads.to_csv(tmp_path / "loads.txt")
+
+
+# ---- the model of results ------------------------------------------------------------------------
+
+
+def slider(
+    mass: float = 2.0, g: float = -G, push: float = 0.0, stiffness: float = 0.0, spin: float = 0.1
+) -> jo.Model:
+    """Return a pendulum with a reaction sensor, or other forces in the same layout."""
+    arm = jo.RigidBody("arm", mass, (spin, spin, spin), center=(0.5, 0, 0))
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 1, 0))
+    items: list[object] = [arm, pin, jo.Gravity((0, 0, g)), jo.ReactionSensor("R", pin)]
+    if push:
+        items.append(jo.JointForce("push", pin.angle, jo.Constant(push)))
+    if stiffness:
+        items.append(jo.Spring("spring", pin.angle, stiffness))
+    return jo.compile(jo.Mechanism(*items))
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        ({"mass": 20.0}, "20 kg, in the results 2 kg"),
+        ({"g": -1.62}, r"gravity is \(0, 0, -1.62\) m/s2, in the results \(0, 0, -9.81\) m/s2"),
+        ({"spin": 0.2}, "kinetic energy at"),
+        ({"stiffness": 30.0}, "springs energy at"),
+        ({"push": 3.0}, "sensor 'R' at"),
+        ({"push": 3.0}, "reaction of 'pin' at"),
+    ],
+)
+@pytest.mark.parametrize("implicit", [False, True])
+def test_a_model_that_is_not_that_of_the_results_is_refused(
+    other: dict[str, float], told: str, implicit: bool, tmp_path: Path
+) -> None:
+    solver = jo.GeneralizedAlpha(1e-3) if implicit else None
+    run = jo.simulate(slider(), 0.3, output_step=0.01, solver=solver)
+    stored = jo.load(run.save(tmp_path / "run.h5"))
+    force = jo.recovery.loads_of(stored, "arm", model=slider())["pin"].force
+    world = np.einsum("tab,tb->ta", jo.recovery.loads_of(run, "arm").rotation, force)
+    assert np.allclose(world, run["R"][:, :3], rtol=1e-2, atol=0.1)
+    for call in (
+        lambda: jo.recovery.loads_of(stored, "arm", model=slider(**other)),
+        lambda: accelerations(stored, slider(**other)),
+    ):
+        with pytest.raises(jo.InputError, match=told):
+            call()
+
+
+def test_a_force_along_a_free_motion_is_told(tmp_path: Path) -> None:
+    """It changes neither energies nor reactions, but the accelerations."""
+
+    def ball(push: float) -> jo.Model:
+        one = jo.RigidBody("ball", 1.0, (1, 1, 1))
+        force = [jo.Force("push", one["origin"], (push, 0, 0))] if push else []
+        return jo.compile(jo.Mechanism(one, jo.Gravity((0, 0, -G)), *force))
+
+    still, pushed = ball(0.0), ball(5.0)
+    stored = jo.load(jo.simulate(still, 0.2, output_step=0.01).save(tmp_path / "run.h5"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        jo.recovery.loads_of(stored, "ball", model=still)
+    with pytest.warns(jo.JoustoWarning, match="accelerations of model .* other forces"):
+        jo.recovery.loads_of(stored, "ball", model=pushed)
+
+
+@pytest.mark.filterwarnings("error:.*accelerations of model")
+@pytest.mark.parametrize("step", [1.3e-3, 2.0 * np.pi * 1e-3])
+def test_vibrations_between_stored_instants_are_no_other_forces(step: float) -> None:
+    """A period is 2 pi ms: stored rarely, velocities do not show the accelerations."""
+    ball = jo.RigidBody("ball", 1.0, (1, 1, 1), velocity=(1, 0, 0))
+    way = jo.Displacement(jo.ground["origin"], ball["origin"], axis="x")
+    model = jo.compile(jo.Mechanism(ball, jo.Spring("stiff", way, 1e6)))
+    run = jo.simulate(model, 20 * step, output_step=step, solver=jo.RK4(1e-4))
+    jo.recovery.loads_of(run, "ball", model=replace(model))
+
+
+def test_an_empty_choice_is_refused() -> None:
+    _, run = pendulum()
+    loads = jo.recovery.loads_of(run, "bar")
+    with pytest.raises(jo.InputError, match="no load of kind 'jont'; did you mean 'joint'"):
+        loads.of_kind("jont")
+    for call in (lambda: loads.at([]), lambda: jo.recovery.loads_of(run, "bar", [])):
+        with pytest.raises(jo.InputError, match="at least one instant"):
+            call()
+
+
+def test_forces_have_the_kind_that_was_declared() -> None:
+    arm = rod("arm", 2.0, 1.0)
+    pin = jo.Revolute("pin", jo.ground["origin"], arm["origin"], axis=(0, 1, 0))
+    forces = [
+        jo.Spring("soft", pin.angle, 10.0),
+        jo.Servo("drive", pin.angle, 0.2, 10.0, 1.0),
+        jo.mechanism.Stop("end", pin.angle, upper=1.0, stiffness=1e5),
+        jo.mechanism.PlasticSpring("yield", pin.angle, 1e4, 10.0),
+        jo.mechanism.PID("control", pin.angle, 0.3, kp=10.0),
+        jo.JointForce("push", pin.angle, jo.Constant(1.0)),
+    ]
+    mechanism = jo.Mechanism(arm, pin, *forces)
+    run = jo.simulate(jo.compile(mechanism), 0.01, output_step=0.005)
+    loads = jo.recovery.loads_of(run, "arm")
+    assert {f.name: loads[f.name].kind for f in forces} == {f.name: f.kind for f in forces}
+    rows = [label for label, _ in mechanism_facts(mechanism)]
+    assert "plastic spring yield" in rows and "servo drive" in rows

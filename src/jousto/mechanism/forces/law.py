@@ -40,6 +40,8 @@ class EngineLaw:
         Its other numbers, which stay.
     states : mapping of str to Unit
         Names of its first-order states.
+    grows, signs : tuple of str
+        States that are never negative, and those that are -1, 0 or 1.
     reference, signal : Unit
         Units of the functions of time that it follows, and that act in it.
     between : bool
@@ -60,6 +62,8 @@ class EngineLaw:
     notes: Mapping[str, str] = field(default_factory=dict)
     constants: tuple[str, ...] = ()
     states: Mapping[str, Unit] = field(default_factory=dict)
+    grows: tuple[str, ...] = ()
+    signs: tuple[str, ...] = ()
     reference: Unit = "1"
     signal: Unit = "1"
     between: bool = False

@@ -36,6 +36,8 @@ EngineLaw(
         "rate": PER_VALUE,
     },
     states=STATES,
+    grows=("path", "dissipated"),
+    signs=("flow",),
     between=True,
     fast={"plastic springs": ()},
     yields=True,

@@ -206,13 +206,13 @@ class Builder:
         self.force_places[id(force)] = place = len(self.forces)
         release = self._releases.get(id(force), -1)
         for push in force.pushes:
-            self.forces.append(self._push(force.name, push, release))
+            self.forces.append(self._push(force, push, release))
         return place
 
-    def _push(self, name: str, push: Push, release: int) -> ForceModel:
+    def _push(self, force: ForceElement, push: Push, release: int) -> ForceModel:
         self._states += len(push.states)
         return ForceModel(
-            name=name,
+            name=force.name,
             kind=push.kind,
             data=numbers_of(push),
             coordinate=-1 if push.coordinate is None else self.declared(push.coordinate),
@@ -229,6 +229,7 @@ class Builder:
             release=release,
             state=self._states - len(push.states) if push.states else -1,
             state_names=push.states,
+            element=force.kind,
         )
 
 

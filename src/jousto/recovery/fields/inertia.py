@@ -13,6 +13,7 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.voigt import PAIRS
 from jousto.model.model import Model
 from jousto.model.native.native import Engine
+from jousto.recovery.model_of_run import check_model
 from jousto.recovery.shape import find_body, rotation_matrices
 from jousto.reduction.fields.residual_stress import ResidualStress
 from jousto.simulation.results.solution import Solution
@@ -41,6 +42,7 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
             )
             raise InputError(Problem(run.where, message))
         return np.asarray(np.gradient(run.v, run.time, axis=0, edge_order=2))
+    check_model(run, model, run.where)
     engine, out = Engine(model), np.empty((run.nt, model.nv))
     for k, state in enumerate(run.each_state()):
         put(engine, replace(state, work=None), run.where)  # kinematics knows no work

@@ -9,17 +9,8 @@ import numpy as np
 from jousto.base.arrays import Array
 from jousto.model.model import ForceModel, JointModel, MarkerModel, Model
 
-KINDS = {
-    "load": "force",
-    "along": "force along a coordinate",
-    "stop": "stop",
-    "pid": "controller",
-    "bushing": "bushing",
-    "user": "force",
-    "modal load": "distributed load",
-    "moving load": "moving load",
-}
-"""Kind of a load by the law of the force in the engine; of other laws it is the law's own name."""
+DISTRIBUTED = {"modal load": "distributed load", "moving load": "moving load"}
+"""Kind of a load without a fixed place by its law; others have that of the declared force."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +86,8 @@ def sources(model: Model, body: int) -> list[Source]:
     for i, force in enumerate(model.forces):
         at = on_body(model, body, force_markers(model, force))
         if at or force.body == body:
-            found.append(Source(force.name, KINDS.get(force.kind, force.kind), (i,), at))
+            kind = DISTRIBUTED.get(force.kind, force.element or force.kind)
+            found.append(Source(force.name, kind, (i,), at))
     for i, friction in enumerate(model.frictions):
         slides = [s for s in (friction.coordinate, friction.other) if s >= 0]
         markers = [m for s in slides for m in coordinate_markers(model, s)]

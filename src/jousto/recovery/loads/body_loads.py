@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
-from jousto.base.errors import InputError, Problem, suggest
+from jousto.base.errors import InputError, Problem, Problems, suggest
 from jousto.base.files import write_table
 from jousto.base.object_repr import described
 from jousto.base.ranking import largest
@@ -172,7 +172,19 @@ class BodyLoads(Mapping[str, BodyLoad]):
         return f"<BodyLoads {self.body!r}: {len(self.loads)} loads, {len(self.time)} instants>"
 
     def of_kind(self, *kinds: str) -> tuple[BodyLoad, ...]:
-        """Return the loads of some kinds, such as "joint"."""
+        """Return the loads of some kinds, such as "joint".
+
+        Raises
+        ------
+        InputError
+            For a kind that none of the loads has, with the nearest one.
+        """
+        known, problems = {load.kind: None for load in self.loads}, Problems()
+        for kind in kinds:
+            if kind not in known:
+                where = f"loads on '{self.body}'"
+                problems.add(where, f"no load of kind {kind!r}{suggest(kind, known)}")
+        problems.raise_if_any()
         return tuple(load for load in self.loads if load.kind in kinds)
 
     @cached_property

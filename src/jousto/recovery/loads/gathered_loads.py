@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,15 +11,15 @@ from numpy.typing import ArrayLike
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array, Ints
 from jousto.base.errors import InputError, Problem, warn
-from jousto.model.model import BodyModel, Model
+from jousto.model.model import Model
 from jousto.model.native.native import Engine
 from jousto.model.scales import scales_of
 from jousto.recovery.instants import bracket_instants
 from jousto.recovery.loads.attribution import sources
 from jousto.recovery.loads.body_loads import GROUPS, BodyLoad, BodyLoads, BodyMotion
 from jousto.recovery.loads.own_loads import OWN, own_loads
+from jousto.recovery.model_of_run import model_of_run
 from jousto.recovery.shape import find_body, rotation_matrices
-from jousto.simulation.results.records import BodyShape
 from jousto.simulation.results.solution import Solution
 from jousto.simulation.state import put
 
@@ -51,7 +50,8 @@ def loads_of(
         Instants within the run, s, between stored ones interpolated linearly; None takes all
         stored instants.
     model : Model, optional
-        Model of the run; needed for results from a file. None takes that of the run.
+        Model of the run; needed for results from a file. None takes that of the run. It must
+        reproduce gravity, masses, energies, reactions and sensors of the results.
 
     Raises
     ------
@@ -157,30 +157,12 @@ def model_of(run: Solution, body: str, given: Model | None) -> Model:
     beam = body if body in beams else body.rpartition(".node")[0]
     if beam in beams:
         message = (
-            f"'{beam}' is an exact beam; jo.section_forces(run, {beam!r}) has the forces and "
-            "moments along it"
+            f"'{beam}' is an exact beam; jo.recovery.section_forces(run, {beam!r}) has the "
+            "forces and moments along it"
         )
         raise InputError(Problem(where, message))
     find_body(run, body)
-    model = run.model if given is None else given
-    if model is None:
-        message = (
-            f"{run.where} contains no forces and joints, only their results: give its model, "
-            "model=jo.compile(mechanism)"
-        )
-        raise InputError(Problem(where, message))
-    state = next(run.each_state([0]))
-    sizes = {(model.nq, model.nv, model.nrow, names(model.bodies))}
-    sizes.add((len(state.q), len(state.v), len(state.lam), names(run.bodies)))
-    if len(sizes) > 1:
-        message = f"model '{model.name}' is not that of {run.where}: other bodies, modes or joints"
-        raise InputError(Problem(where, message))
-    return model
-
-
-def names(bodies: Sequence[BodyModel | BodyShape]) -> tuple[str, ...]:
-    """Return the names of bodies."""
-    return tuple(body.name for body in bodies)
+    return model_of_run(run, given, where)
 
 
 def _judge(loads: BodyLoads) -> None:

@@ -100,7 +100,7 @@ def nodal_forces(loads: BodyLoads, part: Part, times: list[float] | None = None)
         z = z + (Phi @ motion.ddp[k]).reshape(nn, 3)
         f[k] -= part.M @ z.ravel()
     # damping: distributed like inertia, with the given generalised forces
-    for load in here.of_kind(DAMPING):
+    for load in (one for one in here.loads if one.kind == DAMPING):
         shapes = np.hstack([R, Phi])
         MS = np.asarray(part.M @ shapes)
         Q = np.hstack([load.wrench, load.modal])[rows]
@@ -121,6 +121,8 @@ def _instants(
     """Return the indices of stored instants."""
     if times is None:
         return list(range(len(loads.time)))
+    if not len(times):
+        problems.add(where, "times is empty: name at least one instant, or leave it out for all")
     span = max(float(np.ptp(loads.time)), 1e-300)
     rows = []
     for t in np.atleast_1d(np.asarray(times, dtype=np.float64)):
