@@ -18,21 +18,26 @@ from jousto.reduction.fields.invariants import EPS, Invariants
 from jousto.reduction.frames.frame import ChordFrame, Frame, MeanFrame, NodeFrame
 from jousto.reduction.frames.stiffening_transform import Turn, turned_stiffening
 from jousto.reduction.reduced import ReducedPart
-from jousto.reduction.supports.support import Clamp, SpringSupport, Support
+from jousto.reduction.supports.support import Clamp, SpringSupport, Support, marker_hint
 from jousto.reduction.supports.supported import SupportedPart
 
 SHORT = 1e-9
 """Smallest length of a chord / size of the part."""
 
+CLAMPED = "clamped"
+"""Key of the provenance of a reduced part: the node at which `clamp` holds it."""
 
+
+# a str is a sequence of str, too: the first overload takes precedence
 @overload
-def clamp(part: ReducedPart, supports: str) -> ReducedPart: ...
+def clamp(part: ReducedPart, supports: str) -> ReducedPart: ...  # type: ignore[overload-overlap]
 @overload
 def clamp(
-    part: Part | ReducedPart, supports: Support | Sequence[Support], *, solver: str | None = None
+    part: Part | ReducedPart,
+    supports: Support | Sequence[str | Support],
+    *,
+    solver: str | None = None,
 ) -> SupportedPart: ...
-@overload
-def clamp(part: Part, supports: str, *, solver: str | None = None) -> SupportedPart: ...
 @explained
 def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart | SupportedPart:
     """Return a part held by clamps and springs at any number of nodes.
@@ -59,9 +64,10 @@ def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart
     Raises
     ------
     InputError
-        With all problems: unknown nodes, directions that nodes have not, settlements that
-        contradict one another, nodes of a reduced part that are no interfaces, and rigid motions
-        that no support holds, by name.
+        With all problems: unknown nodes, directions that nodes have not, directions of a node that
+        two clamps hold, nodes of a reduced part that are no interfaces; a part that is clamped
+        already; and rigid motions that no support holds, or only by springs below the rounding of
+        the stiffness of the part, by name.
 
     Examples
     --------
@@ -81,21 +87,44 @@ def clamp(part: Any, supports: Any, *, solver: str | None = None) -> ReducedPart
     >>> (propped.modes(1).frequencies[0] / 8.3552).round(2)
     np.float64(4.38)
     """
-    if isinstance(part, ReducedPart) and isinstance(supports, str):
-        return in_frame(part, NodeFrame(supports))
     if not isinstance(part, Part | ReducedPart):
-        raise InputError(Problem("clamp", f"part is {part!r}, must be a Part or a ReducedPart"))
+        message = f"part is {part!r}, must be a Part or a ReducedPart"
+        if isinstance(part, SupportedPart):
+            message += "; list all supports together: clamp(part, [...])"
+        raise InputError(Problem("clamp", message))
+    if isinstance(part, ReducedPart) and CLAMPED in part.provenance:
+        raise InputError(_clamped_again(part, supports))
+    if isinstance(part, ReducedPart) and isinstance(supports, str):
+        held = in_frame(part, NodeFrame(supports))
+        return replace(held, provenance={**held.provenance, CLAMPED: supports})
     given = [supports] if isinstance(supports, str | Support) else supports
     problems = Problems()
+    if marker_hint(given):
+        given = [given]
     if not isinstance(given, Iterable):
         problems.add("clamp", f"supports is {supports!r}, must be Clamp, SpringSupport or a list")
         problems.raise_if_any()
     chosen = [Clamp(x) if isinstance(x, str) else x for x in given]
     for x in chosen:
         if not isinstance(x, Clamp | SpringSupport):
-            problems.add("clamp", f"support {x!r} must be a name, Clamp or SpringSupport")
+            wanted = marker_hint(x) or "must be a name, Clamp or SpringSupport"
+            problems.add("clamp", f"support {x!r} {wanted}")
     problems.raise_if_any()
     return SupportedPart(part, chosen, solver=solver)
+
+
+def _clamped_again(part: ReducedPart, supports: Any) -> Problem:
+    """Return the error for a part whose modes belong to the frame of a clamped node."""
+    first = part.provenance[CLAMPED]
+    given = [supports] if isinstance(supports, str | Support) else supports
+    further = given if isinstance(given, list | tuple) else ()
+    names = [x for x in further if isinstance(x, str) and x != first]
+    rest = [repr(x) for x in names] if names and len(names) == len(further) else ["..."]
+    return Problem(
+        f"reduced part '{part.name}'",
+        f"is already clamped at {first!r}, which another clamp would forget; hold the part from "
+        f"before that at all places together: clamp(part, [{', '.join([repr(first), *rest])}])",
+    )
 
 
 @explained
@@ -179,7 +208,10 @@ def seen_from(reduced: ReducedPart, t: Array, turn: Array, frame: Frame) -> Redu
         invariants=_combined(held, V),
         stress=None if reduced.stress is None else reduced.stress.combined(V),
         stiffening=stiffening,
-        provenance={**reduced.provenance, "frame": repr(frame)},
+        provenance={
+            **{key: value for key, value in reduced.provenance.items() if key != CLAMPED},
+            "frame": repr(frame),
+        },
     )
 
 

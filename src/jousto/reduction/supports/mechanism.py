@@ -23,8 +23,8 @@ def names_of_motions(left: Array, center: Array, length: float) -> list[str]:
         Size of the body, m.
     """
     # rotations first, so that each of the motions has as few rotations as possible
-    rows = _reduced_rows(np.vstack([left[3:], left[:3]]).T)
-    return [_name(row[3:] * length, row[:3], center, length) for row in rows]
+    rows = reduced_rows(np.vstack([left[3:], left[:3]]).T)
+    return [name_of_motion(row, center, length) for row in rows]
 
 
 def mechanism_left(where: str, left: Array, center: Array, length: float) -> Problem:
@@ -37,7 +37,7 @@ def mechanism_left(where: str, left: Array, center: Array, length: float) -> Pro
     )
 
 
-def _reduced_rows(A: Array) -> Array:
+def reduced_rows(A: Array) -> Array:
     """Return the reduced row echelon form of independent rows (r, 6)."""
     A, row = A.copy(), 0
     for column in range(A.shape[1]):
@@ -55,7 +55,9 @@ def _reduced_rows(A: Array) -> Array:
     return A
 
 
-def _name(t: Array, w: Array, center: Array, length: float) -> str:
+def name_of_motion(row: Array, center: Array, length: float) -> str:
+    """Return the name of a motion (6,): rotation, and translation of the centre over the length."""
+    w, t = row[:3], row[3:] * length
     turn = float(np.linalg.norm(w))
     if turn <= ROUNDING * max(1.0, float(np.linalg.norm(t)) / length):
         return f"translation along {_direction(t)}"

@@ -8,7 +8,7 @@ import numpy as np
 
 from jousto.base.arrays import Array, read_only
 from jousto.base.declare import Declared
-from jousto.base.errors import Problems, count
+from jousto.base.errors import InputError, Problem, Problems, count
 from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalValues
 from jousto.mesh.picks import Pick
@@ -77,6 +77,15 @@ class NodeStiffness(Field[Any, Array]):
         return read_only(0.5 * (K + K.T))
 
 
+def marker_hint(on: Any) -> str:
+    """Return the end of an error message on ``body["end"]``, the marker of a body, or nothing."""
+    point, body = getattr(on, "point", None), getattr(on, "body", None)
+    if not isinstance(point, str) or body is None:
+        return ""
+    name = getattr(body, "name", "")
+    return f"is a marker of body {name!r}; use the name of the node, {point!r}"
+
+
 class Support(Declared):
     """Base of what holds nodes of a part."""
 
@@ -88,6 +97,13 @@ class Support(Declared):
     def heading(self, problems: Problems) -> str:
         """Return the prefix of messages."""
         return f"{type(self).__name__} on {self.label}"
+
+    def __post_init__(self) -> None:
+        """Check the values, and that the nodes are not given by a marker."""
+        if hint := marker_hint(self.on):
+            where = f"{type(self).__name__} on {self.on!r}"
+            raise InputError(Problem(where, f"on {hint}", path=("on",)))
+        super().__post_init__()
 
     @property
     def label(self) -> str:

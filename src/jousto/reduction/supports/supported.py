@@ -12,7 +12,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from jousto.base.arguments import explained
-from jousto.base.arrays import Array, Index
+from jousto.base.arrays import Array, Index, skew
 from jousto.base.errors import InputError, Problem, Problems, count, warn
 from jousto.base.object_repr import described
 from jousto.parts.part import Part
@@ -22,17 +22,21 @@ from jousto.reduction.modes.ties import embedded
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.sparse.factor import Solver, factorise
 from jousto.reduction.supports.mechanism import mechanism_left
-from jousto.reduction.supports.support import DIRECTIONS, Clamp, SpringSupport, Support
+from jousto.reduction.supports.overlaps import check_overlaps, held_directions
+from jousto.reduction.supports.restraints import (
+    held_coordinates,
+    rigid_support,
+    spring_stiffness,
+)
+from jousto.reduction.supports.softness import check_softness
+from jousto.reduction.supports.support import SpringSupport, Support
 from jousto.reduction.supports.system import (
-    SupportedNode,
     System,
     full_system,
     reduced_system,
 )
 
-# eigenvalue of a spring of unit diagonal, below which a motion does not strain it
-SOFT = 1e-9
-ROUNDING = 1e-9  # force over the size of the terms of K u, below which it is rounding error
+ROUNDING = 1e-12  # force over the size of the terms of K u, below which it is rounding error
 UNBALANCED = 1e-6  # sum of loads and reactions over their size, above which rounding is too large
 
 
@@ -145,8 +149,11 @@ class SupportedPart:
         self._solver = solver
         make: Any = reduced_system if isinstance(part, ReducedPart) else full_system
         self._system: System = make(part, self.supports)
-        self._held, self._settled = _held(self._system, self.supports)
-        self._springs = _springs(self._system, self.supports)
+        problems = Problems()
+        check_overlaps(problems, self._system, self.supports)
+        self._held, self._settled = held_coordinates(problems, self._system, self.supports)
+        self._springs = spring_stiffness(problems, self._system, self.supports)
+        problems.raise_if_any()
         self._check_rigid()
 
     def __repr__(self) -> str:
@@ -167,7 +174,12 @@ class SupportedPart:
             If the part has an internal motion without stiffness.
         """
         problems = Problems()
-        problems.number("modes", "count", count, "", "1 or more", lambda x: x >= 1)
+        given: object = count
+        if isinstance(given, str):
+            wanted = "must be a whole number, at least 1"
+            problems.add("modes", f"count is {given!r}, a str, {wanted}", "count")
+        else:
+            problems.whole("modes", "count", count)
         problems.raise_if_any()
         s, free = self._system, self._free
         dense = len(free) <= eigen.DENSE_LIMIT
@@ -209,20 +221,32 @@ class SupportedPart:
         u[held] = self._settled
         for _ in range(3):  # iterative refinement, since reactions are differences of large forces
             u[free] += self._solve((f - self._forces(u))[free])
-        r, pull = np.zeros(len(u)), -self._springs @ u
+        r = np.zeros(len(u))
         r[held] = (self._forces(u) - f)[held]
-        forces = np.stack([r, pull, f], axis=1)
-        # resultant and moment about the centroid over the length, in N
-        R = self._rigid
-        size = float((np.abs(R).T @ np.abs(forces).sum(axis=1)).max())
-        total = float(np.abs(R.T @ forces.sum(axis=1)).max())
+        reactions = self._reactions(r, u)
         # without loads and strain all forces are rounding errors of K u
         rounding = ROUNDING * float((abs(s.K) @ np.abs(u)).max())
+        total, size = self._resultants(f, reactions)
         balance = total / size if size > rounding else 0.0
         if balance > UNBALANCED:
             warn(s.where, f"loads and reactions balance only to {balance:.1e} of their size")
         displacements = s.displacements(s.lift(u[:, None]))[:, :, 0]
-        return SupportedState(displacements, self._reactions(r, u), balance)
+        return SupportedState(displacements, reactions, balance)
+
+    def _resultants(self, f: Array, reactions: Sequence[Reaction]) -> tuple[float, float]:
+        """Return the resultant of loads and listed reactions, and the sum of their sizes, N.
+
+        Both are the largest of forces and moments about the centroid over the size of the part.
+        """
+        s, R = self._system, self._rigid
+        total, size = R.T @ f, np.abs(R).T @ np.abs(f)
+        for x in reactions:
+            B = np.eye(6)
+            B[3:, :3] = skew(x.at - s.center)
+            B[3:] /= s.length
+            wrench = np.concatenate([x.force, x.moment])
+            total, size = total + B @ wrench, size + np.abs(B) @ np.abs(wrench)
+        return float(np.abs(total).max()), float(size.max())
 
     def _forces(self, u: Array) -> Array:
         """Return ``(K + K_s) u`` without the rounding of rigid motions, which strain springs only.
@@ -268,21 +292,13 @@ class SupportedPart:
         )
 
     def _check_rigid(self) -> None:
-        """Raise InputError with the rigid motions that strain no support."""
-        s = self._system
-        R, unit = self._rigid, self._unit  # both make motions of supports m
-        rows = [(unit[:, None] * R)[self._held]]
-        for support, nodes in zip(self.supports, s.nodes, strict=True):
-            if not isinstance(support, SpringSupport):
-                continue
-            for node in nodes:
-                known = node.places >= 0
-                at = node.places[known]
-                strained = _strained(support.stiffness[np.ix_(known, known)], unit[at])
-                rows.append(strained @ (unit[at, None] * R[at]))
-        left = rigid_left(np.concatenate(rows))
+        """Raise InputError with the rigid motions that strain no support, or too softly."""
+        s, R = self._system, self._rigid
+        found = rigid_support(s, self.supports, self._held, self._unit, R)
+        left = rigid_left(found.rows)
         if left.shape[1]:
             raise InputError(mechanism_left(s.where, left, s.center, s.length))
+        check_softness(s, self.supports, found, R)
 
     def _reactions(self, r: Array, u: Array) -> tuple[Reaction, ...]:
         """Return the reactions from the forces on held coordinates and the displacements."""
@@ -296,84 +312,10 @@ class SupportedPart:
                     K = support.stiffness[np.ix_(known, known)]
                     values[known] = -K @ u[node.places[known]]
                 else:
-                    own = _directions(support, node)
+                    own = held_directions(support, node)
                     values[own] = r[node.places[own]]
                 out.append(Reaction(name, node.name, node.at, values[:3], values[3:]))
         return tuple(out)
-
-
-def _directions(clamp: Support, node: SupportedNode) -> list[int]:
-    """Return the directions 0..5 in which a clamp holds a node."""
-    words = getattr(clamp, "directions", ())
-    if not words:
-        return [k for k in range(6) if node.places[k] >= 0]
-    return [DIRECTIONS.index(word) for word in words]
-
-
-def _held(system: System, supports: Sequence[Support]) -> tuple[Index, Array]:
-    """Return the coordinates that clamps hold, ascending, and their settlement."""
-    problems = Problems()
-    settled: dict[int, float] = {}
-    for support, nodes in zip(supports, system.nodes, strict=True):
-        if not isinstance(support, Clamp):
-            continue
-        label = f"{system.where}, {support.heading(problems)}"
-        t, w = support.motion[:3], support.motion[3:]
-        middle = np.mean([node.at for node in nodes], axis=0)
-        for node in nodes:
-            moved = np.concatenate([t + np.cross(w, node.at - middle), w])
-            own = _directions(support, node)
-            lacking = [DIRECTIONS[k] for k in own if node.places[k] < 0]
-            if lacking:
-                problems.add(label, f"{node.name} has no rotations, {lacking[0]} cannot be held")
-                break
-            loose = [k for k in range(6) if k not in own and moved[k] and node.places[k] >= 0]
-            if loose:
-                word = DIRECTIONS[loose[0]]
-                problems.add(label, f"settlement moves {node.name} in {word}, which is not held")
-                break
-            for k in own:
-                place = int(node.places[k])
-                if settled.setdefault(place, moved[k]) != moved[k]:
-                    problems.add(
-                        label,
-                        f"{node.name} {DIRECTIONS[k]} has the settlements {settled[place]:g} and "
-                        f"{moved[k]:g}",
-                    )
-    problems.raise_if_any()
-    held = np.array(sorted(settled), dtype=np.intp)
-    return held, np.array([settled[int(k)] for k in held])
-
-
-def _springs(system: System, supports: Sequence[Support]) -> sp.csr_array:
-    """Return the stiffness (n, n) of the springs."""
-    problems, n = Problems(), system.K.shape[0]
-    total = sp.csr_array((n, n))
-    for support, nodes in zip(supports, system.nodes, strict=True):
-        if not isinstance(support, SpringSupport):
-            continue
-        for node in nodes:
-            known = node.places >= 0
-            if support.stiffness[~known].any():
-                label = f"{system.where}, {support.heading(problems)}"
-                problems.add(label, f"{node.name} has no rotations, its stiffness must be 0 there")
-                break
-            at = node.places[known]
-            i, j = np.meshgrid(at, at, indexing="ij")
-            values = support.stiffness[np.ix_(known, known)]
-            own = sp.coo_array((values.ravel(), (i.ravel(), j.ravel())), shape=(n, n))
-            total = sp.csr_array(total + own.tocsr())
-    problems.raise_if_any()
-    return total
-
-
-def _strained(K: Array, unit: Array) -> Array:
-    """Return unit rows of motions, times their units, that strain a spring."""
-    scaled = K / np.outer(unit, unit)
-    size = np.sqrt(np.where(np.diag(scaled) > 0.0, np.diag(scaled), 1.0))
-    values, vectors = np.linalg.eigh(scaled / np.outer(size, size))
-    rows = vectors[:, values > SOFT].T * size
-    return np.asarray(rows / np.linalg.norm(rows, axis=1, keepdims=True))
 
 
 def _dense_solver(K: Array, where: str) -> Solver:

@@ -20,6 +20,7 @@ from jousto.reduction.modes.ties import coordinates
 from jousto.reduction.reduced import ReducedPart
 from jousto.reduction.supports.support import Support
 
+LINE = 60  # characters of a value in messages
 DEPENDENT = 1e-9  # singular value of scaled motions of nodes over the largest: they are dependent
 
 
@@ -114,6 +115,14 @@ def full_system(part: Part, supports: Sequence[Support]) -> System:
     def load(loads: Sequence[Any]) -> Array:
         if len(loads) == 1 and not isinstance(loads[0], Load):
             problems = Problems()
+            if not _is_array(loads[0]):
+                kinds = ", ".join(kind.__name__ for kind in Load.__subclasses__())
+                problems.add(
+                    f"{where}, load 1",
+                    f"is {brief(loads[0])}, must be one of {kinds}, each an argument of its own, "
+                    f"or the array ({part.K.shape[0]},) of forces that part.load(...) returns",
+                )
+                problems.raise_if_any()
             given = problems.array(where, "loads", loads[0], (part.K.shape[0],))
             problems.raise_if_any()
             assert given is not None
@@ -268,10 +277,29 @@ def _reduced_load(where: str, part: ReducedPart, loads: Sequence[Any]) -> Array:
                 arm = np.cross(part.nodes[i], F)
                 modal = part.modes[i].T @ F + (0.0 if turn is None else turn.T @ T)
                 f += np.concatenate([F, arm + T, modal]) / len(nodes)
-        else:
+        elif isinstance(load, Load):
             problems.add(label, "a reduced part takes Weight and NodalForce; use the full part")
+        else:
+            problems.add(
+                f"{where}, load {number + 1}",
+                f"is {brief(load)}, must be Weight or NodalForce, each an argument of its own",
+            )
     problems.raise_if_any()
     return f
+
+
+def _is_array(value: Any) -> bool:
+    """Return whether a value is an array of numbers, of whatever length."""
+    try:
+        return np.ndim(value) > 0 and np.asarray(value).dtype.kind in "iufc"
+    except ValueError:
+        return False
+
+
+def brief(value: Any) -> str:
+    """Return a value for messages, in one line of at most 60 characters."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= LINE else f"{text[: LINE - 4]} ..."
 
 
 def _nodes(problems: Problems, label: str, sets: Any, points: Array, on: Any) -> Ints:
@@ -286,8 +314,10 @@ def _nodes(problems: Problems, label: str, sets: Any, points: Array, on: Any) ->
         return np.array(sorted(sets[on]), dtype=np.int64)
     array = on.of(points) if isinstance(on, Pick) else read_integers(on)
     if array is None or np.ndim(array) > 1 or not np.size(array):
-        what = "the pick contains no node; check that it is in m" if isinstance(on, Pick) else ""
-        problems.add(label, what or "on must name a node set, node indices or a pick", "on")
+        what = f"on is {brief(on)}, must be the name of a node set, indices from 0 or a pick"
+        if isinstance(on, Pick):
+            what = "the pick contains no node; check that it is in m"
+        problems.add(label, what, "on")
         return none
     found = np.unique(np.atleast_1d(array)).astype(np.int64)
     if found[0] < 0 or found[-1] >= len(points):
