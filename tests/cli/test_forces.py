@@ -33,6 +33,9 @@ def test_forces(bent: jo.Solution, tmp_path: Path) -> None:
         assert code == 0 and (tmp_path / name).stat().st_size > 1000, text
     code, text = call("forces", bent.path, "bean")
     assert code == 2 and "did you mean 'beam'" in text
+    code, text = call("forces", bent.path, "beam", "--frame", "world", "--model", "other.yaml")
+    assert code == 2 and "'beam' is an exact beam" in text
+    assert "--model: is for loads on a body" in text and "--frame: is for loads" in text
     code, text = call("forces", bent.path, "--at", "0", "--at", "1e-9 s", "-o", tmp_path / "a.csv")
     assert code == 2 and "one instant" in text
 

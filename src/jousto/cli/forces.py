@@ -100,6 +100,11 @@ def forces(
     )
     find_body(run, name)  # an unknown name is an error with the nearest one
     if name in beams:
+        problems = Problems()
+        for option, differs in (("--model", model is not None), ("--frame", frame != "body")):
+            if differs:
+                problems.add(option, f"is for loads on a body; {name!r} is an exact beam")
+        problems.raise_if_any()
         along_beam(run, name, moments, (first, last), output)
         return
     if output is not None:
