@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg as la
 from numpy.typing import ArrayLike
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from jousto.base.arguments import explained
 from jousto.base.arrays import Array
@@ -369,12 +369,19 @@ def _most_likely(s2: Array, power: Array, instants: int) -> tuple[float, float, 
         gained = power * ratio / (1.0 + ratio)
         return 0.5 * float((instants * np.log1p(ratio) - gained).sum())
 
+    def slope(log_a: float) -> float:
+        ratio = s2 * np.exp(-log_a)
+        return 0.5 * float(((power / (1.0 + ratio) - instants) * ratio / (1.0 + ratio)).sum())
+
     grid = np.log(s2[0]) + np.linspace(-1.0, 1.0, STEPS) * RANGE * np.log(10.0)
     losses = np.array([loss(x) for x in grid])
     k = int(losses.argmin())
     if k in (0, STEPS - 1):
         return float(grid[k]), float(losses[k]), k
-    best = minimize_scalar(
-        loss, bounds=(grid[k - 1], grid[k + 1]), method="bounded", options={"xatol": 1e-9}
-    )
+    # where the slope vanishes: the loss itself is flat there, and tells half of the digits
+    low, high = float(grid[k - 1]), float(grid[k + 1])
+    if slope(low) < 0.0 < slope(high):
+        log_a = float(brentq(slope, low, high, xtol=1e-14))
+        return log_a, loss(log_a), k
+    best = minimize_scalar(loss, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
     return float(best.x), float(best.fun), k
