@@ -86,10 +86,15 @@ def rate_matrix(e: ArrayLike, convention: str | None = None) -> Array:
     """
     values, axes = _parse("rate_matrix", e, convention)
     if axes is None:
-        return np.asarray(np.swapaxes(_of_parameters(values), -1, -2) / 4.0)
+        return rates_of_parameters(values)
     assert convention is not None
     _refuse_pole(np.real(values[..., 1]), convention)
     return np.asarray(np.linalg.inv(_of_angles(values, axes)))
+
+
+def rates_of_parameters(e: Array) -> Array:
+    """Return H (..., 4, 3) of Euler parameters (..., 4), which are not checked."""
+    return np.asarray(np.swapaxes(_of_parameters(e), -1, -2) / 4.0)
 
 
 def _of_parameters(e: Array) -> Array:

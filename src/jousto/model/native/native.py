@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from jousto.base.arguments import explained
 from jousto.base.errors import InputError, Problem, SimulationError
 from jousto.base.object_repr import described
+from jousto.base.rotation_rates import rates_of_parameters
 from jousto.model.model import Model
 from jousto.model.native import library
 from jousto.model.native.damage_meter import meter_size
@@ -444,10 +445,9 @@ class Engine:
         """Return dq (nq, nv) for unit increments [dR (world), dtheta (body frame), dp]."""
         moves = np.zeros((self.model.nq, self.model.nv))
         for b in self.model.bodies:
-            e0, e1, e2, e3 = self.q[b.iq + 3 : b.iq + 7].real
-            turn = [[-e1, -e2, -e3], [e0, -e3, e2], [e3, e0, -e1], [-e2, e1, e0]]
+            rates = rates_of_parameters(self.q[b.iq + 3 : b.iq + 7].real)
             moves[b.iq : b.iq + 3, b.iv : b.iv + 3] = np.eye(3)
-            moves[b.iq + 3 : b.iq + 7, b.iv + 3 : b.iv + 6] = 0.5 * np.array(turn)
+            moves[b.iq + 3 : b.iq + 7, b.iv + 3 : b.iv + 6] = rates
             moves[b.iq + 7 : b.iq + 7 + b.n, b.iv + 6 : b.iv + 6 + b.n] = np.eye(b.n)
         return moves
 
