@@ -90,7 +90,7 @@ def explained(what: F) -> F:
 
 
 def explained_as(where: str) -> Callable[[F], F]:
-    """Decorate like `explained` a function that users call by another name."""
+    """Decorate a function like `explained`, with the name by which users call it."""
 
     def mark(what: F) -> F:
         return typing.cast(F, _watched(what, where))
@@ -117,7 +117,7 @@ def _watched(function: Callable[..., Any], where: str) -> Callable[..., Any]:
 def misfits(
     function: Callable[..., Any], where: str, given: tuple[Any, ...], named: dict[str, Any]
 ) -> list[Problem]:
-    """Return the problems with the arguments of a call that annotations can identify."""
+    """Return the problems with the arguments of a call that the annotations reveal."""
     signature = inspect.signature(function)
     try:
         bound = signature.bind(*given, **named).arguments
@@ -164,7 +164,7 @@ def _documented(function: Callable[..., Any], name: str) -> str:
 
 
 def _fits_words(words: str, value: Any, scope: Scope) -> bool:
-    """Return whether a value has a type of the docstring; True for unknown types."""
+    """Return whether a value has the type written in the docstring; True for unknown types."""
     words, _, inside = words.partition(" of ")
     checks = []
     for word in re.findall(r"\w+", words):
@@ -188,7 +188,7 @@ def _shown(value: Any) -> str:
 
 
 def _name(kind: ast.expr) -> str:
-    """Return the last word of ``np.ndarray``, ``Sequence[str]``, ``None`` or ``Model``."""
+    """Return the last word of a type such as ``np.ndarray``, ``Sequence[str]`` or ``Model``."""
     if isinstance(kind, ast.Subscript):
         return _name(kind.value)
     if isinstance(kind, ast.Attribute):
@@ -206,7 +206,7 @@ def _union(kind: ast.expr) -> list[ast.expr]:
 
 
 def _inside(kind: ast.expr) -> list[ast.expr]:
-    """Return the arguments of ``Sequence[...]``, empty for other types."""
+    """Return the arguments of an annotation such as ``Sequence[...]``; empty for other types."""
     if not isinstance(kind, ast.Subscript):
         return []
     return list(kind.slice.elts) if isinstance(kind.slice, ast.Tuple) else [kind.slice]
@@ -234,7 +234,7 @@ def _fits(kind: ast.expr, value: Any, scope: Scope) -> bool:
 
 
 def _plain(name: str, value: Any) -> bool | None:
-    """Return whether a value has a built-in type given by name; None for other names."""
+    """Return whether a value has a built-in type given by name; None for names of other types."""
     checks: dict[str, Callable[[Any], bool]] = {
         "float": _is_number,
         "int": lambda x: _is_number(x) and isinstance(x, int | np.integer),
@@ -268,7 +268,7 @@ def _is_numeric(value: Any) -> bool:
 
 
 def _belongs(name: str, value: Any, scope: Scope) -> bool:
-    """Return whether a value has a class or alias known in the module of the function."""
+    """Return whether a value has the class or alias of that name in the module of the function."""
     if name in scope or hasattr(builtins, name):
         return _is_of(scope[name] if name in scope else getattr(builtins, name), value)
     if "jousto" in sys.modules and _is_public(name):  # imported for annotations only
@@ -299,7 +299,7 @@ def _is_of(kind: Any, value: Any) -> bool:
 
 
 def _wanted(kind: ast.expr) -> str:
-    """Return the text for an annotated type in messages."""
+    """Return the text by which messages describe an annotated type."""
     texts: list[str] = []
     for part in _union(kind):
         name = _name(part)

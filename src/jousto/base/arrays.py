@@ -29,7 +29,7 @@ def read_only(array: ArrayLike) -> Array:
 
 
 def frozen(array: A) -> A:
-    """Return the same array, made read-only."""
+    """Return the same array after it was made read-only."""
     array.setflags(write=False)
     return array
 
@@ -51,7 +51,7 @@ def skew(x: ArrayLike) -> Array:
 
 
 def crossed(a: Array, b: Array) -> Array:
-    """Return a cross b, (..., 3): for few vectors much faster than ``numpy.cross``.
+    """Return a cross b, (..., 3); for few vectors much faster than ``numpy.cross``.
 
     Examples
     --------
@@ -109,6 +109,6 @@ def node_dofs(nodes: Ints, dofs_per_node: int) -> Ints:
 
 
 def some(items: list[str], limit: int = 6) -> str:
-    """Return the first items joined to one readable list."""
+    """Return the first items joined to one readable text."""
     more = f" and {len(items) - limit} more" if len(items) > limit else ""
     return ", ".join(items[:limit]) + more

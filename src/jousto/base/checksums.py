@@ -1,9 +1,9 @@
-"""Checksums after the end of an HDF5 file: data with wrong checksums are not read.
+"""Checksums stored after the end of an HDF5 file; data with wrong checksums are not read.
 
-HDF5 ignores data after its end. Since HDF5 may crash on damaged files, checksums are checked
-before it opens a file. They cover the layout and all constant data, piece by piece, and every BLOCK
-rows of each column, written when the block is complete; so they are valid also for a file of a
-running or killed run. Other programs that write to the file remove them; then only the structure is
+HDF5 ignores data after its end. Since HDF5 may crash on damaged files, checksums are checked before
+it opens a file. They cover the layout and all constant data, piece by piece, and every BLOCK rows
+of each column, written when the block is complete; so files of running or killed runs have valid
+checksums too. Other programs that write to the file remove them; then only the structure is
 checked.
 """
 
@@ -48,7 +48,7 @@ class Seal:
         self._done = 0  # number of blocks in the file
 
     def add(self, data: list[bytes], rows: int, write: Write) -> None:
-        """Add rows of all columns; write the checksums of blocks that become complete."""
+        """Add rows of all columns, and write the checksums of each block that becomes complete."""
         for k, ((_, width), block) in enumerate(zip(self._columns, data, strict=True)):
             view, at = memoryview(block), self._written
             while view:
@@ -74,7 +74,7 @@ class Seal:
 
     @property
     def open_end(self) -> int:
-        """Length of the file without the footer that makes its checksums valid."""
+        """Length of the file without the footer; without its footer a file counts as unfinished."""
         return self._start + self._blocks.nbytes
 
     def _write_blocks(self, first: int, last: int, write: Write) -> None:
@@ -82,7 +82,7 @@ class Seal:
         write(place, self._blocks[first:last].tobytes())
 
     def finish(self, pieces: Iterable[tuple[int, int, int]], write: Write, *, closed: bool) -> None:
-        """Write the checksums of constant data: (offset, length, checksum)."""
+        """Write the checksums of constant data; each piece is (offset, length, checksum)."""
         self._write_blocks(0, len(self._blocks), write)
         about = {
             "pieces": list(pieces),
@@ -101,7 +101,7 @@ class Sealed:
     Parameters
     ----------
     path : Path
-        The file.
+        Path of the file.
     foot : tuple
         Content of the footer.
 
@@ -139,7 +139,8 @@ class Sealed:
     def check(self, offset: int | None, name: str, first: int, last: int, length: int) -> None:
         """Raise ValueError if rows of a column at an offset have a wrong checksum.
 
-        Each block is read once. In a file of a running run, the last rows have no checksum yet.
+        Each block is read once. While a run is in progress, the last rows of its file have no
+        checksum yet.
         """
         if offset not in self._columns:
             return

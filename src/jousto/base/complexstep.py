@@ -1,4 +1,4 @@
-"""Complex steps: numbers whose imaginary part is the derivative by one parameter.
+"""Complex steps: the imaginary part of a number is its derivative by one parameter, times the step.
 
 ``df/dx = Im f(x + i h) / h`` has neither truncation nor cancellation (Squire and Trapp, SIAM Rev.
 40, 1998). Outside of `stepping` no field accepts a complex number. Inside, numbers independent of
@@ -28,7 +28,7 @@ is_stepping = _ACTIVE.get
 
 @contextmanager
 def stepping() -> Iterator[None]:
-    """Accept complex numbers within the block; dropping an imaginary part is an error."""
+    """Accept complex numbers within the block; it is an error to drop an imaginary part."""
     token = _ACTIVE.set(True)
     try:
         with warnings.catch_warnings():
@@ -68,12 +68,12 @@ def floats(x: Any) -> NDArray[np.float64]:
 
 
 def stepped(*arrays: Any) -> bool:
-    """Return whether any of the arrays has derivatives."""
+    """Return whether any of the arrays has derivatives, that is, complex numbers."""
     return _ACTIVE.get() and any(np.iscomplexobj(x) for x in arrays)
 
 
 def parts(x: Any) -> tuple[Any, Any]:
-    """Return values, and derivatives times `STEP`, of a number, array or sparse matrix."""
+    """Return the values, and the derivatives times `STEP`, of a number, array or sparse matrix."""
     return x.real, (x.imag if np.iscomplexobj(x) else 0.0 * x)
 
 
@@ -130,7 +130,7 @@ class SteppedText(str):
 
 
 def power(x: Any, y: Any) -> Any:
-    """Return ``x ** y``, differentiable, for real exponents; also of negative numbers."""
+    """Return ``x ** y`` for real exponents, differentiable; x may be negative."""
     if not stepped(x, y):
         return x**y
     (x0, dx), (y0, dy) = parts(np.asarray(x)), parts(np.asarray(y))

@@ -1,4 +1,4 @@
-"""Declared classes: constructor, checks, model-file entry and help follow from the fields.
+"""Declared classes: their fields define constructor, checks, model-file entry and help.
 
 A class that derives from `Declared` lists its fields, each with its meaning, unit, limits and
 default::
@@ -152,7 +152,7 @@ class Declared:
         problems.raise_if_any()
 
     def heading(self, problems: Problems) -> str:
-        """Return the prefix of messages, ``joint 'hinge'``; report an invalid name."""
+        """Return the prefix of messages, such as ``joint 'hinge'``; report an invalid name."""
         kind = self.kind or type(self).__name__
         name = getattr(self, "name", "") if "name" in self.fields else ""
         if isinstance(self.fields.get("name"), Name):
@@ -164,7 +164,7 @@ class Declared:
 
     @property
     def made(self) -> Any:
-        """Object built for a model-file entry of the class: itself, or the described object."""
+        """Object built for a model-file entry of the class: itself, or the object it describes."""
         return self
 
     def __repr__(self) -> str:
@@ -249,7 +249,7 @@ def document(cls: type[Declared]) -> None:
 
 
 class Makes(Protocol[Out]):
-    """Base of declared classes whose objects describe another object."""
+    """Base of declared classes whose objects describe an object of another class."""
 
     @property
     def made(self) -> Out:
@@ -262,11 +262,11 @@ def maker(name: str, cls: Callable[P, Makes[Out]], returns: str = "") -> Callabl
     Parameters
     ----------
     name : str
-        How users call it, ``"RigidBody.box"``, ``"fat_class"``.
+        Name by which users call it, such as ``"RigidBody.box"`` or ``"fat_class"``.
     cls : type
         The class; the function has its arguments and its help.
     returns : str
-        What it returns, where that is not what stands before the dot of its name.
+        Name of the returned class, if it is not the part of the name before the dot.
     """
     return made_by(name, cls, lambda form: form.made, returns)
 
@@ -274,14 +274,14 @@ def maker(name: str, cls: Callable[P, Makes[Out]], returns: str = "") -> Callabl
 def made_by(
     name: str, cls: Callable[P, Form], make: Callable[[Form], Out], returns: str = ""
 ) -> Callable[P, Out]:
-    """Return the function that makes an object from an object of a declared class.
+    """Return the function that makes an object of another class from a declared object.
 
     Parameters
     ----------
     name, cls, returns
         As for `maker`.
     make : function
-        Returns the other object.
+        Function that converts the declared object to the other object.
     """
 
     def call(*given: P.args, **named: P.kwargs) -> Out:
@@ -302,7 +302,7 @@ def kinds(section: str, room: str) -> dict[str, type[Declared]]:
     Parameters
     ----------
     section : str
-        Such as ``"joints"``.
+        Name of the section, such as ``"joints"``.
     room : str
         The package whose modules declare them, ``"jousto.mechanism.joints"``, or a module.
     """

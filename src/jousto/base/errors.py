@@ -55,7 +55,7 @@ class JoustoWarning(UserWarning):
     message : str
         The text without it.
     path : tuple of (str or int)
-        The field that it is about, as for `Problem`.
+        Path of the field that the warning concerns, as for `Problem`.
     """
 
     where: str = ""
@@ -69,7 +69,7 @@ class JoustoWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Problem:
-    """One problem of the input.
+    """Problem found in the input.
 
     Parameters
     ----------
@@ -78,10 +78,10 @@ class Problem:
     message : str
         What is wrong, and what is allowed.
     path : tuple of (str or int)
-        The field of the object that it is about, and the item or field in it, from outside to
-        inside: ``("limit",)``, ``("points", 3)``; empty where it is about no single one.
+        Path of the field that the problem concerns, from the outermost field to the innermost item:
+        ``("limit",)``, ``("points", 3)``; empty if it concerns no single field.
     named : bool
-        Whether the message names the field; else the path stands before it.
+        Whether the message names the field; if not, the path is put before the message.
     """
 
     where: str
@@ -98,7 +98,7 @@ class Problem:
         return self.message if self.named else f"{'.'.join(map(str, self.path))}: {self.message}"
 
     def inside(self, where: str, *path: str | int, named: bool = False) -> Problem:
-        """Return the problem for a larger object that has the object as a field or item."""
+        """Return the same problem for the larger object that has the object as a field or item."""
         text = self.sentence if self.where in path[-1:] else str(self)
         return Problem(where, text, path=(*path, *self.path), named=named)
 
@@ -170,7 +170,7 @@ class Problems:
         self.found: list[Problem] = []
 
     def add(self, where: str, message: str, *path: str | int, named: bool = True) -> None:
-        """Add a problem at the path of a field; see `Problem`."""
+        """Add a problem with the path of the field that it concerns; see `Problem`."""
         self.found.append(Problem(where, message, path=path, named=named))
 
     def raise_if_any(self) -> None:
@@ -212,7 +212,7 @@ class Problems:
         return self.number(where, name, value, "", wanted, lambda x: x >= least and x == int(x))
 
     def several(self, where: str, name: str, value: Any, kind: type[T]) -> tuple[T, ...]:
-        """Return one object of a kind, or a sequence of them, as a tuple; add problems."""
+        """Return one object or a sequence of a kind as a tuple; add problems for other values."""
         if isinstance(value, kind):
             return (value,)
         if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
@@ -229,7 +229,7 @@ class Problems:
     def array(
         self, where: str, name: str, value: Any, shape: tuple[int | None, ...]
     ) -> NDArray[np.float64] | None:
-        """Return a read-only float copy, or add a problem unless it is finite and of the shape.
+        """Return a read-only float copy; add a problem unless it is finite and has the shape.
 
         None in the shape allows any length.
         """
@@ -263,7 +263,7 @@ class Problems:
 
 
 def _shape(shape: tuple[int | None, ...]) -> str:
-    """Return a shape for messages, ``(any, 3)``."""
+    """Return a shape as text for messages, such as ``(any, 3)``."""
     return "(" + ", ".join("any" if n is None else str(n) for n in shape) + ")"
 
 
@@ -315,7 +315,7 @@ def likely_strain_unit(size: float) -> str:
 
 
 def strain_remedy(size: float) -> str:
-    """Return probable unit and remedy for a strain too large for m/m."""
+    """Return the probable unit of a strain too large for m/m, and the remedy."""
     return "percent: divide by 100" if size <= 1.0 else "um/m: divide by 1e6"
 
 

@@ -34,7 +34,7 @@ class ExpressionError(ValueError):
 
 @dataclass(frozen=True)
 class Quantity:
-    """Number in SI units with the exponents of m, kg, s and rad.
+    """Number in SI units with the exponents of its units m, kg, s and rad.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Quantity:
 
     @property
     def said(self) -> str:
-        """Quantity in the form of messages."""
+        """Quantity as text for messages."""
         kind = KINDS.get(self.unit)
         shown = f"{self.value:g}" + ("" if self.exponents == NONE else f" {self.unit}")
         return f"{shown} ({kind})" if kind else shown
@@ -76,7 +76,7 @@ def _known() -> dict[tuple[float, ...], str]:
 
 
 def unit_of(exponents: tuple[float, ...]) -> str:
-    """Return the SI unit with given exponents."""
+    """Return the SI unit of a quantity with these exponents of m, kg, s and rad."""
     if exponents in _known():
         return _known()[exponents]
     pairs = zip(BASE, exponents, strict=True)

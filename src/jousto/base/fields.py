@@ -32,13 +32,14 @@ def field(
     Parameters
     ----------
     text : str
-        What it means, for help, pages and editors.
+        Meaning of the field, for help, pages and editors.
     default : object, optional
-        Value where none is given; without one the field must be given.
+        Default value; a field without one must be given.
     kw_only : bool
         Whether it is given by name only.
     compare : bool
-        Whether objects that differ in it alone are different, where a class compares values.
+        Whether the field takes part in comparisons, for classes whose objects are compared by
+        value.
     **facts
         Arguments of the type: unit, limits.
     """
@@ -71,15 +72,15 @@ class Field(Generic[In, Out]):
     unit : str
         SI unit; empty where there is none.
     file : bool
-        Whether model files may give it.
+        Whether model files may contain the field.
     key : str
-        What model files call it; its name if empty.
+        Key in model files; the name of the field if empty.
     label : str
-        What messages call it; its name if empty.
+        Name in messages; the name of the field if empty.
     wanted : str
-        What a value must be, in messages.
+        Description of valid values, for messages.
     plain : bool
-        Whether messages show the value as it was given, without its unit.
+        Whether messages show the value exactly as given, without a unit.
     """
 
     form: str = ""
@@ -128,11 +129,11 @@ class Field(Generic[In, Out]):
     @overload
     def __get__(self, obj: object, owner: type) -> Out: ...
     def __get__(self, obj: object | None, owner: type) -> Any:
-        """Only for type checkers: the classes keep plain attributes."""
+        """For type checkers only: the objects have plain attributes."""
         raise AttributeError(self.name)
 
     def __set__(self, obj: Any, value: In) -> None:
-        """Only for type checkers: declared objects do not change."""
+        """For type checkers only: declared objects cannot be changed."""
         raise AttributeError(self.name)
 
     @property
@@ -182,9 +183,9 @@ class AnyField(Field[Any, Any]):
     text, unit, default, kw_only
         As for every field.
     form, noun : str
-        How model files write it, and what it is called in help.
+        Form of the value in model files, and noun for it in help.
     shapes : tuple of tuple
-        Shapes of arrays that it may be, None for any length.
+        Allowed shapes of an array, with None for any length.
     """
 
     def __init__(
@@ -207,7 +208,7 @@ class OptionalText(Field["str | None", str]):
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the text, or report that the value is none."""
+        """Return the text, or report a value of another type."""
         if not isinstance(value, str):
             problems.add(where, f"{self.name} is {value!r}, must be a string or None")
         return value
@@ -264,7 +265,7 @@ class Reference(Field[In, Out]):
     section : str or tuple of str
         The section of a model file that declares it, or several.
     word : str
-        What messages call it.
+        Noun for the object in messages.
     """
 
     form = "reference"
@@ -278,7 +279,7 @@ class Nested(Field[In, Out]):
     Attributes
     ----------
     section, room : str
-        Its register, and the package that declares its classes.
+        Section in which the classes are registered, and the package that declares them.
     """
 
     form = "nested"
@@ -305,12 +306,12 @@ class Choice(Field[str, str]):
 
     @property
     def annotation(self) -> str:
-        """The allowed texts, as a type in signatures."""
+        """The allowed texts as a type, for signatures."""
         return f"Literal[{', '.join(map(repr, self.words))}]"
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """The allowed texts, as a type in signatures."""
+        """The allowed texts as a noun, for messages."""
         return "{" + ", ".join(f'"{word}"' for word in self.words) + "}"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
@@ -325,7 +326,7 @@ class Choice(Field[str, str]):
 class _Of(Field[In, Out]):
     @property
     def of(self) -> type[Any]:
-        """The declared class."""
+        """The declared class of the objects."""
         found: type[Any] = get_args(vars(self)["__orig_class__"])[0]
         return found
 
@@ -337,11 +338,11 @@ class Item(_Of[T, T]):
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """Name of the class in messages and signatures."""
+        """Name of the class, for messages and signatures."""
         return self.of.__name__
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the object, or report that the value is none of the class."""
+        """Return the object, or report a value that is not an object of the class."""
         if not isinstance(value, self.of):
             problems.add(where, f"{self.label} is {value!r}, must be {self.wanted or self.noun}")
         return value
@@ -358,7 +359,7 @@ class Items(_Of[Iterable[T], tuple[T, ...]]):
 
     @property
     def noun(self) -> str:  # type: ignore[override]
-        """Noun for the objects in messages and signatures."""
+        """Noun for the objects, for messages and signatures."""
         return f"sequence of {self.of.__name__}"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:

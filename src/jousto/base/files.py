@@ -120,7 +120,7 @@ def check_input(path: Path, remedy: str = "") -> None:
 
 
 def check_text(path: Path, remedy: str = "") -> None:
-    """Raise InputError like `check_input`, also for files that begin with an endless line.
+    """Raise InputError like `check_input`, and for files whose first line has no end.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def written(path: Path) -> Iterator[Path]:
 
 
 def beside_of(final: Path) -> Path:
-    """Return the name of a temporary file that may replace another one.
+    """Return the name of a temporary file in the folder of the file that it may replace.
 
     Raises
     ------

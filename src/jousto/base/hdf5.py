@@ -1,4 +1,4 @@
-"""HDF5 files of unknown origin: no access to other files, and damage is a ValueError."""
+"""HDF5 files from other people: access to other files is refused, and damage raises ValueError."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ DEFLATED = 1032  # largest compression ratio: the limit of zlib
 
 
 def opened(path: Path) -> h5py.File:
-    """Open a file for reading, also one that is being written."""
+    """Open a file for reading; the file may still be written by a run."""
     try:
         return h5py.File(path, "r", locking=False)
     except OSError as error:
@@ -97,10 +97,10 @@ def open_format(path: Path, mark: str, what: str, remedy: str) -> Iterator[Group
 
 
 class Group:
-    """HDF5 group with access to content of the same file only.
+    """HDF5 group that gives access to the content of its own file only.
 
     Links to other files and other places, data kept in other files and virtual data sets are
-    refused: they could read the content of other files of the user.
+    refused: they could expose the content of other files of the user.
 
     Parameters
     ----------

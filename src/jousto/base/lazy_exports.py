@@ -15,7 +15,7 @@ from jousto.base.renames import RENAMED
 
 
 class Room(ModuleType):
-    """Package that loads a name of its stub at first use."""
+    """Package that loads a public name of its stub when the name is first used."""
 
     _places: dict[str, tuple[str, str]]
     _gone: Callable[[str], str]

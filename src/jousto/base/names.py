@@ -1,4 +1,4 @@
-"""Names: allowed characters, and display of text of unknown origin."""
+"""Names: allowed characters, and safe display of text from other sources."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def check_name(problems: Problems, kind: str, name: Any) -> str:
 
 
 def file_name(name: str) -> str:
-    """Return a name of unknown origin as part of the name of a file in a known folder.
+    """Return a text from another source as part of a file name in a known folder.
 
     >>> file_name("../../boom")
     '.._.._boom'

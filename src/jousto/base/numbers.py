@@ -23,9 +23,9 @@ def set_fields(target: Any, **values: Any) -> None:
 def number(
     problems: Problems, where: str, name: str, value: Any, *path: str | int, remedy: str = ""
 ) -> float | None:
-    """Return a finite float, or report why the value is none, at a path (its name if empty).
+    """Return a finite float, or report a problem at a path (the name if the path is empty).
 
-    A remedy, ``; do this``, follows the message that it is infinite.
+    A remedy, such as ``; do this``, is appended to the message about an infinite value.
     """
     try:
         if value is None or isinstance(value, str):
@@ -53,15 +53,15 @@ class _Numeric(Field[In, Out]):
     least : float, optional
         Smallest value.
     above : float, optional
-        What the value must be larger than.
+        Exclusive lower limit.
     most : float, optional
         Largest value.
     below : float, optional
-        What the value must be smaller than.
+        Exclusive upper limit.
     nonzero : bool
-        Whether 0 is wrong.
+        Whether 0 is refused.
     remedy : str
-        What to do where the limits are broken.
+        Remedy in the message about a value outside the limits.
     """
 
     form = "number"
@@ -109,7 +109,7 @@ class _Numeric(Field[In, Out]):
         return found
 
     def missed(self, x: float) -> str:
-        """Return the limit that a number violates; empty if none."""
+        """Return the limit that a number violates, as text; empty if it violates none."""
         if self.above is not None and not x > self.above:
             return "must be positive" if self.above == 0 else f"must be above {self.above:g}"
         if self.least is not None and not x >= self.least:
@@ -180,7 +180,7 @@ class _Whole(Field[In, Out]):
     text, default, kw_only
         As for every field.
     least, most : int
-        Smallest, and largest if there is one.
+        Smallest value; largest value, if there is one.
     """
 
     form = "count"
@@ -214,7 +214,7 @@ class OptionalWhole(_Whole["int | None", "int | None"]):
 
 
 class Numbers(Field["float | Iterable[float]", "tuple[float, ...]"]):
-    """Field of one or several numbers; none is zero."""
+    """Field of one or several numbers; at least one is required."""
 
     form = "numbers"
     noun = "float or sequence of float"

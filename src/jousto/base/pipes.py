@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def broken_pipes_raise() -> Iterator[None]:
-    """Make writing to an ended process raise BrokenPipeError in the block, the default of Python.
+    """Make writing to an ended process raise BrokenPipeError within the block, Python's default.
 
     A library such as Gmsh resets SIGPIPE to its default, which ends the whole program without a
     message. Only the main thread can change this; in other threads the function has no effect.

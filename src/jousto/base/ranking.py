@@ -69,7 +69,7 @@ def first(places: Sequence[int] | NDArray[np.intp], labels: Sequence[str] | None
 
 
 def largest(values: ArrayLike, labels: Sequence[str] | None = None) -> int:
-    """Return the index of the largest value; of equal ones the first as in `ranking`.
+    """Return the index of the largest value; among equal values the first, as in `ranking`.
 
     Examples
     --------

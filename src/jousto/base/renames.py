@@ -1,4 +1,4 @@
-"""Renamed public names, for the error raised by the use of an old one."""
+"""Renamed public names, with which errors about an old name suggest the new one."""
 
 from typing import Any, NoReturn
 

@@ -1,4 +1,4 @@
-"""Angular velocity from the rates of rotation parameters, and the rates from it."""
+"""Conversion between angular velocity and the rates of rotation parameters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ POLE = 1e-6  # distance from the pole of Euler angles, rad, below which rates ar
 
 
 def velocity_matrix(e: ArrayLike, convention: str | None = None) -> Array:
-    """Return G of ``w' = G e'``: the angular velocity of rates of rotation parameters.
+    """Return G of ``w' = G e'``, which converts rates of rotation parameters to angular velocity.
 
     w' is resolved in the rotated frame, ``dA/dt = A skew(w')``; in the world it is ``A w'``.
 
@@ -56,12 +56,12 @@ def velocity_matrix(e: ArrayLike, convention: str | None = None) -> Array:
 
 
 def rate_matrix(e: ArrayLike, convention: str | None = None) -> Array:
-    """Return H of ``e' = H w'``: rates of rotation parameters from the angular velocity.
+    """Return H of ``e' = H w'``, which converts angular velocity to rates of rotation parameters.
 
-    The inverse of `velocity_matrix`: ``G H = 1``. For Euler parameters ``H = G^T / 4``, whose rates
-    keep their length. Euler angles have a pole, where two of their axes are parallel and no rates
-    give a rotation about the normal of the axes: ``b = 0`` or 180 degrees of conventions such as
-    ZXZ, ``b = +-90`` degrees of conventions such as ZYX.
+    The inverse of `velocity_matrix`: ``G H = 1``. For Euler parameters ``H = G^T / 4``; these rates
+    keep the length of e. Euler angles have a pole where two of their axes are parallel, so that no
+    rates give a rotation about the normal of the axes: ``b = 0`` or 180 degrees of conventions such
+    as ZXZ, ``b = +-90`` degrees of conventions such as ZYX.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def rate_matrix(e: ArrayLike, convention: str | None = None) -> Array:
 
 
 def rates_of_parameters(e: Array) -> Array:
-    """Return H (..., 4, 3) of Euler parameters (..., 4), which are not checked."""
+    """Return H (..., 4, 3) for Euler parameters (..., 4), without checking them."""
     return np.asarray(np.swapaxes(_of_parameters(e), -1, -2) / 4.0)
 
 
@@ -132,7 +132,7 @@ def _turn(axis: int, angle: Any) -> Array:
 def _parse(
     where: str, e: ArrayLike, convention: str | None
 ) -> tuple[Array, tuple[int, int, int, bool] | None]:
-    """Return checked parameters and the axes of Euler angles with whether they are extrinsic."""
+    """Return checked parameters, the axes of Euler angles, and whether angles are extrinsic."""
     problems = Problems()
     axes = None if convention is None else parse_convention(problems, where, convention)
     count = 4 if convention is None else 3

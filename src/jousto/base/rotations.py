@@ -27,7 +27,7 @@ SHORTEST = 1e-150
 
 
 def rotation_matrix(e: ArrayLike) -> Array:
-    """Return A (..., 3, 3) of Euler parameters e (..., 4): local to world.
+    """Return the matrix A (..., 3, 3) from local to world axes for Euler parameters e (..., 4).
 
     Rantalainen 2007, eq. 3.5.
 
@@ -91,7 +91,7 @@ def exp_rotation(theta: ArrayLike) -> Array:
 
 
 def unit_vector(direction: ArrayLike) -> Array:
-    """Return a vector (3,) of any length at length 1; its square may over- or underflow.
+    """Return a vector (3,) scaled to length 1, even if its square over- or underflows.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class Direction(Field["ArrayLike | None", "Array | None"]):
 
 
 def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
-    """Return the frame A (3, 3) after the smallest rotation that moves its z axis onto `axis`."""
+    """Return the frame A (3, 3) after the smallest rotation that aligns its z axis with `axis`."""
     A = floats(A)
     h = unit_vector(axis)
     z = A[:, 2]
@@ -144,7 +144,7 @@ def turn_onto(A: ArrayLike, axis: ArrayLike) -> Array:
 
 
 def turn_each_onto(A: Array, axes: Array) -> Array:
-    """Return `turn_onto` for frames A (n, 3, 3) and axes (n, 3)."""
+    """Return the result of `turn_onto` for frames A (n, 3, 3) and axes (n, 3)."""
     h = axes / np.abs(axes).max(axis=1, keepdims=True)
     h /= np.linalg.norm(h, axis=1, keepdims=True)
     cross, cosine = crossed(A[:, :, 2], h), (A[:, :, 2] * h).sum(axis=1)
@@ -281,7 +281,7 @@ class Rotate:
 def one_unit(
     problems: Problems, where: str, what: str, unnamed: tuple[Any, ...], *given: Any
 ) -> None:
-    """Report a problem unless an angle is given once, as degrees or as radians."""
+    """Report a problem unless an angle is given exactly once, in degrees or in radians."""
     if unnamed:
         it = repr(unnamed[0])
         needs = "needs the name of its" if what == "the angle" else "need the name of their"
@@ -313,7 +313,7 @@ def is_convention(text: str) -> bool:
 
 
 def parse_orientation(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return the Euler parameters (4,) from any accepted form of an orientation.
+    """Return the Euler parameters (4,) of an orientation given in any accepted form.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
-"""Common rule of rounding: values below the rounding error of their terms are zero.
+"""Common rule of rounding: values below the rounding error of their terms count as zero.
 
-Two numbers are equal if they differ by less than `SHARE` times the larger one. A reading is zero if
-it is below `SHARE` times the largest reading beside it, or below `DIGITS` times the scale of its
-quantity in the machine (`Scales`). The rule applies to displayed values: arrays and files contain
-all digits.
+Two numbers are equal if they differ by less than `SHARE` times the larger one. A reading counts as
+zero if it is below `SHARE` times the largest reading of the same group, or below `DIGITS` times the
+scale of its quantity in the machine (`Scales`). The rule applies to displayed values: arrays and
+files contain all digits.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ STANDARD_GRAVITY = 9.80665  # m/s2
 
 
 def difference(a: float, b: float) -> float:
-    """Return a - b, zero if that is the rounding error of a and b.
+    """Return a - b, or zero if the difference is within the rounding error of a and b.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def difference(a: float, b: float) -> float:
 
 
 def without_rounding(values: ArrayLike, floor: ArrayLike = 0.0) -> Array:
-    """Return the values, zero for rounding errors of the largest or below the floor.
+    """Return the values, with zero for rounding errors of the largest one and below the floor.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Scales:
     stress: float
 
     def floor(self, unit: str) -> float:
-        """Return the smallest reading in a unit that is more than rounding, in that unit.
+        """Return the smallest value in a unit that exceeds rounding errors, in that unit.
 
         A quantity of dimension kg^a m^b s^c has the scale ``mass^a length^b time^c`` with the fall
         time over the size of the machine, ``(length / g)^(1/2)``; a stress has that of the

@@ -124,7 +124,7 @@ SUPERSCRIPTS = str.maketrans("⁻¹²³⁴", "-1234")
 
 
 def kind_of(unit: str) -> str:
-    """Return the quantity of a field with an SI unit.
+    """Return the name of the quantity that has an SI unit, for messages.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def kind_of(unit: str) -> str:
 
 @functools.cache
 def vocabulary() -> frozenset[str]:
-    """Return all unit words with their prefixes."""
+    """Return all words for units, with their prefixes."""
     lines = [line.split(" = ") for line in DEFINITIONS.splitlines() if line]
     prefixes = {word.strip("-") for words in lines for word in words if word.endswith("-")}
     names = {word for words in lines for word in (words[0], *words[2:]) if word[-1] != "-"}
@@ -153,7 +153,7 @@ def check_unit(problems: Problems, where: str, unit: str) -> None:
 
 
 def shown_unit(unit: str) -> tuple[str, float]:
-    """Return the unit for display and the factor to it.
+    """Return the unit for display and the factor from the SI unit to it.
 
     Examples
     --------

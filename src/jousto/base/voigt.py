@@ -1,4 +1,4 @@
-"""Voigt order of the six components of a symmetric tensor, as all of jousto has it."""
+"""Voigt order of the six components of a symmetric tensor, used throughout jousto."""
 
 from __future__ import annotations
 
