@@ -185,7 +185,7 @@ class Mean(AnyField):
     """Type of fields: a mean-stress correction, or None."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the correction, or report that the value is none."""
+        """Return the correction, or report a value of another type."""
         if not isinstance(value, MeanStress):
             problems.add(where, f"{self.name} is {value!r}, must be a correction such as Goodman")
         return value
