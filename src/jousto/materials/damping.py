@@ -1,4 +1,4 @@
-"""Damping proportional to mass and stiffness, of exact beams in space and planar beams."""
+"""Damping proportional to mass and stiffness, for exact beams in space and planar beams."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jousto.base.numbers import Number
 
 
 class ProportionalDamping(Declared, by_value=True):
-    """Forces ``-mass M v`` and resultants ``C (e + stiffness e')``.
+    """Proportional damping: forces ``-mass M v`` and resultants ``C (e + stiffness e')``.
 
     A vibration of angular frequency w has the damping ratio ``mass/(2 w) + stiffness w/2``.
     """

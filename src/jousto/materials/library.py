@@ -143,7 +143,7 @@ def names() -> tuple[str, ...]:
 
 
 def by_name(value: object) -> str:
-    """Return a hint for messages if a text is the name of a library material, else ''.
+    """Return a hint for messages if a text is the name of a library material, else an empty text.
 
     >>> by_name("S355"), by_name(7850.0)
     ("; get it from the library by jo.material('S355')", '')

@@ -94,7 +94,7 @@ class Material(Declared, section="materials", tag="isotropic", by_value=True):
 
 
 def _likely_unit(E: float) -> str:
-    """Return the unit in which a modulus would be that of a metal or a hard plastic."""
+    """Return the unit in which a modulus E would have the value of a metal or a hard plastic."""
     for factor, unit in ((1e6, "MPa"), (1e9, "GPa"), (1e3, "kPa")):
         if 1e9 <= E * factor <= 2e12:
             return unit

@@ -47,9 +47,10 @@ class Axes(Field[Any, Array]):
 class Orthotropic(Declared, section="materials", tag="orthotropic", kw_only=True):
     """Linear elastic material with three planes of symmetry: composites, wood, printed parts.
 
-    Strains along the material axes: ``e1 = s1/E1 - nu12 s2/E1 - nu13 s3/E1``,
-    ``e2 = -nu12 s1/E1 + s2/E2 - nu23 s3/E2``, ``e3 = -nu13 s1/E1 - nu23 s2/E2 + s3/E3``,
-    ``g12 = s12/G12`` and so on: ``nu12`` is the contraction along 2 under tension along 1.
+    Strains along the material axes: ``e1 = s1/E1 - nu12 s2/E1 - nu13 s3/E1``, ``e2 = -nu12 s1/E1 +
+    s2/E2 - nu23 s3/E2``, ``e3 = -nu13 s1/E1 - nu23 s2/E2 + s3/E3``, ``g12 = s12/G12`` and so on:
+    ``nu12`` is the ratio of the contraction along 2 to the extension along 1, under tension along
+    1.
 
     Raises
     ------
@@ -129,7 +130,7 @@ def elasticity(material: Material | Orthotropic) -> Array:
 
 
 def strain_rotation(R: Array) -> Array:
-    """Return T (6, 6): strains in the axes R (columns) from strains in part axes.
+    """Return T (6, 6), which converts strains in part axes to strains in the axes R (columns).
 
     Shear strains are engineering strains. Stresses in part axes are ``T^T`` times those in the axes
     R.

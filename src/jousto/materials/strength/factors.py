@@ -1,4 +1,4 @@
-"""Strength factors of a part relative to a smooth specimen: surface, size, load, reliability."""
+"""Strength factors of a part relative to a smooth specimen: surface, size, load and reliability."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def roughness_factor(Rz: float, S_u: float, kind: str = "steel") -> float:
 
 @explained
 def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
-    """Return Marin's surface factor ``a S_u^b`` (Shigley, table 6-2), at most 1.
+    """Return Marin's surface factor ``a S_u^b`` (Shigley, table 6-2), limited to 1.
 
     The 11th edition (Budynas and Nisbett 2020) has other fits to the tests than the 9th: the
     factors of machined surfaces are 10 % smaller at 400 MPa and 4 % smaller at 1600 MPa, those of
@@ -127,7 +127,8 @@ def finish_factor(finish: str, S_u: float, *, edition: int = 11) -> float:
 def size_factor(diameter: float) -> float:
     """Return Marin's size factor of a round bar in bending or torsion (Shigley, eq. 6-20).
 
-    ``1.24 d^-0.107`` for d = 2.79 to 51 mm, ``1.51 d^-0.157`` to 254 mm, 1 below.
+    ``1.24 d^-0.107`` for d = 2.79 to 51 mm, ``1.51 d^-0.157`` for d = 51 to 254 mm, 1 for smaller
+    d.
 
     Parameters
     ----------

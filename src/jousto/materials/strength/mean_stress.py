@@ -28,7 +28,7 @@ class MeanStress(Declared, ABC, section="mean stress", by_value=True):
     @property
     @abstractmethod
     def law(self) -> tuple[str, dict[str, float]]:
-        """Name and parameters of the law for the engine: those of a ``jo_meter`` in jousto.h."""
+        """Name and parameters of the law in the engine, as for a ``jo_meter`` in jousto.h."""
 
     @property
     def name(self) -> str:
@@ -136,7 +136,7 @@ class Gerber(MeanStress, tag="gerber"):
 
 
 class Walker(MeanStress, tag="walker"):
-    """``S_ar = S_max^(1 - gamma) S_a^gamma`` (K. Walker 1970); zero where S_max is not tensile."""
+    """``S_ar = S_max^(1 - gamma) S_a^gamma`` (K. Walker 1970); zero if S_max is not tensile."""
 
     gamma: Number = field(
         "Between 0 and 1: 1 is insensitive to mean stress, 0.5 is `SWT`; about 0.65 for steels, "
@@ -160,7 +160,7 @@ class Walker(MeanStress, tag="walker"):
 
 
 class SWT(MeanStress, tag="swt"):
-    """``S_ar = sqrt(S_max S_a)`` (Smith, Watson, Topper 1970); zero where S_max is not tensile.
+    """``S_ar = sqrt(S_max S_a)`` (Smith, Watson, Topper 1970); zero if S_max is not tensile.
 
     Examples
     --------
@@ -298,7 +298,7 @@ class WeldRatio(MeanStress, tag="weld-ratio"):
 
 
 class PartCompression(MeanStress, tag="part-compression"):
-    """Only a share of the compression counts (EN 1993-1-9, 7.2.1): base metal and relieved welds.
+    """Reduced effect of compression (EN 1993-1-9, 7.2.1), for base metal and stress-relieved welds.
 
     ``S_ar = (max(S_max, 0) - max(S_min, 0) + share (max(-S_min, 0) - max(-S_max, 0))) / 2``
 

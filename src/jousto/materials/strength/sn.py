@@ -27,7 +27,7 @@ SPAN = 2.5631031310892007
 
 class _Strength(OnlyPositive[In, Out]):
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return a positive stress, or report it; warn about a value in another unit."""
+        """Return a positive stress, or report the value; warn about a stress in another unit."""
         found = super().check(problems, where, value)
         if found is not None:
             check_unit(where, self.label, found)
@@ -239,7 +239,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
     def amplitude(self, cycles: ArrayLike) -> Array:
         """Return the stress amplitude (...,), Pa, for a number of cycles to failure.
 
-        Beyond the knee of an endurance limit, or beyond the cut-off, it is the limit.
+        Beyond the knee of a curve with endurance limit, or beyond the cut-off, it is that limit.
         """
         N = np.asarray(cycles, dtype=np.float64)
         if not np.all(N > 0.0):
@@ -342,7 +342,7 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         """Return the curve for another probability of survival.
 
         ``lg S_P = lg S_0 - (z_P - z_0) lg(T_S) / 2.5631`` with the quantiles z of the normal
-        distribution; the knee moves along with T_N (FKM guideline; J. Schijve, Fatigue of
+        distribution; the knee moves in proportion to T_N (FKM guideline; J. Schijve, Fatigue of
         Structures and Materials).
 
         Parameters
@@ -372,13 +372,13 @@ class SN(Declared, section="curves", tag="sn", by_value=True):
         return replace(self, S_D=self.S_D * factor, N_D=N_D, N_cut=cut, survival=probability)
 
     def numbers_at(self, probability: float) -> tuple[float, float, float, float, float]:
-        """Return `numbers` of the curve `at_survival` of a probability, without checks."""
+        """Return the `numbers` of the curve at a probability of survival, without checks."""
         factor, knee = self._shift(probability)
         S_D, N_D, k, k2, limit = self.numbers
         return (S_D * factor, N_D * knee, k, k2, limit * factor)
 
     def _shift(self, probability: float) -> tuple[float, float]:
-        """Return the factors on S_D and on N_D for a probability of survival."""
+        """Return the factors on S_D and on N_D for another probability of survival."""
         shift = float(scipy.special.ndtri(self.survival) - scipy.special.ndtri(probability))
         sigma = self.deviation
         sigma_S = math.log10(self.T_S) / SPAN if self.T_S is not None else sigma / self.k
@@ -410,7 +410,7 @@ def miner(amplitude: Array, numbers: tuple[float, float, float, float, float]) -
 
 
 def check_unit(where: str, name: str, stress: float) -> None:
-    """Warn if a strength is probably in MPa instead of Pa, or was converted twice."""
+    """Warn if a strength is probably in MPa instead of Pa, or was converted to Pa twice."""
     if stress < 1e5:
         warn(
             where,

@@ -109,11 +109,11 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
 
     @property
     def transition(self) -> float:
-        """Number of cycles at which elastic and plastic strain amplitudes are equal."""
+        """Number of cycles at which elastic and plastic strain amplitude are equal."""
         return float(0.5 * (self.ef * self.E / self.sf) ** (1.0 / (self.b - self.c)))
 
     def strain(self, stress: ArrayLike) -> Array:
-        """Return the strain amplitude (m/m) for a stress amplitude (Pa), an odd function."""
+        """Return the strain amplitude (m/m) for a stress amplitude (Pa); an odd function."""
         s = np.asarray(stress, dtype=np.float64)
         K, n = self.hardening
         return np.asarray(s / self.E + np.sign(s) * (np.abs(s) / K) ** (1.0 / n))
@@ -135,7 +135,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         return np.asarray(np.sign(e) * s)
 
     def amplitude(self, cycles: ArrayLike, mean: ArrayLike = 0.0) -> Array:
-        """Return the strain amplitude (m/m) for N cycles at a mean stress (Pa), Morrow."""
+        """Return the strain amplitude (m/m) for N cycles at a mean stress (Pa), after Morrow."""
         x = 2.0 * np.asarray(cycles, dtype=np.float64)
         sm = np.asarray(mean, dtype=np.float64)
         return np.asarray((self.sf - sm) / self.E * x**self.b + self.ef * x**self.c)
@@ -193,7 +193,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         return self._life(e, strength / self.E, self.b, np.asarray(self.ef))
 
     def _life(self, y: Array, A: ArrayLike, p: float, B: ArrayLike) -> Array:
-        """Solve ``A x^p + B x^q = y`` for x = 2N, with q = p - b + c, by Newton in log x."""
+        """Solve ``A x^p + B x^q = y`` for x = 2N, with q = p - b + c, by Newton steps in log x."""
         q = p - self.b + self.c
         y, A, B = np.broadcast_arrays(y, np.asarray(A, dtype=float), np.asarray(B, dtype=float))
         out = np.full(y.shape, np.inf)
@@ -293,7 +293,7 @@ def strain_life(name: str) -> StrainLife:
     ----------
     name : str
         One of `strain_lives`: steels of N. E. Dowling, *Mechanical Behavior of Materials*, table
-        14.1, and the two of the SAE keyhole programme. Mean curves of polished specimens.
+        14.1, and the two steels of the SAE keyhole programme. Mean curves of polished specimens.
 
     Raises
     ------

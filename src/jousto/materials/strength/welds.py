@@ -1,4 +1,4 @@
-"""Welds: S-N curves by FAT class (IIW) or detail category (EN 1993-1-9), for stress ranges."""
+"""S-N curves of welds by FAT class (IIW) or detail category (EN 1993-1-9), for stress ranges."""
 
 from __future__ import annotations
 
