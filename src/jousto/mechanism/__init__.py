@@ -1,4 +1,4 @@
-"""DECLARE: bodies, markers, joints, forces, signals and sensors, checked by a mechanism."""
+"""Declaration of a mechanism: bodies, markers, joints, forces, signals and sensors, with checks."""
 
 from jousto.base.lazy_exports import open_room
 

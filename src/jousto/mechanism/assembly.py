@@ -16,7 +16,7 @@ class Assembly(Declared):
     Attributes
     ----------
     items : tuple
-        Bodies, joints, forces and sensors, as `Mechanism` takes them.
+        Bodies, joints, forces and sensors, as accepted by `Mechanism`.
     prefix : str
         Prefix of the names of the items.
     """
@@ -26,12 +26,12 @@ class Assembly(Declared):
 
     @property
     def named(self) -> dict[str, Marker]:
-        """Markers of the assembly by their names with the prefix."""
+        """Markers of the assembly by name; the names have the prefix of the assembly."""
         return {}
 
 
 def unpacked(items: Sequence[Any]) -> Iterator[Any]:
-    """Yield the items with each assembly replaced by its items.
+    """Yield the items, with the items of an assembly in place of each assembly.
 
     An assembly whose prefix was used before is skipped.
     """

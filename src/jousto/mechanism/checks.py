@@ -48,7 +48,7 @@ def kind_of(item: Any) -> str:
 
 
 def where(item: Any) -> str:
-    """Return the name of an item for messages, ``joint 'pivot'``."""
+    """Return the name of an item for messages, such as ``joint 'pivot'``."""
     return f"{kind_of(item)} {item.name!r}"
 
 
@@ -123,7 +123,7 @@ def check_names(problems: Problems, mechanism: Members) -> None:
 
 
 def whole_bodies(mechanism: Members) -> tuple[Any, ...]:
-    """Return the bodies of a mechanism with each beam as one body."""
+    """Return the bodies of a mechanism, each beam as one body in place of its nodes."""
     return tuple(x for x in mechanism.items if isinstance(x, RigidBody | FlexibleBody | BeamBody))
 
 
@@ -183,7 +183,7 @@ def check_members(problems: Problems, mechanism: Members) -> None:
 
 
 class Known:
-    """Items of a mechanism, searched by identity and by name.
+    """Items of a mechanism, for search by identity and by name.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ def signals_of(item: Any) -> Iterator[Signal]:
 
 
 def check_releases(problems: Problems, mechanism: Members) -> None:
-    """Report released items that are not in the mechanism, are released twice, or have friction."""
+    """Report released items that are unknown, released twice, or have friction."""
     there = {id(x) for x in (*mechanism.joints, *mechanism.couplings, *mechanism.forces)}
     rubbing = {id(friction.joint): friction.name for friction in mechanism.frictions}
     first: dict[int, str] = {}
@@ -265,7 +265,7 @@ def check_events(problems: Problems, mechanism: Members) -> None:
 
 
 def check_fmus(problems: Problems, mechanism: Members) -> None:
-    """Report sensors and inputs of FMUs outside of the mechanism, and inputs set twice."""
+    """Report sensors and inputs of FMUs that are not in the mechanism, and inputs set twice."""
     used = {
         signal.name
         for item in (*mechanism.forces, *mechanism.couplings, *mechanism.sensors)
@@ -370,7 +370,7 @@ def check_drives(problems: Problems, mechanism: Members) -> None:
 
 
 def check_initials(problems: Problems, mechanism: Members) -> None:
-    """Report initial values that are given twice or by a drive, and those of exact beams."""
+    """Report initial values that are given twice, given by a drive, or belong to exact beams."""
     drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
     first: dict[Any, Initial] = {}
     for initial in mechanism.initials:
@@ -406,7 +406,7 @@ def check_distances(problems: Problems, mechanism: Members) -> None:
 
 
 def check_frictions(problems: Problems, mechanism: Members) -> None:
-    """Report joints with two frictions, and driven joints with friction that cannot stick."""
+    """Report joints with two friction elements, and driven joints whose friction cannot stick."""
     first: dict[int, Friction] = {}
     drives = {drive.coordinate.key: drive for drive in drives_of(mechanism)}
     for friction in mechanism.frictions:
@@ -533,7 +533,7 @@ def check_rotations(problems: Problems, mechanism: Members) -> None:
 
 
 def warn_unconnected(mechanism: Members) -> None:
-    """Warn about bodies without a joint."""
+    """Warn about bodies that no joint connects."""
     elements = (x for x in mechanism.forces if x.ties)
     connections = (*mechanism.joints, *mechanism.couplings, *elements)
     joined = {id(marker.body) for item in connections for _, marker in markers_of(item)}

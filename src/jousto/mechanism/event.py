@@ -1,6 +1,6 @@
 """Events: a sensor or coordinate crosses a threshold.
 
-The run ends, a signal switches or a joint is released.
+At the event the run ends, a signal switches or a joint is released.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ class Event(Declared, section="events"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Store the number of the component; report one that does not exist."""
+        """Store the index of the component, or report a component that does not exist."""
         given: int | str | None = self.component
         index = 0
         if not isinstance(self.watch, Coordinate):
@@ -139,7 +139,7 @@ class Event(Declared, section="events"):
 
 
 def component_of(problems: Problems, where: str, sensor: Any, component: int | str | None) -> int:
-    """Return the number of a component of a sensor, or report that it does not exist."""
+    """Return the index of a component of a sensor, or report that it does not exist."""
     names = sensor.components
     known = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
     if component is None and len(names) == 1:

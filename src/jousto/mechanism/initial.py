@@ -48,7 +48,7 @@ class Initial(Declared, section="initial"):
         return f"initial {getattr(self.coordinate, 'name', '')!r}"
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report a missing value and rate, angles beyond half a turn and distances <= 0."""
+        """Report missing value and rate, angles beyond half a turn and distances <= 0."""
         at = self.value
         if at is None and self.rate is None:
             problems.add(where, "gives neither a value nor a rate")

@@ -39,7 +39,7 @@ POINT = 1e-6
 
 
 def word_problem(name: str, word: Any, words: tuple[str, ...]) -> str | None:
-    """Return the problem with an option, None if it is one of the allowed words."""
+    """Return the problem with an option, or None if the option is one of the allowed words."""
     if word in words:
         return None
     known = ", ".join(repr(one) for one in words[:-1])
@@ -107,7 +107,7 @@ class Members:
     def size(self) -> float:
         """Diagonal of the box around all bodies and joints at the initial pose, m.
 
-        If all points coincide but for rounding: the largest radius of gyration of a body.
+        If all points coincide up to rounding, the largest radius of gyration of a body.
         """
         rigid = [x for x in self.bodies if isinstance(x, RigidBody) and not isinstance(x, BeamNode)]
         points = [named_points(rigid)] if rigid else []

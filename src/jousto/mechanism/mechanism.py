@@ -25,14 +25,14 @@ class Mechanism(Members):
     Parameters
     ----------
     *items : body, joint, Gravity, force, Initial, Event, sensor, Fmu or robot
-        In any order; bodies, joints, forces and sensors keep the order in which they are given.
+        Items in any order; bodies, joints, forces and sensors keep their order.
     name : str
         Name for plots and messages.
     core : str
-        Solver core, if `compile` gets none: "joint" for joint coordinates, "maximal" for the
+        Solver core if none is given to `compile`: "joint" for joint coordinates, "maximal" for the
         positions of all bodies, "auto" for the faster one.
     start : str
-        Initial state of runs that get none: the "initial" pose, "rest" (`equilibrium`) or
+        Initial state of runs to which none is given: the "initial" pose, "rest" (`equilibrium`) or
         "vibration-free", in which elastic bodies have their quasi-static deformation.
 
     Attributes
@@ -47,7 +47,7 @@ class Mechanism(Members):
     fmus : tuple of Fmu
         Models of other programs; their outputs are among the sensors.
     assemblies : tuple of Assembly
-        Robots, whose bodies, joints, forces and sensors are among the others.
+        Robots; their bodies, joints, forces and sensors are contained in the attributes above.
     gravity : (3,) array
         Acceleration of free fall, world frame, m/s2; zero without a `Gravity`.
     size : float
@@ -115,7 +115,7 @@ class Mechanism(Members):
         return 6 * (len(self.bodies) - nodes + len(self.beams)) - rows
 
     def check(self) -> None:
-        """Raise InputError with all problems, and warn about probable mistakes."""
+        """Raise InputError with all problems, and warn about likely mistakes."""
         problems = Problems()
         check_name(problems, "mechanism", self.name)
         for option, words in (("core", CORES), ("start", STARTS)):

@@ -54,7 +54,7 @@ class BeamDamping(ProportionalDamping):
     """
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Warn about a stiffness damping so large that no vibration is left."""
+        """Warn about a stiffness damping so large that no vibration remains."""
         if self.stiffness > SLOW:
             warn(
                 where,
@@ -74,7 +74,7 @@ class Damping(Field["BeamDamping | None", BeamDamping]):
     checks_none = True
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the damping, or report that the value is none."""
+        """Return the damping, or report a value of another type."""
         found = BeamDamping() if value is None else value
         if not isinstance(found, BeamDamping):
             wanted = "must be a BeamDamping(mass=, stiffness=)"

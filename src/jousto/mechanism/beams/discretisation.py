@@ -63,7 +63,7 @@ def _arms(beam: Any) -> tuple[Array, Array]:
 
 
 def element_data(beam: Any) -> dict[str, Array]:
-    """Return the data of all elements of a `BeamBody`, by their names in the engine."""
+    """Return the data of all elements of a `BeamBody`, by name in the engine."""
     u, B = _arms(beam)
     made: dict[tuple[int, float], tuple[Array, float]] = {}
     sections = []

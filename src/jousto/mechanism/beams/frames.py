@@ -41,7 +41,7 @@ def tangents(points: Array, corners: Sequence[int] = ()) -> Array:
 
 
 def smallest_turn(a: Array, b: Array) -> Array:
-    """Return the rotation (3, 3) of least angle from the unit vector a to the unit vector b."""
+    """Return the smallest rotation (3, 3) from the unit vector a to the unit vector b."""
     v, c = np.cross(a, b), float(a @ b)
     V = skew(v)
     return np.eye(3) + V + V @ V / (1.0 + c)
@@ -56,7 +56,7 @@ def section_frames(along: Array, up: Array, twist: Array) -> Array:
         Unit tangents.
     up : (3,) or (n + 1, 3) array
         Direction near the z axis of the first section; the others follow by the smallest rotations
-        of the tangent. Or one direction per node.
+        of the tangent. With one row per node: the direction near the z axis of each section.
     twist : (n + 1,) array
         Additional rotation about the tangent at every node, rad.
     """

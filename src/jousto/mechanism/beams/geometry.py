@@ -70,7 +70,7 @@ def check_apart(problems: Problems, where: str, name: str, points: Array) -> boo
 
 
 def outlined(sections: tuple[BeamSection, ...]) -> list[BeamSection]:
-    """Return the different sections with a known outline: those of one material."""
+    """Return the different sections whose outline is known, which are those of one material."""
     return [x for x in {id(x): x for x in sections}.values() if x.elasticity is not None]
 
 
@@ -119,7 +119,7 @@ def inertia_share(problems: Problems, where: str, mass: Any) -> float:
 def along_nodes(
     problems: Problems, where: str, name: str, value: ArrayLike, n: int, one: tuple[int, ...]
 ) -> Array | None:
-    """Return values at all nodes (n + 1, ...) from one for all (or the end) or one per node."""
+    """Return values (n + 1, ...) at all nodes, from one value or from one value per node."""
     try:
         shape = np.shape(value)
     except ValueError:
@@ -236,7 +236,7 @@ def placed_shape(
     corners: tuple[int, ...],
     offsets: Array,
 ) -> tuple[Array, Array, Array]:
-    """Return frames of nodes (n + 1, 3, 3) and ends (n, 2, 3, 3), and the ends (n, 2, 3)."""
+    """Return frames of nodes (n + 1, 3, 3), frames of ends (n, 2, 3, 3) and ends (n, 2, 3)."""
     along = tangents(nodes, corners)
     for i in np.flatnonzero(np.einsum("ij,ij->i", along[:-1, 1], along[1:, 0]) < -1 + 1e-9):
         problems.add(

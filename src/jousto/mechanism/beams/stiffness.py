@@ -272,7 +272,7 @@ def as_beam_section(section: Any, material: Any) -> BeamSection:
 
 
 def shifted_strains(centroid: ArrayLike, shear_center: ArrayLike) -> Array:
-    """Return T (6, 6): strains at centroid and shear centre = T strains of the reference axis."""
+    """Return T (6, 6), which converts strains of the reference axis to those at the two centres."""
     (yc, zc), (ys, zs) = np.asarray(centroid), np.asarray(shear_center)
     T = np.eye(6)
     T[0, 4], T[0, 5] = zc, -yc
@@ -281,10 +281,10 @@ def shifted_strains(centroid: ArrayLike, shear_center: ArrayLike) -> Array:
 
 
 def tension_factor(C: Array) -> float:
-    """Return ``1/GA - 1/EA``, 1/N; the linear law is unstable for tension N (1/GA - 1/EA) > 1.
+    """Return ``1/GA - 1/EA``, 1/N: the linear law is unstable if tension times it exceeds 1.
 
-    GA is that of the weaker shear direction; 0 if shear is stiffer than extension. A straight beam
-    under tension becomes unstable in shear at ``N > GA/(1 - GA/EA)``.
+    GA is the shear stiffness of the weaker direction; the result is 0 if shear is stiffer than
+    extension. A straight beam under tension becomes unstable in shear at ``N > GA/(1 - GA/EA)``.
     """
     F = np.linalg.inv(C)
     return max(0.0, float(np.linalg.eigvalsh(F[1:3, 1:3])[-1] - F[0, 0]))
@@ -371,7 +371,7 @@ def _warn_moments(where: str, section: BeamSection) -> None:
 
 
 def _gyration(C: Array) -> tuple[Array, float]:
-    """Return the squared radii of gyration of a stiffness, m2, and their polar sum.
+    """Return the squared radii of gyration of a stiffness, m2, and the sum for polar inertia.
 
     The squared radii are ``(EI)/EA`` of bending without axial force, about the centroid, ascending;
     the sum includes the squared distance from centroid to shear centre.

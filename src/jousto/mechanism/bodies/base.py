@@ -44,7 +44,7 @@ class Inertia(Field[ArrayLike, Array]):
     shapes = ((3,), (3, 3))
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the inertia tensor (3, 3), or report that it is not that of a real body."""
+        """Return the inertia tensor (3, 3), or report a tensor that no real body can have."""
         return check_inertia(problems, where, value)
 
 

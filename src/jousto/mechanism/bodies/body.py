@@ -50,7 +50,7 @@ NO_MODES = read_only(np.zeros(0))
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ground:
-    """The world frame as a body to attach joints and forces to: the one object `ground`.
+    """The world frame as a body for joints and forces; `ground` is its only object.
 
     Examples
     --------
@@ -106,7 +106,7 @@ class Ground:
 
     @property
     def modal_coordinates(self) -> Array:
-        """No modal coordinates, shape (0,)."""
+        """Modal coordinates, none: shape (0,)."""
         return NO_MODES
 
 
@@ -132,13 +132,13 @@ class Shaped(Posed):
     markers: Points = field("Named points in the body frame", unit="m", default=None, kw_only=True)
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report if both mass and density are given, or neither."""
+        """Report a problem unless exactly one of mass and density is given."""
         if (self.mass is None) == (self.density is None):
             problems.add(where, "give either mass (kg) or density (kg/m3)")
 
     @property
     def solid(self) -> Solid:
-        """Return the solid with density 1, about its own origin."""
+        """Return the solid with density 1, about the origin of its own coordinates."""
         raise NotImplementedError
 
     @property
@@ -321,12 +321,12 @@ class RigidBody(Posed, tag="rigid"):
 
     @property
     def modal_coordinates(self) -> Array:
-        """No modal coordinates, shape (0,)."""
+        """Modal coordinates, none: shape (0,)."""
         return NO_MODES
 
     @property
     def modal_velocities(self) -> Array:
-        """No modal velocities, shape (0,)."""
+        """Modal velocities, none: shape (0,)."""
         return NO_MODES
 
 
@@ -338,7 +338,7 @@ class Reduced(Reference["ReducedPart", "ReducedPart"]):
     noun = "ReducedPart"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the reduced part, or report that the value is none."""
+        """Return the reduced part, or report a value of another type."""
         if not all(hasattr(value, a) for a in ("modes", "frequencies", "invariants")):
             hint = "; reduce it first, reduce(part, method)" if hasattr(value, "K") else ""
             problems.add(
@@ -432,7 +432,7 @@ class FlexibleBody(Posed, tag="flexible"):
     def consistent(self, problems: Problems, where: str) -> None:
         """Store damping and initial values per mode.
 
-        Report those that do not fit the number of modes.
+        Report values whose number differs from the number of modes.
         """
         damping = self.damping
         damping = tuple(damping) if isinstance(damping, list | np.ndarray) else damping
@@ -472,17 +472,18 @@ class FlexibleBody(Posed, tag="flexible"):
         """Return a marker at a point of the undeformed body that need not be a node.
 
         In beam parts the marker follows the shape functions of the nearest element; off the axis it
-        sits on a rigid arm, at most a tenth of the size of the part long. In other parts it follows
-        a polynomial of second degree fitted to the motion of the surrounding nodes. The modes
-        represent the deformation under a force there only if they contain its shape: for a joint
-        with a large load, make the point an interface node of the part.
+        is at the end of a rigid arm, whose length is at most a tenth of the size of the part. In
+        other parts it follows a polynomial of second degree fitted to the motion of the surrounding
+        nodes. The modes represent the local deformation under a force at the point only if its
+        shape is among them. For a joint with a large load, make the point an interface node of the
+        part.
 
         Parameters
         ----------
         position : (3,) array_like
             In the frame of the part, m.
         axes : orientation, optional
-            Orientation of the marker in the undeformed body frame; None for its axes.
+            Orientation of the marker in the undeformed body frame; None for the axes of that frame.
         name : str, optional
             Name for messages.
 

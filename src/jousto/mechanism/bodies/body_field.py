@@ -17,7 +17,7 @@ class FlexibleField(Reference[FlexibleBody, FlexibleBody]):
     noun = "FlexibleBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the flexible body, or report that the value is none."""
+        """Return the flexible body, or report a value of another type."""
         if not isinstance(value, FlexibleBody):
             problems.add(where, f"{self.label} is {value!r}, must be a flexible body")
         return value
@@ -31,7 +31,7 @@ class MovingBodyField(Reference[MovingBody, MovingBody]):
     noun = "FlexibleBody or RigidBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the body, or report that the value is none."""
+        """Return the body, or report a value of another type."""
         if not isinstance(value, FlexibleBody | RigidBody):
             problems.add(where, f"{self.label} is {value!r}, must be a flexible or a rigid body")
         return value

@@ -19,7 +19,7 @@ SINGULAR = 1e-14
 
 
 def check_inertia(problems: Problems, where: str, inertia: ArrayLike) -> Array | None:
-    """Return the inertia tensor (3, 3), kg m2, or report that it is not that of a real body."""
+    """Return the inertia tensor (3, 3), kg m2, or report one that no real body can have."""
     try:
         shape = np.shape(inertia)
     except ValueError:

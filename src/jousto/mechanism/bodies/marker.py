@@ -60,7 +60,7 @@ class Marker:
     node : int or None
         Index of the node of a flexible body.
     axes : (3, 3) array
-        A_0, columns are the marker's axes in the (undeformed) body frame.
+        A_0, whose columns are the marker's axes in the (undeformed) body frame.
     followed : Followed or None
         The nodes whose motion is interpolated if the point of a flexible body is no node.
     """
@@ -77,7 +77,7 @@ class Marker:
 
     @property
     def label(self) -> str:
-        """Name for messages, ``body.point``."""
+        """Name for messages, such as ``body.point``."""
         # a node of a beam is named as a point of the beam
         return f"{getattr(self.body, 'beam', self.body.name)}.{self.point}"
 
@@ -161,7 +161,7 @@ class Marker:
 
     @property
     def carrier(self) -> Array:
-        """Frame of the marker without A_0 at the initial state, ``A exp((Psi p)~)`` (3, 3)."""
+        """Initial axes (3, 3) of the body at the marker, before A_0: ``A exp((Psi p)~)``."""
         A, Psi = rotation_matrix(self.body.orientation), self.Psi
         return np.asarray(A @ exp_rotation(Psi @ self.body.modal_coordinates)) if Psi.size else A
 
@@ -181,7 +181,7 @@ def world_positions(markers: Sequence[Marker]) -> Array:
 
 
 def carriers(markers: Sequence[Marker]) -> Array:
-    """Return the initial frames of markers without A_0 (n, 3, 3), see `Marker.carrier`."""
+    """Return the initial frames (n, 3, 3) of `Marker.carrier` for several markers."""
     A = rotation_matrix(floats([marker.body.orientation for marker in markers]).reshape(-1, 4))
     for i, marker in enumerate(markers):
         if hasattr(marker.body, "reduced"):
@@ -190,7 +190,7 @@ def carriers(markers: Sequence[Marker]) -> Array:
 
 
 def marker_axes(label: str, axes: Any) -> Array:
-    """Return A_0 (3, 3) of an orientation given by the user; exactly E for None."""
+    """Return A_0 (3, 3) of an orientation given by the user; exactly the unit matrix for None."""
     if axes is None:
         return NO_TURN
     problems = Problems()
@@ -201,7 +201,7 @@ def marker_axes(label: str, axes: Any) -> Array:
 
 
 def as_marker(where: str, name: str, value: Any) -> Marker:
-    """Return `value` if it is a marker, else raise an error with the way to create one."""
+    """Return `value` if it is a marker; else raise an error that shows how to create one."""
     if isinstance(value, Marker):
         return value
     if hasattr(value, "name") and hasattr(value, "orientation"):
@@ -218,7 +218,7 @@ class MarkerField(Field[Marker, Marker]):
     noun = "Marker"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the marker, or report that the value is none."""
+        """Return the marker, or report a value of another type."""
         check_marker(problems, where, self.name, value)
         return value
 

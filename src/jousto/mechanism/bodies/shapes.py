@@ -108,7 +108,7 @@ def sphere(r: float) -> Solid:
 def revolved(profile: Array) -> Array:
     """Return the triangles (nt, 3, 3) of a surface of revolution about z.
 
-    Profile (k, 2) of radius and height, m.
+    The profile (k, 2) contains radius and height, m.
     """
     turn = 2.0 * np.pi * np.arange(FACETS + 1) / FACETS
     turn[-1] = 0.0
@@ -174,10 +174,10 @@ def closed_surface(where: str, triangles: Array) -> Solid:
 
 
 def _check_pieces(where: str, corners: NDArray[np.int_], triangles: Array, d: Array) -> None:
-    """Raise InputError if a piece of a surface faces inwards and is no cavity of another piece.
+    """Raise InputError if a piece of a surface faces inwards and is not a cavity of another piece.
 
-    A cavity faces inwards and lies inside a piece that faces outwards: the solid angle of that
-    piece seen from a corner of the cavity is 4 pi, outside of the piece it is 0.
+    A cavity faces inwards and lies inside a piece that faces outwards: seen from a corner of the
+    cavity, the solid angle of that piece is 4 pi; seen from outside of the piece it is 0.
     """
     from scipy.sparse import coo_array  # slow to import and rarely needed
     from scipy.sparse.csgraph import connected_components
@@ -219,7 +219,7 @@ def _turns_round(triangles: Array, point: Array) -> float:
 
 
 def _refuse(where: str, points: Array, edges: NDArray[np.int_]) -> None:
-    """Raise InputError with the number and place of open edges, or of inconsistent triangles."""
+    """Raise InputError with number and place of open edges or inconsistently oriented triangles."""
     low = np.sort(edges, axis=1)
     found, times = np.unique(low, axis=0, return_counts=True)
     open_ = found[times % 2 == 1]

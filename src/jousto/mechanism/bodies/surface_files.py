@@ -25,7 +25,7 @@ def file_triangles(where: str, path: Path, factor: float) -> Array:
     where : str
         Beginning of messages.
     path : Path
-        The file.
+        Path of the file.
     factor : float
         Length of one unit of the file in m; a Collada file contains its own unit.
 

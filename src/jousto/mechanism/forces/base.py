@@ -28,27 +28,28 @@ class Push:
     kind : str
         Name of the law in the header of the engine, ``jousto.h``.
     data : mapping of str to array_like
-        Its numbers by their names in the header.
+        Numbers of the law by their names in the header.
     rest : tuple of array_like
-        Numbers that follow, as many as there are.
+        Further numbers, of any count.
     a, b : Marker, optional
-        It acts on the body of b, and against it on that of a.
+        The force acts on the body of b, and the opposite force on the body of a.
     turns : bool
         Whether the orientation of b matters.
     coordinate : Coordinate, optional
-        What it acts along.
+        Coordinate along which the force acts.
     body : FlexibleBody or RigidBody, optional
-        What it acts on as a whole.
+        Body on which the law acts as a whole.
     follow : bool
-        Whether it turns with the marker or the body.
+        Whether the force turns with the marker or the body.
     active : bool
-        Whether its power counts as work done from outside; if not, it is stored or dissipated.
+        Whether the power counts as external work; otherwise it counts as stored or dissipated
+        energy.
     signal, reference, spring, damper : Signal, optional
         Functions of time, and of the coordinate and its rate.
     function : callable, optional
         Function of the user.
     states : tuple of str
-        Names of the first-order states that the law has.
+        Names of the first-order states of the law.
     """
 
     kind: str
@@ -77,13 +78,14 @@ class ForceElement(Declared, section="forces"):
     Attributes
     ----------
     ties : bool
-        Whether it holds bodies to each other, as springs do and loads do not.
+        Whether the force connects bodies with each other: true for springs, false for loads.
     measured : tuple of str
-        What a `ForceSensor` reads where it does not act along coordinates: "force", "moment".
+        Quantities that a `ForceSensor` measures if the force does not act along coordinates:
+        "force", "moment".
     unmeasured : str
-        Why a `ForceSensor` cannot read it, and what to do; empty if it can.
+        Reason why a `ForceSensor` cannot measure the force, with the remedy; empty if it can.
     pushes : tuple of Push
-        The laws that act, often one.
+        Laws of the engine that make up the force, often one.
     """
 
     kind = "force"

@@ -1,4 +1,4 @@
-"""Friction of joints, with the joint's reaction as normal force, and its laws."""
+"""Friction of joints, whose normal force is the reaction of the joint, and laws of friction."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Regularised(Law, tag="regularised"):
 
 
 class StickSlip(Law, tag="stick-slip"):
-    """Sticking as a constraint whose multiplier is limited by mu_static N; no creep.
+    """Stick-slip friction: sticking is a constraint with a force of at most mu_static N; no creep.
 
     A joint at rest sticks up to the force mu_static N, then slips under mu_kinetic N until its
     speed passes zero, where it sticks again or reverses.
@@ -60,7 +60,7 @@ class LawField(Nested["Law | None", Law]):
     noun = "Regularised or StickSlip"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the law, or report that the value is none."""
+        """Return the law, or report a value of another type."""
         if not isinstance(value, Law):
             problems.add(
                 where, f"law is {value!r}, must be Regularised(velocity) or StickSlip()", "law"
@@ -76,7 +76,7 @@ class RubbingJoint(Reference[Joint, Joint]):
     noun = "Revolute, Prismatic or Cylindrical"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the joint, or report that the value is none."""
+        """Return the joint, or report a value of another type."""
         if not isinstance(value, Revolute | Prismatic | Cylindrical):
             problems.add(
                 where,

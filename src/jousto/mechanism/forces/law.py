@@ -31,30 +31,33 @@ class EngineLaw:
     Parameters
     ----------
     name : str
-        Its name in the header of the engine, ``jousto.h``, blanks for underscores.
+        Name of the law in the header of the engine, ``jousto.h``, with blanks instead of
+        underscores.
     units : mapping of str to Unit
-        Numbers that a running program may change, by their names in the header.
+        Units of the numbers that a running program may change, by their names in the header.
     notes : mapping of str to str
-        What descriptions add to them.
+        Notes on these numbers for descriptions.
     constants : tuple of str
-        Its other numbers, which stay.
+        Names of the other numbers, which are constant.
     states : mapping of str to Unit
-        Names of its first-order states.
+        Units of the first-order states by name.
     grows, signs : tuple of str
         States that are never negative, and those that are -1, 0 or 1.
     reference, signal : Unit
-        Units of the functions of time that it follows, and that act in it.
+        Units of the reference signal that the law follows, and of the signal that acts in it.
     between : bool
-        Whether it acts on two bodies, equal and opposite, by how they stand and move: it may be
-        stiff, so that steps must see it.
+        Whether equal and opposite forces act on two bodies and depend on their relative motion.
+        Such a law may be stiff, so that the choice of the step considers it.
     fast : mapping of str to tuple of str
-        What messages about its speed call it, and the numbers of which one is not zero then, or
-        the functions (``spring``, ``damper``) of which one is there; none for always.
+        Names of the law in messages about fast motions. A name applies if one of the listed numbers
+        is nonzero or one of the listed functions (``spring``, ``damper``) exists; with an empty
+        list it always applies.
     yields : bool
-        Whether its force depends on the motion before: its states change at the ends of steps.
+        Whether the force depends on the previous motion, so that its states change at the ends of
+        steps.
     side_by_side : bool
-        Whether machines with it may step together; the file of its formula is compiled for
-        vectors (``CMakeLists.txt``).
+        Whether machines with the law may be integrated side by side in vector lanes; the file with
+        its formula is then compiled for vectors (``CMakeLists.txt``).
     """
 
     name: str
@@ -75,22 +78,22 @@ class EngineLaw:
         return ", ".join((*self.units, *self.states))
 
     def declared(self) -> EngineLaw:
-        """Add the law to the declared laws, and return it."""
+        """Register the law among the declared laws, and return it."""
         LAWS[self.name] = self
         return self
 
     def with_numbers(self, numbers: Any) -> EngineLaw:
-        """Return the law for given numbers (their names), on which the units may depend."""
+        """Return the law for the numbers with these names, on which the units may depend."""
         return self
 
 
 def law_of(name: str) -> EngineLaw:
-    """Return the declared law of a name."""
+    """Return the declared law with a name."""
     return LAWS.get(name) or EngineLaw(name)
 
 
 def unit_along(unit: Unit, angular: bool) -> str:
-    """Return a unit for an angular coordinate, or for a length."""
+    """Return the unit for an angular coordinate, or the one for a length."""
     if isinstance(unit, Along):
         return unit.angle if angular else unit.length
     return str(unit)

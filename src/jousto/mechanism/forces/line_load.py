@@ -27,14 +27,14 @@ class BeamField(Reference[BeamBody, BeamBody]):
     noun = "BeamBody"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the beam, or report that the value is none."""
+        """Return the beam, or report a value of another type."""
         if not isinstance(value, BeamBody):
             problems.add(where, f"{self.label} is {value!r}, must be a BeamBody")
         return value
 
 
 class Rows(Field[ArrayLike, Array]):
-    """Field of three numbers, or of three for every node of a beam."""
+    """Field of three numbers, or of three numbers for every node of a beam."""
 
     form = "shapes"
     shapes = ((3,), (None, 3))
@@ -51,10 +51,11 @@ class LineLoad(ForceElement, tag="line"):
 
     They act on the section axis and vary linearly between nodes: an element of unstressed length L
     with the values q_a and q_b at its ends gets ``L (2 q_a + q_b)/6`` at end a and ``L (q_a + 2
-    q_b)/6`` at end b. Elements with `bending` bend between their ends. There ``L (3 q_a + q_b)/8``
-    and ``L (q_a + 3 q_b)/8`` act at L/6 from the ends, which gives the moments ``q L^2/12`` of the
-    cubic element; they turn with the beam. Gravity needs no line load, since it acts on the mass;
-    its moments of this kind are included by ``mass="corrected"``.
+    q_b)/6`` at end b. Elements with `bending` also bend between their ends. In these elements the
+    loads ``L (3 q_a + q_b)/8`` and ``L (q_a + 3 q_b)/8`` act at L/6 from the ends, which gives the
+    moments ``q L^2/12`` of the cubic element; they turn with the beam. Gravity needs no line load,
+    since it acts on the mass; the corresponding moments of gravity are included by
+    ``mass="corrected"``.
 
     Examples
     --------
@@ -93,7 +94,7 @@ class LineLoad(ForceElement, tag="line"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Store a row for every node; report a wrong number of rows, or a load without effect."""
+        """Store a row for every node; report a wrong number of rows, or a zero load."""
         shape = (self.beam.n + 1, 3)
         for key in ("force", "torque"):
             rows = getattr(self, key)
@@ -177,8 +178,9 @@ class LineLoad(ForceElement, tag="line"):
     def _at_ends(self, q: Array, parts: float) -> Array:
         """Return loads (n, 2, 3) at element ends from a load per length (n + 1, 3) at nodes.
 
-        The value of the nearer end has ``parts - 1`` times the weight of the other: parts = 3 for
-        loads at the ends, 4 for loads at L/6. Resolved in node axes if the load follows.
+        The load per length at the nearer end has ``parts - 1`` times the weight of the other: parts
+        = 3 for loads at the ends, 4 for loads at L/6. The loads are resolved in node axes if the
+        load follows the beam.
         """
         beam = self.beam
         L = beam.lengths[:, None] / (2 * parts)

@@ -16,7 +16,7 @@ from jousto.mechanism.signals.base import OptionalSignal
 
 
 class Gravity(Declared):
-    """Uniform gravity: the acceleration of free fall of all bodies."""
+    """Uniform gravity: the acceleration of all bodies in free fall."""
 
     kind = "gravity"
     acceleration: Vector = field(

@@ -61,7 +61,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report an invalid path, and nodes without rotations."""
+        """Report an invalid path, and nodes without rotational degrees of freedom."""
         if len(self.path) < 2:
             problems.add(where, f"path is {list(self.path)!r}, {TWO}", "path")
             return
@@ -108,7 +108,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
 
     @property
     def pieces(self) -> Array:
-        """Coefficients (k - 1, 1 + n, 3, 4) of (s - s_k)^0..3: position, then the modes."""
+        """Coefficients (k - 1, 1 + n, 3, 4) of (s - s_k)^0..3, for the position, then each mode."""
         x = self.points
         h = np.diff(self.lengths)[:, None, None]
         t = np.diff(x, axis=0) / h[:, 0]

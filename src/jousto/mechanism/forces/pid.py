@@ -123,7 +123,7 @@ class _Controller(Actuator):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report time constants that contradict the gains, and a lower limit above the upper."""
+        """Report time constants that contradict the gains, and limits in the wrong order."""
         if not (self.kp or self.ki or self.kd):
             problems.add(where, "kp, ki and kd are all 0: the controller has no effect")
         if self.kd and self.filter is None and not self.kp:
@@ -194,12 +194,11 @@ class _Controller(Actuator):
 class PID(_Controller, tag="pid"):
     """PID controller of a coordinate s, with filtered derivative and anti-windup.
 
-    ``u = kp (weight r - s) + I - kd s_f' + feedforward``, ``f`` is u within the limits,
-    ``I' = ki (r - s) + (f - u)/tracking``, and ``s_f'`` is the rate of s behind a filter of first
-    order, ``s_f' = (s - s_f)/filter`` (Astrom and Hagglund, Advanced PID Control, 2006, chapter 3).
-    While the force is limited, the last term of I', the back-calculation, keeps the integral part
-    from winding up. The derivative part uses s only, so that a jump of the reference causes no
-    impulse.
+    ``u = kp (weight r - s) + I - kd s_f' + feedforward``, ``f`` is u within the limits, ``I' = ki
+    (r - s) + (f - u)/tracking``, and ``s_f'`` is the rate of s after a filter of first order,
+    ``s_f' = (s - s_f)/filter`` (Astrom and Hagglund, Advanced PID Control, 2006, chapter 3). While
+    the force is limited, the last term of I', the back-calculation, keeps the integral part from
+    winding up. The derivative part uses s only, so that a jump of the reference causes no impulse.
 
     Examples
     --------
@@ -223,10 +222,10 @@ class PID(_Controller, tag="pid"):
 
 
 class SpeedPID(_Controller, tag="speed-pid"):
-    """PID controller of the rate s' of a coordinate; see `PID` for its value.
+    """PID controller of the rate s' of a coordinate; see `PID` for the value itself.
 
     ``u = kp (weight r - s') + I - kd s_f'' + feedforward`` and ``I' = ki (r - s') +
-    (f - u)/tracking``, with the derivative of s' behind a filter of first order. With kp and ki
+    (f - u)/tracking``, with the derivative of s' after a filter of first order. With kp and ki
     only, this is the usual PI speed controller of a motor.
 
     Examples

@@ -47,11 +47,11 @@ EngineLaw(
 class PlasticSpring(ForceElement, tag="plastic-spring"):
     """Elastic-plastic spring along a coordinate: a plastic hinge, or a bar that yields.
 
-    ``f = -M``, ``M = k (s - free - p)``; the plastic deformation p changes where ``|M - X|``
+    ``f = -M``, ``M = k (s - free - p)``; the plastic deformation p changes while ``|M - X|``
     reaches ``strength + R``. The back force X (kinematic hardening) follows ``X' = kinematic p' -
     recovery X |p'|``. The increase R of the yield force (isotropic hardening) is
     ``R = isotropic l + saturation (1 - exp(-rate l))``, l being the length of the plastic path,
-    ``l' = |p'|``. Without hardening it is elastic, perfectly plastic. The
+    ``l' = |p'|``. Without hardening the spring is elastic, perfectly plastic. The
     hardening numbers are plastic moduli: with ``kinematic = H`` alone the slope beyond yielding is
     ``k H / (k + H)``.
 
@@ -60,7 +60,8 @@ class PlasticSpring(ForceElement, tag="plastic-spring"):
     coordinate turns. Energy: ``M^2 / 2k`` and, with `kinematic`, ``X^2 / 2 kinematic`` are stored,
     the rest of the work is dissipated.
 
-    A start beyond the yield force has flowed there already.
+    If the initial force exceeds the yield force, the spring starts with the corresponding plastic
+    deformation.
 
     Examples
     --------
@@ -118,7 +119,7 @@ class PlasticSpring(ForceElement, tag="plastic-spring"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Note numbers that do nothing without another one."""
+        """Warn about numbers that have no effect without another one."""
         if self.recovery and not self.kinematic:
             problems.add(where, "recovery goes with kinematic; give it, too", "recovery")
         if self.saturation and not self.rate:
@@ -133,7 +134,7 @@ class PlasticSpring(ForceElement, tag="plastic-spring"):
 
     @property
     def tangent(self) -> float:
-        """Slope of the force where yielding begins, ``k H / (k + H)``, N/m or N m/rad."""
+        """Slope of the force beyond yielding, ``k H / (k + H)``, N/m or N m/rad."""
         H = self.kinematic + self.isotropic + self.saturation * self.rate
         return float(np.real(self.stiffness * H / (self.stiffness + H)))
 

@@ -38,7 +38,7 @@ class CurveField(Field["Table | None", "Table | None"]):
     text, default, unit
         As for every field.
     at : Along
-        Unit of what the force depends on.
+        Unit of the coordinate or rate on which the force depends.
     """
 
     form = "curve"
@@ -49,7 +49,7 @@ class CurveField(Field["Table | None", "Table | None"]):
         self.at = at
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the table, or report that the value is none."""
+        """Return the table, or report a value of another type."""
         if not isinstance(value, Table):
             problems.add(where, f"{self.name} is {value!r}, must be a Table or None")
         return value
@@ -57,7 +57,7 @@ class CurveField(Field["Table | None", "Table | None"]):
 
 class _AlongLaw(EngineLaw):
     def with_numbers(self, numbers: Any) -> EngineLaw:
-        """Return the law; its function has the unit of the force if the factor is 1."""
+        """Return the law; with the factor 1 its function has the unit of the force."""
         return replace(self, signal=FORCE) if numbers.preload == 1.0 else self
 
 
@@ -160,7 +160,7 @@ class Matrix6(Field[ArrayLike, Array]):
     text, default
         As for every field.
     units : ((str, str), (str, str))
-        SI units of the blocks: force and torque against translation and turn.
+        SI units of the blocks: rows are force and torque, columns are translation and rotation.
     """
 
     form = "matrix6"
@@ -187,13 +187,13 @@ class Wrench(Field["ArrayLike | None", Array]):
 
 
 class Bushing(ForceElement, tag="bushing"):
-    """Bushing: ``[F, T] = -K [d, theta] - D [d', omega] + preload`` on b.
+    """Bushing with the force and torque ``[F, T] = -K [d, theta] - D [d', omega] + preload`` on b.
 
     d = r_b - r_a, its rate as seen in a, the rotation vector theta of b against a and the relative
     angular velocity omega are resolved in a. An isotropic damper gives the torque ``-c omega`` at
-    any attitude. The springs have a potential energy: the moments m of springs and preload, which
-    do the work ``m . theta'``, give the torque ``J(theta)^-T m``, where ``omega = J theta'``. For
-    an isotropic spring or small angles the torque equals m.
+    any attitude. The springs have a potential energy. The moments m of springs and preload do the
+    work ``m . theta'``; they give the torque ``J(theta)^-T m``, where ``omega = J theta'``. For an
+    isotropic spring or small angles the torque equals m.
     """
 
     kind = "bushing"
@@ -227,7 +227,7 @@ class Bushing(ForceElement, tag="bushing"):
 
 
 class JointForce(Actuator, tag="joint-force"):
-    """Force or torque along a coordinate: ``f = signal(t)``; with `Input` an actuator."""
+    """Force or torque along a coordinate: ``f = signal(t)``; with an `Input` it is an actuator."""
 
     kind = "joint force"
     coordinate: CoordinateField = field(
@@ -321,7 +321,7 @@ class FunctionField(Field[Any, Any]):
     noun = "callable, LowLevelCallable, numba cfunc or ctypes function"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the function, or report that the value is none."""
+        """Return the function, or report a value of another type."""
         # a scipy.LowLevelCallable is a tuple that cannot be called
         if not (callable(value) or isinstance(value, tuple)):
             problems.add(where, f"{self.name} is {value!r}, must be callable or compiled")
@@ -329,7 +329,7 @@ class FunctionField(Field[Any, Any]):
 
 
 class UserForce(ForceElement, tag="user-force"):
-    """Force and torque at a marker, computed by a function of the user, ``y = function(t, x)``.
+    """Force and torque at a marker, computed by a function of the user: ``y = function(t, x)``.
 
     The function is called several times in a step, with t in s. x (18,) is the pose and velocity of
     `marker` relative to `reference`, resolved in the axes of `reference`:
@@ -390,7 +390,7 @@ def along(
     preload: float = 0.0,
     limit: float = 0.0,
 ) -> dict[str, float]:
-    """Return the numbers of the law of a force along a coordinate."""
+    """Return the numbers of the engine's law for a force along a coordinate."""
     return {
         "stiffness": stiffness,
         "damping": damping,
@@ -401,7 +401,7 @@ def along(
 
 
 def matrix6(problems: Problems, where: str, name: str, value: Any) -> Array | None:
-    """Return a symmetric, positive semi-definite (6, 6) matrix, or report why it is not one."""
+    """Return a symmetric, positive semi-definite (6, 6) matrix, or report why it is invalid."""
     if np.ndim(value) == 0:
         value = np.full(6, value)
     if np.shape(value) == (6,):

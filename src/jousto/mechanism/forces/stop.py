@@ -27,16 +27,17 @@ EngineLaw(
 class Stop(ForceElement, tag="stop"):
     """Elastic limits of a coordinate with a coefficient of restitution e.
 
-    ``f = -k d (1 + h s(d'/speed))`` where d is how far the coordinate is beyond the limit, ``h =
-    (1 - e^2)/(1 + e^2)`` and ``s(x) = x (3 - x^2)/2`` up to ``|x| = 1``, from there on the sign of
-    x. The rebound speed is e times the impact speed, for any mass and stiffness; since ``h <= 1``
-    the stop never pulls.
+    ``f = -k d (1 + h s(d'/speed))`` where d is the distance of the coordinate beyond the limit, ``h
+    = (1 - e^2)/(1 + e^2)`` and ``s(x) = x (3 - x^2)/2`` up to ``|x| = 1``, beyond that s is the
+    sign of x. The rebound speed is e times the impact speed, for any mass and stiffness; since ``h
+    <= 1`` the stop never pulls.
 
     The variables separate in ``m v dv = -k d phi(v) dd`` with ``phi = 1 + h s``, as in the law of
     Hunt and Crossley (Journal of Applied Mechanics 42, 1975, 440-445), ``phi = 1 + a v``, whose
     restitution decreases with the impact speed. Here ``v_out^2 = e^2 v_in^2 + C speed^2`` with C
     between 0 and 1, if both speeds exceed `speed`. Slower impacts lose less energy. A body that
-    lies on the stop comes to rest as on a damper of ``3 h F / (2 speed)``, where F is its load.
+    lies on the stop comes to rest as if it were on a damper of ``3 h F / (2 speed)``, where F is
+    its load.
 
     Examples
     --------
@@ -74,7 +75,7 @@ class Stop(ForceElement, tag="stop"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report missing limits, and a lower limit above the upper one."""
+        """Report missing limits, and limits in the wrong order."""
         low, high = self.lower, self.upper
         if low is None and high is None:
             problems.add(where, "has no limit; give lower, upper or both")

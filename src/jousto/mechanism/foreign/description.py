@@ -22,7 +22,7 @@ BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 @dataclass(frozen=True)
 class Variable:
-    """Variable of a unit; a value x of it is ``factor x + offset`` in SI.
+    """Variable of a unit; its value x corresponds to ``factor x + offset`` in SI units.
 
     Attributes
     ----------
@@ -34,9 +34,7 @@ class Variable:
         Whether the variable is a real scalar.
     settable : bool
         Whether its start value may be replaced.
-    factor, offset : float
-        To SI.
-    dimension : str
+    factor, offset : float Conversion to SI units. dimension : str
         SI unit, empty if the description has none.
     """
 
@@ -59,7 +57,7 @@ class Description:
     Attributes
     ----------
     version : int
-        2 or 3, of FMI.
+        Version of FMI, 2 or 3.
     identifier, token : str
         Name of the binary, and GUID or instantiation token.
     variables : dict
@@ -70,7 +68,7 @@ class Description:
         Whether the communication step may vary.
     direct : dict
         Inputs on which outputs depend directly, by their names in ``<ModelStructure>``; an output
-        without an entry there may depend on all inputs and is not in the dict.
+        without such an entry may depend on all inputs and is not in the dict.
     """
 
     version: int
@@ -96,7 +94,7 @@ def read_description(path: Path, where: str) -> Description:
     Raises
     ------
     InputError
-        If the file is no co-simulation unit of FMI 2 or 3 with a binary for this computer.
+        If the file is not a co-simulation unit of FMI 2 or 3, or has no binary for this computer.
     """
     try:
         import fmpy
@@ -158,7 +156,7 @@ def read_description(path: Path, where: str) -> Description:
 
 
 def _names(path: Path, where: str) -> list[str]:
-    """Return the file names of an archive after a check that they stay inside the target folder."""
+    """Return the file names in an archive after a check that they are inside the target folder."""
     try:
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
@@ -233,7 +231,7 @@ def _variable(v: Any, units: dict[str, Any]) -> Variable:
 
 
 def _known(unit: str) -> tuple[float, str]:
-    """Return factor and SI unit of a unit without a definition; an empty unit if it is unknown."""
+    """Return factor and SI unit of a unit without definition; an empty unit if it is unknown."""
     try:
         dimension = named(unit)
         return (converted(f"1 {unit}", dimension), dimension) if dimension else (1.0, "")

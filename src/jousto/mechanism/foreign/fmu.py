@@ -1,4 +1,4 @@
-"""Fmu: a model of another program that is simulated together with the mechanism."""
+"""Fmu: a model of another program, simulated together with the mechanism."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ENERGIES = ("delivered", "received", "energy_error")
 
 
 class FmuSensor(SignalSensor):
-    """Value of a functional mock-up unit or of its exchange at the last communication point.
+    """Value of a functional mock-up unit, or exchanged energy, at the last communication point.
 
     Attributes
     ----------
@@ -49,9 +49,9 @@ class Fmu(Declared, section="fmus"):
     description are converted.
 
     The exchanged energy is ``int F v dt``. The unit computes it with its own force and the received
-    velocity, the mechanism with its own velocity and the received force; the difference is energy
-    that the exchange itself adds or removes (Sadjina, Kyllingstad, Skjong and Pedersen, Engineering
-    with Computers 33, 2017, 607-620). The results contain these energies as the sensors
+    velocity, the mechanism with its own velocity and the received force; their difference is the
+    energy that the exchange itself adds or removes (Sadjina, Kyllingstad, Skjong and Pedersen,
+    Engineering with Computers 33, 2017, 607-620). The results contain these energies as the sensors
     ``NAME.delivered``, ``NAME.received`` and ``NAME.energy_error`` for each `power`.
 
     The unit runs in a separate process. Its native code is not checked: run only units that you
@@ -258,7 +258,7 @@ class Fmu(Declared, section="fmus"):
         return made
 
     def __getitem__(self, name: str) -> FmuSensor:
-        """Return the sensor of an output, as input of other units."""
+        """Return the sensor of an output, which may be an input of other units."""
         known = {sensor.name.removeprefix(f"{self.name}."): sensor for sensor in self.sensors}
         if name not in known:
             raise UnknownNameError(

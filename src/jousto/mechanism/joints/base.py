@@ -6,7 +6,8 @@ A joint is composed of few constraint rows, in this order:
 * perpendicular pairs, ``(axis i of a) . (axis j of b) = 0`` (1 row each);
 * lines, relations that are linear in coordinates of the joint (1 row each).
 
-A new joint is one class with two tuples, and with `lines` if it has linear rows.
+A new joint is one class with the first two as tuples, and with the property `lines` if it has
+linear rows.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ class Joint(Declared, section="joints"):
     Attributes
     ----------
     coincident : bool
-        Whether the origins stay together (3 rows).
+        Whether the origins of the markers stay together (3 rows).
     perpendicular : tuple of (int, int)
-        Pairs (axis of a, axis of b) of the frames that stay perpendicular (1 row each).
+        Pairs of an axis of frame a and an axis of frame b that stay perpendicular (1 row each).
     lines : tuple of Line
         Linear relations of coordinates (1 row each).
     frames : tuple of two Marker
@@ -137,7 +138,7 @@ AXIS = "Axis in the world frame at the initial pose; None for the z axis of mark
 
 
 class AxisJoint(Joint):
-    """A joint with a z axis that may be given."""
+    """A joint with a z axis, whose direction may be given."""
 
     axis: Direction = field(AXIS, default=None)
 
@@ -148,7 +149,7 @@ class AxisJoint(Joint):
 
 
 class NormalJoint(Joint):
-    """A joint that keeps the origin of b in a plane through a; its normal may be given."""
+    """A joint that keeps the origin of b in a plane through a; the normal may be given."""
 
     normal: Direction = field(
         "Normal of the plane in the world frame at the initial pose, fixed to a; None for the z "
@@ -163,7 +164,7 @@ class NormalJoint(Joint):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along the normal."""
+        """Row without displacement along the normal."""
         return held(self, "z")
 
     @cached_property

@@ -101,8 +101,8 @@ class Coordinate(Declared, section="coordinates"):
 class Angle(Coordinate, tag="angle"):
     """Rotation of b relative to a about the z axis of a, ``atan2(y_a . x_b, x_a . x_b)``, rad.
 
-    It is 0 where the x axes agree and is continuous over many turns. The x axis of b must not
-    become parallel to the z axis of a; joints with an angle ensure this.
+    The angle is 0 where the x axes agree, and is continuous over several turns. The x axis of b
+    must not become parallel to the z axis of a; joints with an angle ensure this.
     """
 
     unit: ClassVar[str] = "rad"
@@ -180,7 +180,7 @@ class Line:
 
 
 def frame_key(marker: Marker, axes: bool) -> tuple[Any, ...]:
-    """Return a key that is equal for markers at the same point (and same frame if `axes`)."""
+    """Return a key that is equal for markers at the same point (with equal axes if `axes`)."""
     arrays = (marker.position_local, marker.axes) if axes else (marker.position_local,)
     numbers = ((floats(x) + 0.0).tobytes() for x in arrays)  # -0 becomes 0
     return (id(marker.body), marker.site, *numbers)
@@ -193,7 +193,7 @@ class CoordinateField(Field[Coordinate, Coordinate]):
     noun = "Coordinate"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coordinate, or report that the value is none."""
+        """Return the coordinate, or report a value of another type."""
         return check_coordinate(problems, where, self.name, value)
 
 
@@ -243,7 +243,7 @@ DAMPING = Along("N s/m", "N m s/rad")
 
 
 def check_coordinate(problems: Problems, where: str, name: str, value: Any) -> Coordinate | None:
-    """Return `value` if it is a coordinate, else report the way to get one."""
+    """Return `value` if it is a coordinate; else report how to get one."""
     if isinstance(value, Coordinate):
         return value
     owned = [key for key in ("angle", "displacement") if hasattr(value, key)]

@@ -24,7 +24,7 @@ from jousto.mechanism.signals.base import SignalField
 
 
 class Coupler(Declared, section="couplings"):
-    """A constraint row that is linear in one or two coordinates.
+    """A constraint row that is linear in one or two coordinates: a gear, rack, coupling or drive.
 
     Its multiplier lam acts on coordinate s_i as the force ``-f_i lam``, in the direction of s_i
     on the body of marker b.
@@ -175,9 +175,9 @@ class Drive(Coupler, tag="drive"):
 
     @property
     def beginning(self) -> tuple[float, float, float]:
-        """Initial value of the signal, that of the coordinate, and their distance, m or rad.
+        """Initial values of the signal and of the coordinate, and their difference, m or rad.
 
-        Full turns are left out of the distance.
+        Full turns are subtracted from the difference.
         """
         begins, stands = float(self.signal(0.0)), float(self.coordinate.initial)
         gap = begins - stands
@@ -191,7 +191,7 @@ def linked(a: Coordinate, b: Coordinate, ratio: float) -> tuple[Line]:
 
 
 def check_kind(problems: Problems, where: str, name: str, value: Any, *, angle: bool) -> None:
-    """Report a problem unless the value is an angle, or a length if not `angle`."""
+    """Report a problem unless the value is an angle or, with ``angle=False``, a length."""
     found = check_coordinate(problems, where, name, value)
     if found is not None and isinstance(found, Angle) != angle:
         wanted = "an angle" if angle else "a displacement or distance"

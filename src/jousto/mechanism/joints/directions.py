@@ -1,4 +1,4 @@
-"""Joints of directions: parallel axes and perpendicular axes."""
+"""Joints between directions: parallel axes and perpendicular axes."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Revolute(AxisJoint, tag="revolute"):
 
     ``r_b - r_a = 0``, ``f_a . h_b = g_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.96)
 
-    The markers are at one world position at the start.
+    At the start the markers must have the same world position.
     """
 
     coincident: ClassVar[bool] = True
@@ -79,7 +79,7 @@ class Cylindrical(SharedAxisJoint, AxisJoint, tag="cylindrical"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a."""
+        """Rows without displacement along x and y of a."""
         return held(self, "x", "y")
 
 
@@ -104,7 +104,7 @@ class Screw(SharedAxisJoint, tag="screw"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a, and the relation of the thread."""
+        """Rows without displacement along x and y of a, and the relation of the thread."""
         s, phi = self.displacement, self.angle
         ratio = self.pitch / (2 * np.pi)
         offset = s.initial - ratio * phi.initial
@@ -112,12 +112,12 @@ class Screw(SharedAxisJoint, tag="screw"):
 
 
 class Universal(CrossedAxes, tag="universal"):
-    """Cardan joint: a common point and two perpendicular axes: 4 rows.
+    """Cardan joint, with a common point and two perpendicular axes: 4 rows.
 
     ``r_b - r_a = 0``, ``h_a . h_b = 0`` (Rantalainen 2007, eq. 3.95 and 3.90): the cross turns
     about h_a against a by `angle1`, and b against the cross about h_b by `angle2`.
 
-    The markers are at one world position at the start.
+    At the start the markers must have the same world position.
     """
 
     coincident: ClassVar[bool] = True
@@ -148,5 +148,5 @@ Y_FIRST_BACK = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 
 
 def reordered(marker: Marker, axes: Array) -> Marker:
-    """Return the marker with axes (3, 3) relative to its present ones."""
+    """Return the marker with axes (3, 3) relative to its present axes."""
     return replace(marker, axes=read_only(marker.axes @ axes))

@@ -1,4 +1,4 @@
-"""Joints of points: coincident, on a line, on a plane, at a constant distance."""
+"""Joints between points: coincident, on a line, on a plane, at a constant distance."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Spherical(Joint, tag="spherical"):
 
     ``r_b - r_a = 0`` (Rantalainen 2007, eq. 3.95)
 
-    The markers are at one world position at the start.
+    At the start the markers must have the same world position.
     """
 
     coincident: ClassVar[bool] = True
@@ -38,7 +38,7 @@ class PointOnLine(AxisJoint, tag="point-on-line"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a."""
+        """Rows without displacement along x and y of a."""
         return held(self, "x", "y")
 
     @cached_property
@@ -62,7 +62,7 @@ class PointOnPlane(NormalJoint, tag="point-on-plane"):
 
 
 class Rod(Joint, tag="rod"):
-    """The origins keep their distance, a massless rod with spherical ends: 1 row.
+    """Rod: the origins keep their distance, as joined by a massless rod with spherical ends: 1 row.
 
     ``|r_b - r_a| = L``
     """

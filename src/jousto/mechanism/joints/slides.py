@@ -1,4 +1,4 @@
-"""Joints that keep orientations: fixed, constant orientation, prismatic and planar."""
+"""Joints that keep the relative orientation: fixed, constant orientation, prismatic and planar."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Fixed(Joint, tag="fixed"):
 
     ``r_b - r_a = 0`` and three perpendicular rows (Rantalainen 2007, eq. 3.95 and 3.90)
 
-    The markers are at one world position at the start, and keep the orientation of the initial
-    pose, or get equal axes without `as_placed`.
+    At the start the markers must have the same world position. They keep their relative orientation
+    of the initial pose or, without `as_placed`, get equal axes.
     """
 
     coincident: ClassVar[bool] = True
@@ -36,7 +36,8 @@ class ConstantOrientation(Joint, tag="constant-orientation"):
 
     ``f_a . h_b = g_a . h_b = f_a . g_b = 0`` (Rantalainen 2007, eq. 3.90)
 
-    The orientation kept is that of the initial pose, or equal axes without `as_placed`.
+    The markers keep their relative orientation of the initial pose or, without `as_placed`, get
+    equal axes.
     """
 
     perpendicular: ClassVar[tuple[tuple[int, int], ...]] = NO_TURN
@@ -55,7 +56,7 @@ class Prismatic(AxisJoint, tag="prismatic"):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """No displacement along x and y of a."""
+        """Rows without displacement along x and y of a."""
         return held(self, "x", "y")
 
     @cached_property

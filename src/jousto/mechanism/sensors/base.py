@@ -45,7 +45,7 @@ class Reading:
 @described
 @dataclass(frozen=True, eq=False)
 class Meter:
-    """Rainflow count of the engine: its rule, and the value of a sensor that is counted.
+    """Rainflow count of the engine: its rule, and the counted value of a sensor.
 
     Parameters
     ----------
@@ -70,8 +70,8 @@ class Sensor(Declared, section="sensors"):
     Attributes
     ----------
     unit : str
-        Unit of the components; two units with a comma are those of the first and second half of the
-        components.
+        Unit of the components; two units separated by a comma apply to the first and second half of
+        the components.
     components : tuple of str
         Names of the components.
     frame : str

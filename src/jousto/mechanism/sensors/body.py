@@ -49,8 +49,8 @@ class DeformationMomentumSensor(Sensor, tag="deformation-momentum"):
     ``int Phi p' dm`` in kg m/s and ``int (u0 + Phi p) x Phi p' dm`` in kg m2/s about the origin of
     the frame, both resolved in the body frame (Schwertassek, Wallrapp and Shabana 1999). In a
     Tisserand (mean-axis) frame the first is zero and the second is of the order of products of p
-    and p'; in a nodal or chord frame both are of first order. The momenta measure the distance from
-    a Tisserand frame.
+    and p'; in a nodal or chord frame both are of first order. The momenta measure how much the
+    frame differs from a Tisserand frame.
     """
 
     unit: ClassVar[str] = "kg m/s, kg m2/s"
@@ -102,7 +102,7 @@ class SiteSensor(Sensor):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report unknown sites; None becomes all sites."""
+        """Report unknown sites; None selects all sites."""
         body, labels = self.body, known_sites(where, self.body)
         given = vars(self)["sites"]
         wanted: tuple[Any, ...] = labels if given is None else given

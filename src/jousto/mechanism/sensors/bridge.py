@@ -93,7 +93,7 @@ class Arms(Field["Sequence[Gauge | None] | Gauge", "tuple[Gauge | None, ...]"]):
     noun = "sequence of Gauge or None"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return four gauges or None each, or report wrong ones."""
+        """Return a tuple of four, each a gauge or None, or report wrong values."""
         given: Any = (value,) if isinstance(value, Gauge) else value
         if not isinstance(given, Sequence) or isinstance(given, str):
             problems.add(where, f"{self.name} is {value!r}, must be up to four gauges")
@@ -133,15 +133,14 @@ class GaugeFactor(Number):
 class Bridge(Sensor, tag="bridge"):
     """Wheatstone bridge of one to four gauges on a body, (1,) V/V.
 
-    The output / supply voltage is that of four resistors, see `bridge_output`: like a real one, a
-    quarter bridge is slightly nonlinear. ``rows`` is its linear part, ``k (e1 - e2 + e3 - e4) /
+    The output / supply voltage is that of four resistors, see `bridge_output`: like a real bridge,
+    a quarter bridge is slightly nonlinear. ``rows`` is its linear part, ``k (e1 - e2 + e3 - e4) /
     4``.
 
     Raises
     ------
     InputError
-        Without a gauge, with more than four, or with gauges on several bodies or of several
-        temperatures.
+        Without a gauge, with more than four, or if the gauges differ in body or temperature.
     """
 
     unit: ClassVar[str] = "V/V"
@@ -209,7 +208,7 @@ class Bridge(Sensor, tag="bridge"):
 
     @property
     def reading(self) -> Reading:
-        """Input of the engine: rows of the arms, then one row with their drifts."""
+        """Input of the engine: the rows of the arms, then one row with the drifts of the arms."""
         rows = np.zeros((5, max(self.arm_rows.shape[1], 4)))
         rows[:4, : self.arm_rows.shape[1]] = self.arm_rows
         rows[4, :4] = self.arm_drift
@@ -258,7 +257,7 @@ class Bridge(Sensor, tag="bridge"):
     def shunt(self, resistor: float, arm: int = 1) -> float:
         """Return the output, V/V, with a shunt resistor parallel to an arm.
 
-        ``r = -R / (R + R_shunt)`` of the arm, which simulates the strain ``r/k``.
+        The arm has ``r = -R / (R + R_shunt)``, which simulates the strain ``r/k``.
 
         Parameters
         ----------

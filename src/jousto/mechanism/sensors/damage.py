@@ -21,7 +21,7 @@ class Counted(Reference[Any, Any]):
     noun = "sensor"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the sensor, or report that the value is none."""
+        """Return the sensor, or report a value of another type."""
         if not isinstance(value, Sensor) or isinstance(value, DamageSensor):
             problems.add(where, f"{self.name} is {value!r}, must be a sensor of stress")
         return value
@@ -76,13 +76,13 @@ class DamageSensor(Sensor, tag="damage"):
     The engine counts rainflow cycles at the end of every accepted step, independent of the output
     instants. The memory of the count has a fixed size and is part of the state: with a fixed step a
     run that continues from ``run.state()`` counts as if it had not been interrupted. The adaptive
-    method then chooses other steps, so that damage differs by the peaks missed between steps. The
-    value includes the residue by the given rule.
+    method chooses other steps after an interruption, so that damage differs by the peaks missed
+    between steps. The damage includes the residue, by the given rule.
 
     Attributes
     ----------
     components : tuple of str
-        Names of the values: damage and cycles, with the component before if there are several.
+        Names of the values: damage and cycles, preceded by the component if there are several.
     measured : tuple of str
         Counted components of the other sensor.
     rule : MeterRule
@@ -91,8 +91,8 @@ class DamageSensor(Sensor, tag="damage"):
     Warns
     -----
     JoustoWarning
-        If the sensor measures von Mises stress, which has no sign: a reversed cycle counts half its
-        range.
+        If the sensor measures von Mises stress, which has no sign, so that a fully reversed cycle
+        counts with half its range.
     """
 
     unit: ClassVar[str] = "1"

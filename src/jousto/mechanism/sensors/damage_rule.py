@@ -68,7 +68,7 @@ def meter_rule(
     depth: Any = 64,
     resolution: Any = 0.0,
 ) -> MeterRule:
-    """Return the rule of a meter and report what is wrong with its arguments.
+    """Return the rule of a meter, or report what is wrong with the arguments.
 
     Parameters
     ----------

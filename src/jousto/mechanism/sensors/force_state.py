@@ -1,4 +1,4 @@
-"""Sensor of a first-order state of a force: plastic deformation, integral part of a controller."""
+"""Sensor of first-order states of forces, such as plastic deformation or integral parts."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ class StateName(Field[str, str]):
     noun = "str"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the name, or report that it is no word."""
+        """Return the name, or report a value that is not a word."""
         if not isinstance(value, str):
             problems.add(where, f"{self.name} is {value!r}, must be the name of a state")
         return value
 
 
 class ForceStateSensor(Sensor, tag="force-state"):
-    """State of a force element, at the instant of the row.
+    """First-order state of a force element, at the instant of the row.
 
     States of a `PlasticSpring`: ``plastic`` (plastic deformation), ``back`` (back force), ``path``
     (length of the plastic path), ``dissipated`` (J) and ``flow`` (direction of the flow at the end

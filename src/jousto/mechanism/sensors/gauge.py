@@ -145,9 +145,9 @@ class Gauge(Attached, tag="gauge"):
 
     On solids its value is the mean strain of the surface under the grid, from the displacements of
     the modes: ``e = sum c . du / sum |dx|`` along the grid, exact for the finite element field. On
-    beams it is ``e = t . eps t`` with Hooke's ``eps = ((1 + nu) s - nu tr(s) 1) / E`` of the stress
-    of the section, which is linear along an element. A gauge may be at any position along the
-    element; a gauge along the beam also at any point of the section.
+    beams it is ``e = t . eps t`` with Hooke's ``eps = ((1 + nu) s - nu tr(s) 1) / E`` where s is
+    the stress of the section, which is linear along an element. A gauge may be at any position
+    along the element; a gauge in the direction of the beam also at any point of the section.
 
     With the transverse sensitivity K a gauge calibrated at Poisson's ratio 0.285 indicates
     ``(e + K e_across) / (1 - 0.285 K)`` (ASTM E251).
@@ -165,7 +165,8 @@ class Gauge(Attached, tag="gauge"):
     ------
     InputError
         With all problems: a position off the surface, a grid that leaves the surface, a direction
-        normal to the surface, shear where only the stress along the beam is available.
+        normal to the surface, a part with only the stress along the beam for a gauge that needs
+        shear.
     """
 
     kind = "gauge"
@@ -236,7 +237,7 @@ class Gauge(Attached, tag="gauge"):
 
 @explained
 def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Array:
-    """Return the outputs of gauges per unit modal coordinate, (ng, n): B of ``e = B p``.
+    """Return B (ng, n) of ``e = B p``: the outputs of gauges per unit modal coordinate.
 
     Parameters
     ----------
@@ -279,7 +280,7 @@ def gauge_rows(gauges: Iterable[Any], reduced: ReducedPart | None = None) -> Arr
 
 
 def outward(g: Gauge, given: Array | None = None) -> Array:
-    """Return the outward unit normal (3,) at a gauge, part frame.
+    """Return the outward unit normal (3,) of the surface at a gauge, part frame.
 
     Parameters
     ----------
@@ -346,7 +347,7 @@ def known_stress(where: str, reduced: ReducedPart) -> StressModes:
 
 
 def _across(e: Array, across: Array | float, K: float) -> Array:
-    """Return the strain (n,) indicated by a gauge of transverse sensitivity K."""
+    """Return the strain (n,) that a gauge with transverse sensitivity K indicates."""
     return np.asarray((e + K * across) / (1.0 - NU_CALIBRATION * K))
 
 
@@ -517,9 +518,9 @@ def _off_beam(g: Gauge, where: str, reduced: ReducedPart, why: str) -> Problem:
 def _along(
     fibre: Fibre, beams: list[Element], length: float
 ) -> list[tuple[float, dict[int, float]]]:
-    """Return sites and weights of the mean over a length of the fibre, element by element.
+    """Return sites and weights of the mean stress over a length of the fibre, element by element.
 
-    The weights add up to less than one if a part of the length is on no beam.
+    The sum of the weights is less than one if part of the length extends beyond the beams.
     """
     from jousto.reduction.fields.beam_surface_strain import nearest_fibre
 
@@ -546,7 +547,7 @@ def _along(
 
 
 def _past_free_end(there: Fibre, x: Array, beams: list[Element]) -> bool:
-    """Return whether x (3,) lies beyond an end of an element without a following element."""
+    """Return whether x (3,) lies beyond an end of an element to which no element is connected."""
     e = there.element
     along = float((x - e.origin) @ e.axes[:, 0])
     if -LEAVES * e.length <= along <= (1.0 + LEAVES) * e.length:
@@ -564,7 +565,7 @@ def _hooke(
     t: Array,
     sites: dict[int, float],
 ) -> Array:
-    """Return the strain (n,) along t from the mean stress of sites, in the axes of the sites."""
+    """Return the strain (n,) along t by Hooke's law from the mean stress of sites, site axes."""
     problems = Problems()
     first = next(iter(sites))
     values = []

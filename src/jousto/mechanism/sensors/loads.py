@@ -26,7 +26,7 @@ class Held(Reference["Joint | Coupler", "Joint | Coupler"]):
     noun = "Joint, Gear, Rack, Coupling or Drive"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the joint, coupling or drive, or report that the value is none."""
+        """Return the joint, coupling or drive, or report a value of another type."""
         if not isinstance(value, Joint | Coupler):
             problems.add(where, f"{self.name} is {value!r}, must be a joint, coupling or drive")
         return value
@@ -48,11 +48,11 @@ class Axes(Field["str | Marker", "str | Marker"]):
 class ReactionSensor(Sensor, tag="reaction"):
     """Reaction of a joint, coupling or drive on the body of its marker b.
 
-    A joint has a force and a moment (6,) about the origin of marker b, also if b slides away from
-    a; about a the moment is ``M + (r_b - r_a) x F``. A coupling or drive has the force or torque
-    along each of its coordinates, N or N m: the torque of a motor, or the forces of both sides of a
-    gear or rack. If constraints are redundant the reactions are not unique; the results contain a
-    warning.
+    The reaction of a joint is a force and a moment (6,) about the origin of marker b, even if b
+    slides away from a; about a the moment is ``M + (r_b - r_a) x F``. The reaction of a coupling or
+    drive is the force or torque along each of its coordinates, N or N m: the torque of a motor, or
+    the two forces on a gear or rack. If constraints are redundant the reactions are not unique; the
+    results contain a warning.
     """
 
     joint: Held = field("The measured joint, coupling or drive")
@@ -76,7 +76,7 @@ class ReactionSensor(Sensor, tag="reaction"):
 
     @property
     def unit(self) -> str:
-        """Units, one for all components or one for each half."""
+        """Units: one for all components, or one for each half of them."""
         if isinstance(self.joint, Joint):
             return "N, N m"
         return joined_units(self.joint.coordinates)
@@ -90,7 +90,7 @@ class ReactionSensor(Sensor, tag="reaction"):
 
     @property
     def axes(self) -> Marker | None:
-        """Marker whose axes the components are resolved in; None for the world."""
+        """Marker in whose axes the components are resolved; None for the world."""
         if isinstance(self.resolved_in, Marker):
             return self.resolved_in
         if self.resolved_in == "joint" and isinstance(self.joint, Joint):
@@ -133,7 +133,7 @@ class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
     noun = "Force, Torque, Spring, Friction or any other force element"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the force element, or report that the value is none."""
+        """Return the force element, or report a value of another type."""
         if not isinstance(value, ForceElement | Friction):
             problems.add(
                 where, f"{self.name} is {value!r}, must be a force element such as a Spring"
@@ -146,11 +146,11 @@ class Pushing(Reference[ForceElement | Friction, ForceElement | Friction]):
 class ForceSensor(Sensor, tag="force"):
     """Force and moment of a force element on the body of its marker, or of marker b.
 
-    A `Spring`, `JointForce`, `Servo` or `Friction` has the force or torque along its coordinates,
-    positive if it increases the coordinate; a `Force` or a `MovingLoad` its force (3,) N, a
-    `Torque` its moment (3,) N m; a `Bushing` and a `UserForce` force and moment (6,) at the origin
-    of b; a `ModalLoad` its resultant force and moment (6,) about the origin of the body frame, of
-    the undeformed body.
+    The sensor measures of a `Spring`, `JointForce`, `Servo` or `Friction` the force or torque along
+    its coordinates, positive if it increases the coordinate; of a `Force` or a `MovingLoad` the
+    force (3,) N, of a `Torque` the moment (3,) N m; of a `Bushing` and a `UserForce` force and
+    moment (6,) at the origin of b; of a `ModalLoad` the resultant force and moment (6,) about the
+    origin of the body frame, for the undeformed body.
     """
 
     force: Pushing = field("The measured force element")
@@ -170,7 +170,7 @@ class ForceSensor(Sensor, tag="force"):
 
     @property
     def unit(self) -> str:
-        """Units, one for all components or one for each half."""
+        """Units: one for all components, or one for each half of them."""
         if found := along(self.force):
             return joined_units(found)
         units = {"force": "N", "moment": "N m"}
@@ -190,12 +190,12 @@ class ForceSensor(Sensor, tag="force"):
 
     @property
     def first(self) -> int:
-        """Index of the first component among those of force and moment."""
+        """Index of the first measured component in the list of force and moment components."""
         return 0 if "force" in self._measured else 3
 
     @property
     def axes(self) -> Marker | None:
-        """Marker whose axes the components are resolved in; None for the world."""
+        """Marker in whose axes the components are resolved; None for the world."""
         return self.resolved_in
 
     @property
@@ -235,7 +235,7 @@ def along(force: Any) -> tuple[Coordinate, ...]:
 
 
 def pushed(force: Any) -> Marker:
-    """Return the marker at which a force acts."""
+    """Return the marker on whose body a force acts."""
     marker: Marker = force.b if hasattr(force, "b") else force.marker
     return marker
 
@@ -247,6 +247,6 @@ def joined_units(coordinates: tuple[Coordinate, ...]) -> str:
 
 
 def joined_names(coordinates: tuple[Coordinate, ...]) -> tuple[str, ...]:
-    """Return the names of forces along coordinates."""
+    """Return the names of the forces along coordinates."""
     names = tuple(s.name for s in coordinates)
     return names if len(names) > 1 else ("f",)

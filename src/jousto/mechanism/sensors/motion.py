@@ -11,10 +11,10 @@ with d = r_m - r_o and the angular velocity W and acceleration W' of the frame o
 
 In the axes of o, the default of `resolved_in`, each row is the time derivative of the one before.
 (Modelica's relative sensors and Adams' functions with a reference frame use the same definition.
-The plain difference of two velocities is the difference of two sensors without `relative_to`.) With
-`resolved_in` only, the motion relative to the world is resolved in the axes of a marker: the output
-of a gyroscope fixed to the marker, or of an accelerometer except for gravity (in free fall the
-sensor has the acceleration of gravity, an accelerometer zero).
+The plain difference of two velocities is the difference between the values of two sensors without
+`relative_to`.) With `resolved_in` only, the motion relative to the world is resolved in the axes of
+a marker: the output of a gyroscope fixed to the marker, or of an accelerometer except for gravity
+(in free fall the sensor measures the acceleration of gravity, an accelerometer zero).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class MotionSensor(Sensor):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Report a marker that observes itself."""
+        """Report a marker that is its own reference."""
         if self.marker is self.relative_to:
             problems.add(
                 where,
@@ -61,7 +61,7 @@ class MotionSensor(Sensor):
 
     @property
     def axes(self) -> Marker | None:
-        """Marker whose axes the components are resolved in; None for the world."""
+        """Marker in whose axes the components are resolved; None for the world."""
         return self.relative_to if self.resolved_in is None else self.resolved_in
 
     @property
@@ -124,7 +124,7 @@ class AccelerationSensor(MotionSensor, tag="acceleration"):
 
 
 class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
-    """Five parts of the acceleration of a marker, (15,) m/s2, vector after vector.
+    """Acceleration of a marker in five parts, (15,) m/s2, vector after vector.
 
     With the moving frame at R, its angular velocity w and u the vector from R to the marker::
 
@@ -134,10 +134,10 @@ class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
         coriolis    2 w x u'
         relative    u''              as seen in the moving frame
 
-    (Rantalainen 2007, eq. 3.23; u' and u'' are derivatives in the moving frame.) Their sum is what
-    `AccelerationSensor` measures in the world. On a flexible body seen from its own frame the
-    relative part is the elastic one, ``A Phi p''``; on a rigid body it is zero, and the Coriolis
-    part as well.
+    (Rantalainen 2007, eq. 3.23; u' and u'' are derivatives in the moving frame.) Their sum is the
+    acceleration that `AccelerationSensor` measures in the world. On a flexible body seen from its
+    own frame the relative part is the elastic one, ``A Phi p''``; on a rigid body it is zero, like
+    the Coriolis part.
     """
 
     quantity: ClassVar[str] = "acceleration parts"
@@ -154,11 +154,11 @@ class AccelerationPartsSensor(MotionSensor, tag="acceleration-parts"):
     )
 
     def consistent(self, problems: Problems, where: str) -> None:
-        """Accept a marker that observes itself: only the first part is nonzero."""
+        """Accept a marker that is its own reference: only the first part is nonzero then."""
 
 
 class OrientationSensor(MotionSensor, tag="orientation"):
-    """Euler parameters (4,) of the axes of a marker, scalar first, scalar >= 0.
+    """Euler parameters (4,) of the axes of a marker, scalar first and not negative.
 
     They describe the rotation from the axes of `relative_to` (or of the world) to those of the
     marker; its axis is resolved in the axes of `resolved_in`.
@@ -196,7 +196,7 @@ class AngularAccelerationSensor(MotionSensor, tag="angular-acceleration"):
 
 
 def frame_name(marker: Marker | None) -> str:
-    """Return the name of the axes of a marker; ``world`` for None and the ground's own axes."""
+    """Return the name of the axes of a marker: ``world`` for None and for the ground's own axes."""
     if marker is None or marker.label == "ground.origin" and (marker.axes.diagonal() == 1.0).all():
         return "world"
     return marker.label

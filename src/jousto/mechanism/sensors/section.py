@@ -51,9 +51,9 @@ class SectionSensor(Sensor, tag="section"):
 
     The resultants are resolved in section axes, about the reference axis of the section. They act
     from the part of the beam towards its end on the part towards its start; tension is positive. At
-    the start, the end and the nodes they follow from the balance of the element there, as in
+    the start, the end and the nodes they follow from the equilibrium of the adjacent element, as in
     `section_forces`: the force of the element, and the moment in its middle plus force times lever
-    arm. Strains, and resultants between two nodes, are those in the middle of the element.
+    arm. Strains, and resultants between two nodes, refer to the middle of the element.
     """
 
     beam: BeamField = field("The beam")

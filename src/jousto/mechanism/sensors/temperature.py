@@ -19,7 +19,7 @@ class PerKelvin(Field[float, float]):
     noun = "float"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the coefficient, or report one that was probably given in 1e-6/K."""
+        """Return the coefficient, or report a value that was probably given in 1e-6/K."""
         found = number(problems, where, self.name, value)
         if found is not None and abs(found) > 0.01:
             problems.add(

@@ -1,1 +1,1 @@
-"""Signals of time: factors of forces, motions of drives, references of servos, inputs."""
+"""Signals in time: factors of forces, motions of drives, references of servos, inputs."""

@@ -1,7 +1,7 @@
-"""Base of all signals: value, rate and acceleration at a time, sums and products.
+"""Base of all signals, with value, rate and acceleration at a time; sums and products of signals.
 
-A signal has its first two derivatives in time, since drives and reference motions need them. At
-a jump or kink, all three are the values just after it.
+A signal provides its first two derivatives in time, since drives and reference motions need them.
+At a jump or kink, all three have their values just after it.
 """
 
 from __future__ import annotations
@@ -51,15 +51,15 @@ class Law:
     kind : str
         Name of the law in the header of the engine, ``jousto.h``.
     data : mapping of str to float
-        Its numbers by their names in the header.
+        Numbers of the law by their names in the header.
     rest : tuple of array_like
         Further numbers, of any count.
     count, degree : int
-        Number of the points, and degree of the polynomials between them.
+        Number of points, and degree of the polynomials between the points.
     event : Event, optional
         Event that switches the signal.
     name : str
-        Signals with the same name are one input.
+        Name of an input; signals with the same name are one input.
     """
 
     kind: str
@@ -150,7 +150,7 @@ class SignalField(Field["Signal | float", Signal]):
     noun = "Signal or float"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the signal, or report that the value is none."""
+        """Return the signal, or report a value of another type."""
         return check_signal(problems, where, self.name, value)
 
 
@@ -213,10 +213,10 @@ class Constant(Signal, tag="constant", by_value=True):
 
 
 class ConstantSpeed(Signal, tag="constant-speed", by_value=True):
-    """Straight line without end, ``offset + speed t``: a drive with constant speed from the start.
+    """Straight line ``offset + speed t`` for all times: a drive with constant speed.
 
-    The initial velocities of the mechanism fit the signal from t = 0, closed loops included: no
-    ramp is needed.
+    The initial velocities of the mechanism, also in closed loops, fit the signal at t = 0, so that
+    no ramp is needed.
 
     Examples
     --------
@@ -353,10 +353,10 @@ class Product(Combined, tag="product", by_value=True):
 
 
 class Input(Signal, tag="input", by_value=True):
-    """Value that is set from outside while the engine runs: an actuator command, an FMU input.
+    """Value that is set from outside while the engine runs, such as an actuator command.
 
-    The value is held between two steps, so rate and acceleration are zero. It is not a function of
-    time and cannot be called.
+    The value is constant within a step, so rate and acceleration are zero. An input is not a
+    function of time and cannot be called.
     """
 
     kind = "input"
@@ -379,7 +379,7 @@ class Input(Signal, tag="input", by_value=True):
 
 
 def combine(kind: type[Sum] | type[Product], *items: Any) -> Signal:
-    """Return a sum or product, or NotImplemented if a term is neither a signal nor a number."""
+    """Decorate an operator: it returns NotImplemented for terms that are no signals or numbers."""
     signal: Any = NotImplemented
     if all(isinstance(item, Signal | int | float | np.number) for item in items):
         signal = kind(*items)
@@ -387,7 +387,7 @@ def combine(kind: type[Sum] | type[Product], *items: Any) -> Signal:
 
 
 def negative(value: Any) -> Any:
-    """Return a number with opposite sign, any other value unchanged (for NotImplemented)."""
+    """Return a number with opposite sign; any other value unchanged (for NotImplemented)."""
     return -value if isinstance(value, int | float | np.number) else value
 
 
@@ -410,7 +410,7 @@ def check_signal(problems: Problems, where: str, name: str, value: Any) -> Signa
 
 
 def leaves(signal: Signal) -> Iterator[Signal]:
-    """Yield a signal and all signals it is composed of, depth first."""
+    """Yield a signal and all signals of which it is composed, depth first."""
     yield signal
     for part in signal.parts:
         yield from leaves(part)

@@ -1,7 +1,7 @@
 """Piecewise polynomial signals: step, ramp, table and S-curve.
 
-Between the times t_i and t_i+1 each is ``sum_j c_ji (t - t_i)^(m-j)``; it is constant before the
-first time and after the last.
+Between the times t_i and t_i+1 a signal is ``sum_j c_ji (t - t_i)^(m-j)``; it is constant before
+the first time and after the last.
 """
 
 from __future__ import annotations
@@ -164,13 +164,13 @@ class Table(Points, tag="table"):
         delimiter: str | None = None,
         interpolation: str = "linear",
     ) -> Table:
-        """Return the table of two columns of a text file.
+        """Return a table whose points are two columns of a text file.
 
         Parameters
         ----------
         path : str or Path
             File with one point in each line; empty lines and lines that start with # are
-            skipped. The first line may hold the names of the columns.
+            skipped. The first line may contain the names of the columns.
         time, value : str or int
             Column of the times, s, and of the values: its name in the first line or its
             number from 0.
@@ -183,7 +183,7 @@ class Table(Points, tag="table"):
         Raises
         ------
         InputError
-            If the file cannot be read, a column is missing or an entry is no number.
+            If the file cannot be read, a column is missing or an entry is not a number.
         """
         t, y = read_columns(Path(path), (time, value), delimiter)
         return cls(t, y, interpolation)
@@ -282,7 +282,7 @@ def polynomials(times: Array, c: Array) -> Law:
 
 
 def piecewise(times: Array, values: Array, c: Array, t: Array) -> Jet:
-    """Return value, rate and acceleration of polynomials, coefficients c (m+1, k-1), at times t."""
+    """Return value, rate and acceleration at times t of polynomials, coefficients c (m+1, k-1)."""
     last = len(times) - 2
     inside = (t >= times[0]) & (t < times[-1])
     held = np.where(t < times[0], values[0], values[-1])

@@ -17,14 +17,14 @@ class EventField(Field[Any, Any]):
     noun = "Event"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the event, or report that the value is none."""
+        """Return the event, or report a value of another type."""
         if getattr(type(value), "kind", "") != "event":
             problems.add(where, f"{self.name} is {value!r}, must be an Event")
         return value
 
 
 class Switched(Signal, tag="switched"):
-    """Signal that is `before` until the first occurrence of an event, `after` from then on.
+    """Signal that equals `before` until an event occurs first, and `after` from then on.
 
     The time of the event depends on the motion, so the signal is not a function of time. In a drive
     both signals must agree at the event, since positions cannot jump.
