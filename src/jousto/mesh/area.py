@@ -33,9 +33,9 @@ def by_kind(rows: Ints, used: NDArray[np.bool_]) -> tuple[Ints, ...]:
 
 
 def area_matrix(nodes: Array, faces: Sequence[Ints]) -> Sparse:
-    """Return ``int N N^T dA`` over faces, (nn, nn) in m2.
+    """Return the matrix ``int N N^T dA`` over faces, (nn, nn) in m2.
 
-    Nodal forces ``area_matrix @ t`` are those of the traction with nodal values t; row sums are the
+    ``area_matrix @ t`` are the nodal forces of a traction with nodal values t. The row sums are the
     shares of the nodes in a constant traction (zero at the corners of quadratic triangles).
 
     Parameters
@@ -109,6 +109,6 @@ def face_node_tangents(nodes: Array, faces: Ints) -> tuple[Array, Array]:
 
 
 def _across(t: Table, x: Array) -> tuple[Array, Array]:
-    """Return tangents (nf, nq, 2, 3) and their cross product of faces with nodes x (nf, k, 3)."""
+    """Return tangents (nf, nq, 2, 3) of faces with nodes x (nf, k, 3), and their cross products."""
     tangents = np.einsum("qck,fkx->fqcx", t.dN, x)
     return tangents, np.cross(tangents[:, :, 0], tangents[:, :, 1])

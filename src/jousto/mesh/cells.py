@@ -56,10 +56,10 @@ class Cells:
     material : str
         Name of the material in the file, empty if there is none.
     formulation : {"full", "reduced", "incompatible", "bbar"}
-        Integration of the stiffness of solids, from the element types of the file: at enough points
-        to be exact, at fewer (``hexahedron hexahedron20 wedge wedge15``; the first with hourglass
-        control), with nine incompatible modes, or with the mean change of volume (``hexahedron``
-        both). See :meth:`Mesh.formulated`.
+        Formulation of the stiffness of solids, from the element types of the file: exact
+        integration; integration at fewer points (``hexahedron hexahedron20 wedge wedge15``; the
+        first with hourglass control); nine incompatible modes, or the mean change of volume (both
+        for ``hexahedron`` only). See :meth:`Mesh.formulated`.
 
     Raises
     ------
@@ -101,7 +101,7 @@ class Cells:
 
 
 def instead(kinds: Sequence[str]) -> str:
-    """Return the end of a message: the remedy for a mesh of beams or shells only."""
+    """Return the remedy, as the end of a message, for a mesh that has only beams or shells."""
     if any(kind in SURFACES for kind in kinds):
         return (
             "; shells are not supported: mesh plates as solids, or use the matrices of another "
@@ -157,7 +157,7 @@ def edges(kind: str) -> Ints:
 
 
 def _middles(kind: str) -> dict[frozenset[int], int]:
-    """Return the mid-side node between two corners."""
+    """Return the mid-side node between each pair of corners."""
     n = SOLIDS[base(kind)]
     return {frozenset((int(a), int(b))): n + i for i, (a, b) in enumerate(edges(kind))}
 

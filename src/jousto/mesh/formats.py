@@ -20,7 +20,7 @@ class Format:
     signs: tuple[bytes, ...]  # regular expressions, searched in the first bytes
 
     def begins(self, head: bytes) -> bool:
-        """Return whether a file that begins with these bytes has the format."""
+        """Return whether a file that begins with these bytes has this format."""
         return any(re.search(sign, head, re.MULTILINE | re.IGNORECASE) for sign in self.signs)
 
 

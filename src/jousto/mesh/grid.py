@@ -1,4 +1,4 @@
-"""Grid: checked nodes, cells and named sets of a solid part, and derived quantities."""
+"""Grid: checked nodes, cells and named sets of a solid part, and quantities derived from them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Sets = Mapping[str, Ints]
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Data of a `Mesh` without picks, checks and changes; see there."""
+    """Data of a `Mesh` without picks, checks and changes; see `Mesh` for the attributes."""
 
     name: str
     nodes: Array
@@ -113,12 +113,12 @@ class Grid:
 
     @cached_property
     def faces(self) -> tuple[Faces, ...]:
-        """Outer faces with their elements, outward normals."""
+        """Outer faces with outward normals, and the elements to which they belong."""
         return outer_faces(self.cells)
 
     @cached_property
     def triangles(self) -> Ints:
-        """Outer surface as triangles (nt, 3), outward normals; mid-side nodes are used."""
+        """Outer surface as triangles (nt, 3) with outward normals, mid-side nodes included."""
         return triangulate(self.faces)
 
     @cached_property
@@ -142,7 +142,7 @@ class Grid:
 
 
 def _number(cells: tuple[Cells, ...]) -> tuple[Cells, ...]:
-    """Return the cells with ids; blocks without ids are numbered consecutively from 1."""
+    """Return the cells with element numbers; blocks without numbers are numbered from 1."""
     out, first = [], 1
     for block in cells:
         if not len(block.ids) and len(block):

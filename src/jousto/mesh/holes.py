@@ -1,4 +1,4 @@
-"""Cylindrical holes of a mesh, and the axes of points on cylinders."""
+"""Cylindrical holes of a mesh, and axes of cylinders through points."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ class Hole:
     Attributes
     ----------
     name : str
-        Names of its CAD faces, such as ``face3`` or ``face3+face4``, else ``hole1`` and so on.
+        Names of the CAD faces of the hole, such as ``face3`` or ``face3+face4``; without CAD faces
+        ``hole1`` and so on.
     point : (3,) ndarray
         Middle of the hole on its axis, m, part frame.
     axis : (3,) ndarray
@@ -78,8 +79,8 @@ def find_holes(mesh: Grid, radius: tuple[float, float]) -> tuple[Hole, ...]:
     """Return the cylindrical holes of a mesh, largest first.
 
     Outer faces are grouped into smooth walls, and a cylinder is fitted to each wall. Walls of the
-    same cylinder are joined; they are a hole if they close three quarters of the circumference with
-    normals towards the axis.
+    same cylinder are joined; they form a hole if they cover three quarters of the circumference and
+    their normals point towards the axis.
     """
     walls = [wall for wall in _walls(mesh) if radius[0] <= wall.shape.radius <= radius[1]]
     found = []
@@ -151,7 +152,7 @@ def _smooth(corners: list[Ints], normals: Array) -> Ints:
 
 
 def _fit(nodes: Array, corners: Ints, all_nodes: Ints, normals: Array) -> _Wall | None:
-    """Return the cylinder of a wall; None if it is no cylinder or its normals point outwards."""
+    """Return the cylinder of a wall; None if it is no cylinder or the normals point outwards."""
     if len(normals) < 3:
         return None
     # normals of a cylinder have almost no component along its axis (facets may be inclined)

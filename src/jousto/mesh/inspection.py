@@ -1,4 +1,4 @@
-"""Findings about a mesh: errors and doubtful points, as messages."""
+"""Findings about a mesh, that is, errors and doubtful points, as messages."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _all(mesh: Grid) -> Iterator[Finding]:
 
 
 def _numbers(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Report numbers that belong to several solid elements or nodes."""
+    """Report numbers that are used by several solid elements or by several nodes."""
     for ids, what in ((mesh.element_ids, "element"), (mesh.node_ids, "node")):
         values, number = np.unique(ids, return_counts=True)
         wrong = values[number > 1]
@@ -184,7 +184,7 @@ def _shapes(mesh: Grid, where: str) -> Iterator[Finding]:
 
 
 def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Report elements inside each other, linear next to quadratic ones, and disconnected pieces."""
+    """Report overlapping elements, linear beside quadratic elements, and disconnected pieces."""
     blocks = all_faces(mesh.cells)
     group, number = match(blocks)
     owners = np.concatenate([block.owners for block in blocks])
@@ -252,7 +252,7 @@ def _connection(mesh: Grid, where: str) -> Iterator[Finding]:
 
 
 def _nodes(mesh: Grid, where: str) -> Iterator[Finding]:
-    """Report coincident nodes, nodes of shells and lines only, and nodes without elements."""
+    """Report coincident nodes, nodes that only shells or lines use, and nodes without elements."""
     tolerance = merge_tolerance(mesh)
     pairs = duplicates(mesh, tolerance)
     if len(pairs):
@@ -344,7 +344,7 @@ def merge_tolerance(mesh: Grid) -> float:
 
 
 def duplicates(mesh: Grid, tolerance: float) -> Ints:
-    """Return pairs (m, 2) of nodes of solids within a tolerance, m, sorted, lower index first."""
+    """Return pairs (m, 2) of coincident nodes of solids, sorted, lower index first."""
     from scipy.spatial import cKDTree  # slow to import and rarely needed
 
     nodes: Array = mesh.nodes[mesh.used]

@@ -47,13 +47,14 @@ class Mesh(Grid):
         Faces as node indices, corner nodes first; rows of shorter faces end with -1.
     source : str
         Name of the mesh file, empty for a mesh from arrays. The unit of a file is checked by the
-        size of the mesh, that of arrays is not.
+        size of the mesh; the unit of arrays is not checked.
     cad_volume : float, optional
         Volume of the CAD solids in m^3; the certificate compares it with that of the mesh.
 
     Notes
     -----
-    Every element set and every surface is also a node set of the same name, unless there is one.
+    Every element set and every surface is also a node set of the same name, unless a node set of
+    that name exists.
 
     Raises
     ------
@@ -105,20 +106,20 @@ class Mesh(Grid):
         *,
         surface: bool = False,
     ) -> Ints:
-        """Return the nodes inside or on a cylinder, for a bore those of its wall.
+        """Return the nodes inside or on a cylinder; for a bore these are the nodes of its wall.
 
         See :class:`InCylinder`.
 
         Parameters
         ----------
         point : (3,) array_like
-            A point of the axis in m, the middle if a length is given, part frame.
+            A point of the axis, m, part frame; the middle of the cylinder if a length is given.
         axis : (3,) array_like
             Direction of the axis, part frame.
         radius : float
             Radius in m.
         length : float, optional
-            Length in m along the axis; without end if not given.
+            Length in m along the axis; infinite if not given.
         surface : bool
             Only nodes on the outer faces.
         """
@@ -255,8 +256,8 @@ class Mesh(Grid):
     def merged(self, tolerance: float | None = None) -> Mesh:
         """Return the mesh with nodes closer than a tolerance, m, joined into one.
 
-        None for the tolerance of :meth:`check`: the smaller of 1e-5 times the diagonal of the mesh
-        and a tenth of the shortest edge.
+        With None the tolerance is that of :meth:`check`: the smaller of 1e-5 times the diagonal of
+        the mesh and a tenth of the shortest edge.
         """
         limit = merge_tolerance(self) if tolerance is None else tolerance
         keep = np.arange(len(self.nodes) + 1)

@@ -182,7 +182,7 @@ class OnPlane(Pick):
 
 
 class Nearest(Pick):
-    """Nodes nearest to a point; of equally near ones those of lower index.
+    """Nodes nearest to a point; of equally near nodes those with lower index.
 
     Raises
     ------

@@ -40,7 +40,7 @@ class Quality:
         Smallest divided by largest Jacobian determinant over nodes and centre: 1 for straight
         tetrahedra and parallelepipeds, at most 0 for an element that is folded somewhere.
     aspect : (ne,) ndarray
-        Longest edge divided by the shortest, corner to corner.
+        Longest edge divided by the shortest edge, measured from corner to corner.
     """
 
     ids: Ints

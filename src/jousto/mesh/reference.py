@@ -1,7 +1,7 @@
 """Reference elements of solids and their faces: shape functions, derivatives, quadrature.
 
 The shape functions and the quadrature of triangles, tetrahedra and lines are those of scikit-fem,
-in the node order of VTK and evaluated once per kind, so that assembly consists of a few array
+in the node order of VTK and evaluated once per kind, so that the assembly needs only a few array
 products.
 """
 
@@ -128,7 +128,7 @@ class Table:
 
 @cache
 def places(kind: str) -> Array:
-    """Return the reference coordinates of the nodes, (k, 3); (k, 2) of faces."""
+    """Return the reference coordinates of the nodes, (k, 3) of solids or (k, 2) of faces."""
     corners = np.array(_PLACES[CORNERS[kind]], dtype=np.float64)
     if kind not in EDGES:
         return corners
@@ -137,7 +137,7 @@ def places(kind: str) -> Array:
 
 @cache
 def face_table(k: int, *, at_nodes: bool = False) -> Table:
-    """Return a face of k nodes at the points of its quadrature rule, or at its nodes."""
+    """Return the table of a face of k nodes, at its quadrature points or at its nodes."""
     kind, degree = FACES[k]
     points, weights = rule(kind, degree, 0)
     if at_nodes:
@@ -148,7 +148,7 @@ def face_table(k: int, *, at_nodes: bool = False) -> Table:
 
 @cache
 def table(kind: str, purpose: str, formulation: str = "full") -> Table:
-    """Return the element at the quadrature points for "stiffness", "mass" or "stress".
+    """Return the element at its quadrature points for "stiffness", "mass" or "stress".
 
     Stress is sampled where it is most accurate (the points of the reduced rule of quadratic
     elements), at one point per corner of the element, except for the linear tetrahedron, whose

@@ -80,7 +80,7 @@ def read_sets(
 
 
 def node_index(name: int | str, sets: Mapping[str, tuple[int, ...]]) -> int:
-    """Return the node of a one-node set, or the index itself; raises KeyError with a message."""
+    """Return the node of a one-node set, or the index itself; raises KeyError with a sentence."""
     if not isinstance(name, str):
         return int(name)
     if name not in sets:
@@ -106,7 +106,7 @@ def node_graph(matrix: Any, dofs: int) -> Any:
 
 
 def rigid_groups(ties: Iterable[Any]) -> list[Ints]:
-    """Return the nodes of each rigid tie, which move as one body (those of averages do not)."""
+    """Return the nodes of each rigid tie, which move as one body; nodes of averages do not."""
     return [tie.nodes for tie in ties if tie.kind == "rigid"]
 
 
@@ -121,7 +121,7 @@ def tied(graph: Any, groups: Iterable[Ints]) -> Any:
 
 
 def connectivity(problems: Problems, where: str, xyz: Array, elements: Ints) -> None:
-    """Report a part of disconnected pieces, with the nearest nodes of two of them."""
+    """Report a part of disconnected pieces, with the nearest nodes of two pieces."""
     nn = len(xyz)
     i = np.repeat(elements[:, 0], elements.shape[1] - 1)
     graph = sp.coo_array((np.ones(len(i)), (i, elements[:, 1:].ravel())), shape=(nn, nn))
@@ -129,7 +129,7 @@ def connectivity(problems: Problems, where: str, xyz: Array, elements: Ints) -> 
 
 
 def pieces(problems: Problems, where: str, xyz: Array, graph: Any) -> None:
-    """Report a graph of nodes (nn, nn), sparse, that is not connected."""
+    """Report a graph of nodes (nn, nn), sparse, that is disconnected."""
     from scipy.sparse.csgraph import connected_components  # slow to import and rarely needed
 
     count, label = connected_components(graph, directed=False)

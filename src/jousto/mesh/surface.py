@@ -24,7 +24,7 @@ _KIND = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8"}
 @described
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Outer faces of one kind, outward normals.
+    """Outer faces of one kind, with outward normals.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ def all_faces(cells: Sequence[Cells]) -> list[Faces]:
 
 
 def match(blocks: Sequence[Faces]) -> tuple[Ints, Ints]:
-    """Return the group of equal corners of every face, and the number of faces in each group."""
+    """Return the number of the group of equal faces for every face, and the size of each group."""
     keys = np.full((sum(len(block) for block in blocks), 4), -1, dtype=np.int64)
     row = 0
     for block in blocks:
@@ -119,7 +119,7 @@ def face_kind(columns: int) -> str:
 
 
 def face_normals(nodes: Array, corners: Ints) -> Array:
-    """Return normals (nf, 3) of faces from the corners; their length is the area."""
+    """Return normals (nf, 3) of faces, computed from the corners; their length is the area."""
     p = nodes[corners]
     if corners.shape[1] == 3:
         out: Array = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]) / 2.0

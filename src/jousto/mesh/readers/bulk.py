@@ -18,7 +18,7 @@ _MARK = re.compile(r"([+*]\S*)?")
 
 @dataclass
 class Card:
-    """One entry: name, fields from the second one on, and position in the file."""
+    """One entry: its name, its fields and its position in the file."""
 
     name: str
     fields: list[str]
@@ -31,7 +31,7 @@ class Card:
         return f"{self.path.name}:{self.number}: {self.name}"
 
     def field(self, i: int) -> str:
-        """Return field i, counted from 0 after the name of the card; empty if left out."""
+        """Return field i, counted from 0 after the name of the card; empty for a missing field."""
         return self.fields[i] if i < len(self.fields) else ""
 
     def whole(self, i: int, default: int | None = None) -> int:
@@ -124,11 +124,12 @@ def _split(line: str, where: str) -> tuple[str, list[str]]:
 
 
 def _free(words: list[str], wide: int, where: str) -> list[str]:
-    """Return the data fields of a line in free format, padded to whole lines of `wide` fields.
+    """Return the data fields of a line in free format, padded to whole lines with `wide` fields.
 
-    A line may continue beyond its data fields: with the continuation marks of its last field and of
-    the first field of the next line (``..., 6, +A, +A, 7, 8``; the marks may be blank), or with
-    data directly (``..., 6, 7, 8``). A word there that is not data is a mark or a comment.
+    A line may be longer than its data fields. It may contain the continuation marks that end the
+    line and begin the next one (``..., 6, +A, +A, 7, 8``; the marks may be blank), or further data
+    without marks (``..., 6, 7, 8``). A word behind the data fields that is not data is a mark or a
+    comment.
     """
     fields, rest = words[1 : 1 + wide], words[1 + wide :]
     while any(rest):

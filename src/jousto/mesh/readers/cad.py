@@ -1,4 +1,4 @@
-"""Checks of CAD files before meshing: kind, completeness, unit."""
+"""Checks of CAD files before meshing: kind of file, completeness, unit."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SI = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6, "DECI": 1e-1, "KILO
 
 
 def cad_scale(path: Path, unit: str | None) -> float:
-    """Return the length unit of the import in m, after checks of the file.
+    """Return the length in m of one unit of the imported geometry, after checks of the file.
 
     Gmsh converts STEP files to millimetres, and leaves the numbers of BREP files unchanged.
     """
@@ -55,7 +55,7 @@ def cad_scale(path: Path, unit: str | None) -> float:
 
 
 def step_unit(data: bytes) -> float:
-    """Return the length unit of a STEP file in m; mm if there is none.
+    """Return the length unit of a STEP file in m; 0.001 (mm) if the file contains no unit.
 
     Examples
     --------

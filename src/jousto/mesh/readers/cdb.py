@@ -39,8 +39,8 @@ _KINDS = {4: "tetra", 10: "tetra10", 8: "hexahedron", 20: "hexahedron20", 6: "we
 def read_cdb(path: Path) -> RawMesh:
     """Return the mesh of an Ansys archive; components become sets, materials ``mat<number>``.
 
-    Bricks with repeated nodes (the form of wedges, pyramids and tetrahedra in Ansys) become those
-    kinds.
+    Bricks with repeated nodes, with which Ansys describes wedges, pyramids and tetrahedra, become
+    cells of these kinds.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def archive(path: Path) -> dict[str, Any]:
 
 
 def _announced(path: Path, data: bytes) -> tuple[int, int]:
-    """Return the numbers of nodes and elements that the archive announces (0: none)."""
+    """Return the numbers of nodes and elements that the archive states (0 if it states none)."""
     out = []
     for name in (b"NBLOCK", b"EBLOCK"):
         line = re.search(rb"^[ \t]*%s\b[^\r\n]*[\r\n]" % name, data, re.MULTILINE | re.IGNORECASE)

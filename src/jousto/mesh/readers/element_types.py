@@ -1,6 +1,6 @@
-"""Elements of other programs: their kinds in jousto, and differences.
+"""Elements of other programs: corresponding kinds in jousto, and the differences.
 
-There is one table per reader; the page *Meshes and CAD files* contains them.
+Each reader has a table; the page *Meshes and CAD files* contains them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from jousto.mesh.reference import KINDS as SOLIDS
 
 @dataclass(frozen=True)
 class ElementType:
-    """Kind that an element of another program becomes.
+    """Kind of jousto into which an element of another program is converted.
 
     Parameters
     ----------
@@ -23,8 +23,9 @@ class ElementType:
     formulation : str
         Formulation of the stiffness, see :class:`Cells`.
     replaced : str
-        Property of the element in the other program that jousto does not have; empty if equal. For
-        shells, beams and trusses, which have no stiffness beside solids, their description.
+        Property of the original element that the element of jousto does not have; empty if there is
+        no difference. For shells, beams and trusses, which have no stiffness in a part of solids,
+        their description.
     """
 
     kind: str
@@ -110,7 +111,7 @@ _FAMILIES = (
 
 
 def abaqus(name: str) -> ElementType | None:
-    """Return the kind that an Abaqus or CalculiX element becomes, None if it is not supported.
+    """Return the kind for an Abaqus or CalculiX element; None if the element is not supported.
 
     Examples
     --------
@@ -176,10 +177,10 @@ NASTRAN = (
 
 
 def nastran_solid(card: str, nodes: int, network: str = "", isop: str = "") -> ElementType:
-    """Return the kind that a solid with the PSOLID fields IN and ISOP becomes.
+    """Return the kind for a Nastran solid with the PSOLID fields IN and ISOP.
 
-    ``IN=TWO`` with ``ISOP=FULL`` is the plain isoparametric brick of eight nodes; ``IN=TWO`` has
-    2 x 2 x 2 points in that of 20.
+    ``IN=TWO`` with ``ISOP=FULL`` is the plain isoparametric brick of eight nodes; ``IN=TWO`` means
+    2 x 2 x 2 points in the brick of 20 nodes.
     """
     found = NASTRAN[card, nodes]
     two, full = network.upper() in ("TWO", "2"), isop.upper() in ("FULL", "1")
@@ -200,14 +201,15 @@ _14 = "it is integrated at 14 points"
 
 
 def ansys_solid(code: int, kind: str, options: Iterable[tuple[int, int]] = ()) -> ElementType:
-    """Return the kind that a solid of Ansys becomes.
+    """Return the kind for a solid of Ansys.
 
     Parameters
     ----------
     code : int
         Number of the type, such as 185.
     kind : str
-        Kind of the shape of its nodes: bricks may be wedges, pyramids and tetrahedra.
+        Kind of cell with the shape of the element: bricks of Ansys may be wedges, pyramids or
+        tetrahedra.
     options : iterable of (int, int)
         KEYOPTs, number and value; 0 if missing.
     """
@@ -250,7 +252,7 @@ def ansys_name(code: int) -> str:
 
 
 def ansys(code: int, kind: str, options: Mapping[int, int]) -> ElementType:
-    """Return the kind that an element of Ansys becomes, see `ansys_solid`."""
+    """Return the kind for an element of Ansys, see `ansys_solid`."""
     if code in ANSYS_SHELLS:
         return ElementType(kind, replaced=SHELL)
     if code in ANSYS_FACES:

@@ -1,4 +1,4 @@
-"""read_mesh: choice of the reader of a file."""
+"""read_mesh: reading of mesh files, with the reader for their format."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
 
     The supported formats are Gmsh ``.msh`` (2.2 and 4.1), Abaqus and CalculiX ``.inp``, Nastran
     ``.bdf .nas .fem``, ``.med``, VTK ``.vtk .vtu``, universal files ``.unv`` and Ansys ``.cdb``
-    (extra ``ansys``); a ``.gz`` may follow. Files with other suffixes are recognised by their
+    (extra ``ansys``); ``.gz`` may be appended. Files with other suffixes are recognised by their
     content. Order and numbers of nodes and elements and the names of sets are those of the file.
 
     Parameters
     ----------
     path : path
-        The file.
+        Path of the file.
     unit : {"m", "mm", "cm", "in", "ft", "um"}
         Unit of the coordinates in the file; mesh files have none.
     name : str, optional
@@ -69,7 +69,7 @@ def read_mesh(path: str | os.PathLike[str], *, unit: str = "m", name: str | None
     Warns
     -----
     JoustoWarning
-        With the ignored content of the file: point masses, springs, elements of other kinds; and if
+        With the ignored content of the file: point masses, springs, elements of other kinds; or if
         the file contains another unit of length than the given one.
 
     See Also
@@ -120,7 +120,7 @@ def exists(path: Path) -> None:
 
 
 def which(path: Path) -> Format:
-    """Return the format of a file by suffix and content; raise InputError if they contradict."""
+    """Return the format of a file by suffix and content; raise InputError if the two contradict."""
     where = path.name
     with open(path, "rb") as file:
         head = file.read(HEAD)
@@ -161,7 +161,7 @@ def unit_factor(where: str, unit: str) -> float:
 
 
 def _unpacked(path: Path, unit: str, name: str | None) -> Mesh:
-    """Read a file compressed by gzip, by way of an unpacked copy."""
+    """Read a file compressed by gzip from an unpacked copy."""
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:

@@ -45,7 +45,7 @@ class Deck:
     others : list of Block
         Keywords besides nodes, elements and sets, in order.
     masses : list of (Block, (n,) ndarray of int)
-        Each ``*MASS`` with the nodes of the elements of its set.
+        Each ``*MASS`` keyword with the nodes of the elements in its set.
     """
 
     raw: RawMesh = field(default_factory=RawMesh)
@@ -59,8 +59,8 @@ def read_inp(path: Path) -> RawMesh:
 
     The parser keeps data that general libraries drop: numbers of nodes and elements, surfaces by
     element faces, sets of sets, names regardless of case, ``*SOLID SECTION``, instances of parts.
-    With several instances the names of sets have the prefix of the instance, ``A-1.corner``, and a
-    power of ten is added to the numbers of each further instance.
+    With several instances the names of sets get the name of the instance as prefix, ``A-1.corner``,
+    and a power of ten is added to the node and element numbers of each further instance.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def read_inp(path: Path) -> RawMesh:
 
 
 def loads_left_out(deck: Deck, path: Path) -> str:
-    """Return the message about ignored supports and loads of a deck with their lines, or ''."""
+    """Return the message about ignored supports and loads of a deck; empty if there are none."""
     acting: dict[str, list[str]] = {}
     for other in deck.others:
         if other.keyword in OUTSIDE:
@@ -179,7 +179,7 @@ def _read(
 
 
 def _merge(raw: RawMesh, own: RawMesh, shift: int) -> None:
-    """Add the mesh of an instance with shifted numbers."""
+    """Add the mesh of an instance, with its numbers shifted."""
     for nodes, here, there in (
         (True, own.node_sets, raw.node_sets),
         (False, own.element_sets, raw.element_sets),
@@ -202,7 +202,7 @@ def _merge(raw: RawMesh, own: RawMesh, shift: int) -> None:
 
 
 def _apart(raw: RawMesh, names: Names, parts: Assembly) -> None:
-    """Rename sets of the only instance to ``A-1.corner`` if the assembly has a set of that name."""
+    """Add the prefix ``A-1.`` to sets of a single instance whose name a set of the assembly has."""
     (instance,) = parts.instances
     kinds = {"NSET": (raw.node_sets, "NSET"), "ELSET": (raw.element_sets, "ELSET")}
     for block in parts.model:
@@ -259,7 +259,7 @@ def _elements(block: Block, raw: RawMesh, names: Names, instance: Instance) -> N
 
 
 def _check_lines(block: Block, etype: str, wide: int) -> None:
-    """Raise InputError for an element with more numbers than nodes, which shifts the next."""
+    """Raise InputError for an element with more numbers than nodes."""
     held = 0
     for line in block.lines:
         words = len(line.replace(",", " ").split())

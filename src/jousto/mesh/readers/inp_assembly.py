@@ -71,7 +71,7 @@ class Instance:
 
 @dataclass
 class Assembly:
-    """Content of a deck: instances, and blocks of no instance.
+    """Content of a deck: instances, and blocks that belong to no instance.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Assembly:
         raise block.wrong(f"there is no instance '{name}'{suggest(name, known)}")
 
     def split(self, word: str) -> tuple[Instance | None, str]:
-        """Return instance and remainder of a word such as ``A-1.corner`` or ``A-1.17``."""
+        """Return the instance and the rest of a word such as ``A-1.corner`` or ``A-1.17``."""
         for instance in self.instances:
             head = f"{instance.name}."
             if word.upper().startswith(head.upper()):
@@ -103,7 +103,7 @@ class Assembly:
 def assembly(blocks: Iterable[Block]) -> Assembly:
     """Return the instances of a deck with their blocks.
 
-    A deck without parts has no instances; parts without an instance are not moved.
+    A deck without parts has no instances; a part without an instance keeps its coordinates.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def assembly(blocks: Iterable[Block]) -> Assembly:
 def _instance(
     block: Block, parts: dict[str, list[Block]], found: Assembly, names: list[str]
 ) -> list[Block]:
-    """Add an instance and return the list for its blocks."""
+    """Add an instance, and return the list for its blocks."""
     name, part = block.text("NAME"), block.text("PART")
     if "LIBRARY" in block.parameters or "INSTANCE" in block.parameters:
         raise block.wrong("is taken from the results of another analysis; export its mesh")
@@ -151,7 +151,7 @@ def _instance(
 
 
 def step_above(numbers: list[Ints]) -> int:
-    """Return the power of ten above all numbers."""
+    """Return the smallest power of ten that is larger than all numbers."""
     most = max((int(n.max(initial=1)) for n in numbers), default=1)
     return int(10 ** len(str(max(most, 1))))
 

@@ -34,7 +34,7 @@ class Block:
 
     @classmethod
     def of(cls, text: str, path: Path, number: int) -> Block:
-        """Return the block of a keyword line such as ``*ELEMENT, TYPE=C3D8``."""
+        """Return the block that begins with a keyword line such as ``*ELEMENT, TYPE=C3D8``."""
         words = [word.strip() for word in text.lstrip("* ").split(",")]
         parameters = {}
         for word in words[1:]:
@@ -95,7 +95,7 @@ def real(word: str) -> float:
 
 
 def blocks(path: Path) -> Iterator[Block]:
-    """Yield the keyword blocks of a file; data before any keyword as a block without keyword.
+    """Yield the keyword blocks of a file; data before any keyword have an empty keyword.
 
     The lines of an included file replace ``*INCLUDE``: data at its beginning belong to the previous
     keyword, and data after it to its last keyword, as in Abaqus and CalculiX.
@@ -123,7 +123,7 @@ _Line = tuple[Path, int, str, bool]
 
 
 def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
-    """Yield file, number, text and whether it is a keyword, with the lines of included files.
+    """Yield file, line number, text, and whether it is a keyword line, included files inserted.
 
     Keyword lines that continue after a comma are joined to one line.
     """

@@ -15,13 +15,13 @@ _SIDE = re.compile(r"S(\d)$|(SPOS|SNEG|SP|SN)$", re.IGNORECASE)
 
 
 class Names:
-    """Set names in their first spelling; Abaqus and CalculiX ignore case."""
+    """Set names in the spelling of their first occurrence; Abaqus and CalculiX ignore case."""
 
     def __init__(self) -> None:
         self.spelt: dict[str, str] = {}
 
     def __call__(self, name: str) -> str:
-        """Return the spelling of a name."""
+        """Return the spelling of the first occurrence of a name."""
         name = name.strip().strip('"')
         return self.spelt.setdefault(name.upper(), name)
 
@@ -98,7 +98,7 @@ def _members(
     *,
     nodes: bool,
 ) -> Members | None:
-    """Return the members of a word: a number or a set, also of an instance; None for nothing."""
+    """Return the members that a word refers to: a number or a set, also of an instance; or None."""
     sets = raw.node_sets if nodes else raw.element_sets
     of, rest = parts.split(word)
     if is_number(word) or (of is not None and is_number(rest)):

@@ -23,7 +23,8 @@ class LocalSystem:
     def of(cls, block: Block) -> LocalSystem:
         """Return the system from the points a (origin), b (on x') and c (in the plane x'y').
 
-        Without c, z' is the global z and x' the projection of ab; without b, axes are global.
+        Without c, z' is the global z axis and x' the projection of the line ab; without b, the axes
+        are global.
         """
         words = [word for line in block.lines for word in line.strip().rstrip(",").split(",")]
         try:

@@ -78,7 +78,7 @@ def _with_data(path: Path, mesh: Any) -> RawMesh:
 
 
 def _sets(sets: dict[str, Members], title: str, values: list[Any], ids: list[Ints]) -> None:
-    """Create sets from data with few different whole numbers."""
+    """Create sets from data that have only a few different whole numbers."""
     if not values or any(v.ndim != 1 or v.dtype.kind not in "iu" for v in values):
         return
     every = np.unique(np.concatenate(values))
@@ -105,7 +105,7 @@ def load_meshio() -> Any:
 
 
 def _load(path: Path, form: str) -> Any:
-    """Return meshio's mesh; any error becomes one message."""
+    """Return meshio's mesh; any error of meshio becomes one message."""
     try:
         meshio = load_meshio()
     except ImportError:
@@ -188,10 +188,10 @@ def _plain(path: Path, mesh: Any) -> RawMesh:
 
 
 def _mirror(raw: RawMesh, only: str = "") -> None:
-    """Mirror elements of negative volume if all have it, because of the format's node order.
+    """Mirror elements with negative volume if all elements have it, by the format's node order.
 
-    The node order of MED leads to negative volumes of all solids, that of VTK for linear wedges;
-    files of programs with another order are left unchanged.
+    The node order of MED gives all solids negative volumes, and the node order of VTK the linear
+    wedges; files in which only some volumes are negative are left unchanged.
     """
     nodes = raw.nodes[0]
     for block in raw.cells:

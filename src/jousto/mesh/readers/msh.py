@@ -58,7 +58,7 @@ def read_msh(path: Path) -> RawMesh:
     Raises
     ------
     InputError
-        If the file is truncated, of another version, or uses elements of full second order.
+        If the file is truncated, of another version, or contains complete second-order elements.
     """
     data = path.read_bytes()
     head = re.match(rb"\s*\$MeshFormat\s+([\d.]+)\s+(\d)\s+(\d+)[ \t]*\r?\n", data)
@@ -232,7 +232,7 @@ class _Reader:
             self._rows_2(code, rows[:, 0], rows[:, 1:], tags)
 
     def _counted(self, name: str, data: bytes) -> tuple[int, bytes]:
-        """Return the number in the first line of a binary section, and the bytes after it."""
+        """Return the count in the first line of a binary section, and the bytes after it."""
         first, _, rest = data.partition(b"\n")
         if not first.strip().isdigit():
             where = f"{self.path.name}: ${name}"
@@ -242,7 +242,7 @@ class _Reader:
         return int(first), rest
 
     def _rows_2(self, code: int, ids: Ints, rest: Ints, tags: int) -> None:
-        """Add elements of one kind: tags, of which the first is the group, then nodes."""
+        """Add elements of one kind from rows of tags (the first is the group), then nodes."""
         kind = self.kind(code)
         dim = 0 if kind == "vertex" else 1 if "line" in kind else 2
         if kind not in ("vertex", "line", "line3", "triangle", "triangle6", "quad", "quad8"):
@@ -269,7 +269,7 @@ def whole(where: str, values: NDArray[np.float64]) -> Ints:
 
 
 class _Text:
-    """Numbers of a section written as text, read one group after another."""
+    """Numbers of a section in text form, read one group after another."""
 
     def __init__(self, where: str, data: bytes) -> None:
         self.where, self.at = where, 0

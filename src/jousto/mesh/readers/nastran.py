@@ -172,7 +172,7 @@ def read_bulk(path: Path) -> RawMesh:
 
 
 def _element(card: Card, problems: Problems, partial: Counter[str]) -> tuple[str, list[int]]:
-    """Return kind and nodes of a solid or shell element; shells may lack some midside nodes."""
+    """Return kind and nodes of a solid or shell element; a shell may lack some midside nodes."""
     low, high = (_SOLIDS | _SHELLS)[card.name]
     corners = [card.whole(2 + i) for i in range(KINDS[low])]
     middle = range(2 + len(corners), 2 + KINDS[high]) if high else range(0)
@@ -191,7 +191,7 @@ def _element(card: Card, problems: Problems, partial: Counter[str]) -> tuple[str
 
 
 def _type(card: Card, kind: str, networks: dict[int, tuple[str, str]]) -> ElementType:
-    """Return the kind that an element becomes, with the integration of its PSOLID."""
+    """Return the kind for an element, with the integration given by its PSOLID."""
     if card.name in _SOLIDS and not kind.startswith("pyramid"):
         return nastran_solid(card.name, KINDS[kind], *networks.get(card.whole(1, 0), ("", "")))
     known = NASTRAN.get(
@@ -251,7 +251,7 @@ def _add_set(raw: RawMesh, card: Card, members: Members, nodes: Ints) -> None:
 
 
 def _of_nodes(members: Members, nodes: Ints, elements: Ints) -> bool:
-    """Return whether an undeclared set is one of nodes: all its members are nodes."""
+    """Return whether a set of undeclared type is a set of nodes: all its members are nodes."""
     ends = [i for part in members if isinstance(part, range) for i in (part[0], part[-1])]
     single = np.concatenate([part for part in members if not isinstance(part, range)])
     if not np.all(np.isin(single, nodes)) or np.all(np.isin(ends, nodes)):
@@ -284,7 +284,7 @@ def _positions(
     out = np.full_like(local, np.nan)
 
     def frame(cid: int, above: tuple[int, ...]) -> tuple[str, Array, Array]:
-        """Return kind, origin and axes (columns) of a system in the basic system."""
+        """Return kind, origin and axes (columns) of a system, resolved in the basic system."""
         if cid in frames:
             return frames[cid]
         if cid not in systems:
@@ -328,7 +328,7 @@ def _positions(
 
 
 def _basic(x: Array, kind: str, origin: Array, axes: Array) -> Array:
-    """Return positions (n, 3) from rectangular, cylindrical or spherical coordinates."""
+    """Return positions (n, 3) in the basic system, from coordinates of any kind."""
     a, b, c = x.T
     if kind == "C":
         x = np.stack([a * np.cos(np.radians(b)), a * np.sin(np.radians(b)), c], axis=1)

@@ -1,4 +1,4 @@
-"""Nodes of Ansys archives: NBLOCK, with line fields of widths given by a Fortran format."""
+"""Nodes of Ansys archives: NBLOCK, whose field widths are given by a Fortran format."""
 
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ _END = re.compile(rb"^[ \t]*(-1[ \t]*\r?$|N,|[A-Z/*!])", re.I | re.M)
 def read_nblocks(path: Path, data: bytes) -> tuple[Ints, Array]:
     """Return numbers (nn,) and positions (nn, 3) of the nodes in all NBLOCKs of an archive.
 
-    The format defines the count of numbers in a line; zeros at the end may be left out, also all
-    three coordinates of a node at the origin.
+    The format defines how many numbers a line has. Trailing zeros may be left out, even all three
+    coordinates of a node at the origin.
 
     Raises
     ------
     InputError
-        If a format is of another kind or a field contains no number; the message has the line.
+        If the format is not supported, or a field is not a number; the message contains the line
+        number.
     """
     ids, positions = [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for found in _BLOCK.finditer(data):
@@ -55,7 +56,7 @@ def read_nblocks(path: Path, data: bytes) -> tuple[Ints, Array]:
 def _column(
     path: Path, first: int, lines: list[bytes], places: tuple[int, int], kind: type
 ) -> NDArray[Any]:
-    """Return the numbers at given positions of all lines; 0 if left out."""
+    """Return the numbers at given columns of all lines; 0 for numbers left out."""
     a, b = places
     words = [line[a:b].strip() or b"0" for line in lines]
     try:

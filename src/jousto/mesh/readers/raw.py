@@ -63,7 +63,7 @@ class RawMesh:
     seen: bool = False
 
     def note(self, name: str, found: ElementType, number: int) -> None:
-        """Store elements of a type of the file that is replaced by another."""
+        """Note that elements of a type of the file are replaced by elements of another type."""
         if found.replaced:
             self.replaced[name, found] += number
 
@@ -150,7 +150,7 @@ class RawMesh:
         return ids, nodes
 
     def _twice(self, problems: Problems, where: str) -> None:
-        """Report numbers of two elements, for which sets and materials are ambiguous."""
+        """Report element numbers that occur twice, which makes sets and materials ambiguous."""
         ids = self.numbers(nodes=False)
         values, number = np.unique(ids, return_counts=True)
         wrong = values[number > 1]
@@ -165,7 +165,7 @@ class RawMesh:
             )
 
     def _by_material(self) -> list[RawCells]:
-        """Return the elements joined to one block for each kind and material, in file order."""
+        """Return one block of elements for each kind and material, in file order."""
         ids = self.numbers(nodes=False)
         material: dict[str, Ints] = {}
         for title, name in self.materials.items():
@@ -277,7 +277,7 @@ class RawMesh:
 
 
 def right_handed(kind: str, cells: Ints, nodes: Array) -> Ints:
-    """Return solid cells (ne, k), those of negative volume mirrored."""
+    """Return solid cells (ne, k), with those of negative volume mirrored."""
     if kind not in SOLIDS or not len(cells):
         return cells
     straight = Cells(base(kind), cells[:, : SOLIDS[base(kind)]])
@@ -287,13 +287,13 @@ def right_handed(kind: str, cells: Ints, nodes: Array) -> Ints:
 
 
 def sensible(x: Array) -> Array:
-    """Return coordinates with nan for values out of range, so that rotations preserve them."""
+    """Return coordinates with nan for values out of range; rotations keep the nan."""
     out: Array = np.where(np.abs(x) < FAR, x, np.nan)
     return out
 
 
 def joined(parts: Members, known: Ints) -> Ints:
-    """Return the numbers of a set; of ranges only the existing numbers."""
+    """Return the numbers of a set; from ranges only the numbers that exist."""
     out = [np.zeros(0, np.int64)]
     for part in parts:
         if isinstance(part, range):
@@ -324,7 +324,7 @@ class Numbers:
 def padded(parts: Sequence[Ints]) -> Ints:
     """Return faces of different kinds as one array, corners first, rows padded with -1.
 
-    A face with fewer nodes has its corners, its mid-side nodes, then -1.
+    The row of a face with fewer nodes has its corners, its mid-side nodes, then -1.
     """
     width = max((part.shape[1] for part in parts), default=3)
     face_kind(width)

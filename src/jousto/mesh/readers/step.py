@@ -53,8 +53,9 @@ def mesh_cad(
     """Return a mesh of tetrahedra of a CAD file (STEP or BREP), by Gmsh.
 
     Every face of the geometry becomes a surface and a node set ``face1``, ``face2`` and so on;
-    ``mesh.holes()`` returns the bores. Touching solids share the nodes there; they are the element
-    sets ``solid1``, ``solid2``, in addition to sets by product name.
+    ``mesh.holes()`` returns the bores. Touching solids share the nodes of their common faces. The
+    solids become the element sets ``solid1``, ``solid2`` and so on, in addition to sets by product
+    name.
 
     Parameters
     ----------
@@ -65,8 +66,9 @@ def mesh_cad(
     order : {2, 1}
         2 for tetrahedra of 10 nodes; those of 4 nodes (1) are far too stiff in bending.
     unit : {"m", "mm", "cm", "in", "ft", "um"}, optional
-        Unit of the numbers in the file. A STEP file contains it (mostly mm) and is converted to
-        m; a given unit overrides that of the file. A BREP file has none, so it must be given.
+        Unit of the numbers in the file. A STEP file contains its unit (mostly mm) and is converted
+        to m; a given unit overrides that of the file. A BREP file contains no unit, so the unit
+        must be given.
     curved : bool
         Whether mid-side nodes lie on curved faces; straight edges shift frequencies by up to 0.5 %.
     refine : mapping of str to float, optional
@@ -132,7 +134,7 @@ def mesh_cad(
 
 
 def cad_surface(path: Path, unit: str | None) -> Array:
-    """Return the triangles (nt, 3, 3), m, of the surface of a CAD file, outward normals.
+    """Return the triangles (nt, 3, 3), m, of the surface of a CAD file, with outward normals.
 
     Flat faces have few triangles; a full turn of a curved face has `FACETS`.
 
@@ -266,7 +268,7 @@ def _load(gmsh: Any, path: Path) -> dict[str, list[int]]:
 
 
 def _names(gmsh: Any) -> dict[str, tuple[int, int]]:
-    """Return names of faces and solids: (dimension, tag)."""
+    """Return the names of faces and solids by (dimension, tag)."""
     out: dict[str, tuple[int, int]] = {}
     solids = gmsh.model.getEntities(3)
     for dim, kind in ((3, "solid"), (2, "face")):
@@ -292,7 +294,7 @@ def _sizes(
 ) -> None:
     """Set the element size in m, smaller near refined faces; the model's unit is `scale` m.
 
-    A size of 0 means `SHARE` times the size of the part.
+    The size 0 stands for `SHARE` times the size of the part.
     """
     problems = Problems()
     box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3) * scale
@@ -353,7 +355,7 @@ def _sizes(
 def _collect(
     gmsh: Any, order: int, names: Mapping[str, tuple[int, int]], scale: float
 ) -> dict[str, Any]:
-    """Return the tetrahedra with the names of their faces, nodes numbered from 1."""
+    """Return the tetrahedra and the names of their faces; nodes are numbered from 1."""
     solid, face = ("tetra", "triangle") if order == 1 else ("tetra10", "triangle6")
     code, wide = (4, 4) if order == 1 else (11, 10)
     tags, xyz, _ = gmsh.model.mesh.getNodes()
@@ -398,11 +400,11 @@ def _labelled(mesh: Mesh, labels: Mapping[str, list[int]]) -> Mesh:
 
 
 def _eased(mesh: Mesh, where: str) -> Mesh:
-    """Return the mesh with the mid-side nodes of poor elements nearer to straight edges.
+    """Return the mesh with mid-side nodes of poor elements moved towards straight edges.
 
     The curved edges of a flat element between curved faces may fold it. Their curvature is reduced
-    until the element is good, or as good as with straight edges. (The optimisation of Gmsh has
-    another result in every run and may abort the process.)
+    until the quality of the element is sufficient, or equals the quality with straight edges. (The
+    optimisation of Gmsh gives another result in every run and may abort the process.)
     """
     ends = edges("tetra10")
     cells = mesh.solids[0].nodes

@@ -1,4 +1,4 @@
-"""Separate process for libraries that may crash on damaged files."""
+"""Separate process for libraries that can crash on damaged files."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def apart(path: Path, function: str, remedy: str, **arguments: Any) -> Any:
     Raises
     ------
     InputError
-        For errors of the function, and if the process dies.
+        If the function raises an error, or the process ends early.
 
     Warns
     -----
@@ -94,7 +94,7 @@ def ending(code: int, said: str) -> str:
 
 
 def packed(value: Any, arrays: dict[str, np.ndarray[Any, Any]]) -> Any:
-    """Return a value in JSON form; arrays are replaced by names and stored in the mapping.
+    """Return a value in JSON form; arrays are stored in the mapping and replaced by their names.
 
     >>> arrays = {}
     >>> packed({"a": [1, np.arange(2)]}, arrays), list(arrays)

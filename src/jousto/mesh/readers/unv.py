@@ -51,7 +51,7 @@ _GROUPS = dict.fromkeys((752, 2417, 2429, 2430, 2432), 2) | dict.fromkeys(
 
 @dataclass(frozen=True)
 class _Set:
-    """Data set: its number, its lines and its first line in the file."""
+    """Data set: its number, its lines, and the number of its first line in the file."""
 
     number: int
     lines: list[str]
@@ -63,7 +63,7 @@ class _Set:
         return f"{self.name}:{self.first + i}: data set {self.number}"
 
     def whole(self, i: int, least: int) -> list[int]:
-        """Return the whole numbers of line i, at least a given count."""
+        """Return the whole numbers of line i; the line must have at least `least` of them."""
         words = self.lines[i].split() if i < len(self.lines) else []
         if len(words) < least or not all(re.fullmatch(r"[+-]?\d{1,18}", word) for word in words):
             raise self.wrong(i, f"{least} whole numbers")
@@ -143,7 +143,7 @@ def _turned(data: _Set) -> list[int]:
 
 
 def _reals(data: _Set, lines: range) -> list[list[float]]:
-    """Return three real numbers of each line, also ``1.5D+00``."""
+    """Return three real numbers of each line; the form ``1.5D+00`` is allowed."""
     out = []
     for i in lines:
         words = data.lines[i].replace("D", "E").replace("d", "e").split()
@@ -238,6 +238,6 @@ def _groups(data: _Set, raw: RawMesh) -> None:
 
 
 def _length(data: _Set) -> float:
-    """Return the length unit in m: coordinates are divided by the factor of the data set."""
+    """Return the length unit in m; coordinates are divided by the factor in the data set."""
     factor = _reals(data, range(1, 2))[0][0] if len(data.lines) > 1 else 1.0
     return 1.0 / factor if factor > 0.0 else 1.0
