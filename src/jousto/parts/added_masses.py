@@ -19,11 +19,11 @@ def attached_points(
     nodes: Array,
     node_sets: Mapping[str, tuple[int, ...]],
 ) -> MassPoints | None:
-    """Return point masses on nodes of three degrees of freedom, or None if there are none.
+    """Return mass points for masses on nodes of three degrees of freedom; None without masses.
 
     A mass on one node has the translation of the node. A mass on several nodes has their mean
-    translation and the rotation that fits their displacements best: with ``r`` from their mean
-    position, ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. The mass adds no stiffness.
+    translation and the rotation that fits their displacements best: where ``r`` is measured from
+    their mean position, ``theta = (sum r^2 E - r r^T)^-1 sum r x u``. The mass adds no stiffness.
     """
     ndof = 3 * len(nodes)
     position, arm, heavy = [], [], []
@@ -72,7 +72,7 @@ def attached_points(
 
 
 def _averages(x: Array) -> Array | None:
-    """Return the rotation (3, 3 m) that fits displacements best; None if it is undetermined."""
+    """Return the rotation (3, 3 m) that fits displacements best; None if it is not determined."""
     if len(x) < 3:
         return None
     r = x - x.mean(axis=0)

@@ -14,7 +14,7 @@ class Dictionary(AnyField):
     """Field of values by name."""
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the mapping, or report that the value is none."""
+        """Return the mapping, or report a value of another type."""
         if not isinstance(value, Mapping):
             problems.add(where, f"{self.name} is {value!r}, must be a dictionary")
         return value
@@ -26,8 +26,8 @@ class PartForm(Declared, section="parts"):
     kind = "part"
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the input."""
         raise NotImplementedError
 
     def judge(self, part: Any) -> None:
-        """Raise InputError if the part built from this input cannot be used."""
+        """Raise InputError if a part built from this input cannot be used."""

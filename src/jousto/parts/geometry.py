@@ -1,4 +1,4 @@
-"""Geometry of a part: nodes, named sets and outer faces, for loads and interfaces."""
+"""Geometry of a part for loads and interfaces: nodes, named sets and outer faces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jousto.base.arrays import Array, Ints
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Geometry:
-    """Geometry of a `Part`, without its matrices; see there."""
+    """Geometry of a `Part`, without its matrices; see `Part` for the attributes."""
 
     name: str
     nodes: Array

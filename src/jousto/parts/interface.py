@@ -56,14 +56,14 @@ class Interface(Declared):
     """Connection of a part to its neighbours: nodes tied to a reference node with six motions.
 
     Nodes of solids have translations only. A joint or a torque needs rotations, and a pin touches a
-    whole bore instead of a point. The reference node q = [u, theta] is tied to the nodes at ``s_i``
-    from it in one of two ways:
+    whole bore instead of a point. The reference node with the motion q = [u, theta] is tied to the
+    nodes, at ``s_i`` from the reference node, in one of two ways:
 
     * rigid (RBE2): the nodes follow it, ``u_i = u + theta x s_i``. This stiffens the surface; use
       it for bolted flanges, pressed pins, and neighbours much stiffer than the part.
-    * average (RBE3): it follows the nodes, ``q = (sum w_i R_i^T R_i)^-1 sum w_i R_i^T u_i`` with
-      ``R_i = [E, -s_i~]``. This adds no stiffness, and forces become a constant plus linear
-      traction; use it for bores with clearance, soft bushings and loads.
+    * average (RBE3): the reference node follows the nodes, ``q = (sum w_i R_i^T R_i)^-1 sum w_i
+      R_i^T u_i`` with ``R_i = [E, -s_i~]``. This adds no stiffness, and a force becomes a traction
+      with a constant and a linear part. Use it for bores with clearance, soft bushings and loads.
 
     Raises
     ------
@@ -140,8 +140,8 @@ class Tie:
     at : (3,) ndarray
         The reference point in m, part frame.
     following : (k, d, 6) ndarray
-        Motion of each node when the reference node moves rigidly with ``[u, theta]``, d its
-        degrees of freedom.
+        Motion of each node, with d degrees of freedom, if it follows the motion ``[u, theta]`` of
+        the reference node rigidly.
     averaging : (6, k d) ndarray
         Motion ``[u, theta]`` of the reference node from the nodes' displacements; exact for rigid
         motions. Its transpose gives the nodal forces of a force and a moment on the reference node.
@@ -211,7 +211,7 @@ def resolve(
 def _nodes(
     problems: Problems, label: str, interface: Interface, part: Geometry
 ) -> tuple[Ints, tuple[Ints, ...]] | None:
-    """Return the nodes of an interface, and its faces if it is given by faces."""
+    """Return the nodes of an interface, and its faces if it was given by faces."""
     value, nodes, node_sets = interface.nodes, part.nodes, part.node_sets
     if isinstance(value, str):
         if value not in node_sets:
@@ -341,7 +341,7 @@ def _tie(
 
 
 def _area(nodes: Array, index: Ints, faces: Sequence[Ints]) -> Any:
-    """Return ``int N N^T dA`` (k, k) over the faces among the nodes; None if one has no face."""
+    """Return ``int N N^T dA`` (k, k) over the faces among the nodes; None if a node has no face."""
     inside = np.zeros(len(nodes), dtype=bool)
     inside[index] = True
     chosen = [group[np.all(inside[group], axis=1)] for group in faces if len(group)]

@@ -62,7 +62,7 @@ class SurfaceLoad(Load):
 
 
 class NodalForce(Load):
-    """Force, and moment if nodes have rotations, shared equally by nodes."""
+    """Force (and moment if nodes have rotations), shared equally by the nodes."""
 
     on: AnyField = field(
         "Node set, node indices or a pick", noun="str, int, array_like of int or pick"
@@ -192,7 +192,7 @@ def _spread(
 
 
 def pick_nodes(problems: Problems, label: str, part: Geometry, on: Any) -> Ints | None:
-    """Return the nodes of a set, of indices or of a pick, or report what is wrong."""
+    """Return the nodes of a set, of indices or of a pick; report wrong ones."""
     if isinstance(on, str):
         if on not in part.node_sets:
             problems.add(label, f"no surface or node set '{on}'{suggest(on, part.node_sets)}")

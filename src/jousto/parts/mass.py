@@ -1,4 +1,4 @@
-"""Mass of a part as points: the one description from which M and all inertia integrals follow."""
+"""Mass of a part as points, from which its mass matrix and all its inertia integrals follow."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class NodeField(Field["int | str", "int | str"]):
 
 
 class Tensor(Field[ArrayLike | None, Array]):
-    """Field of moments of inertia or of an inertia tensor; None for none."""
+    """Field of moments of inertia or of an inertia tensor; None for no inertia."""
 
     form = "inertia"
     noun = "(3,) or (3, 3) array_like"
@@ -52,7 +52,7 @@ class Tensor(Field[ArrayLike | None, Array]):
 
 
 class Arm(Field[ArrayLike | None, Array]):
-    """Field of a vector (3,); None for none."""
+    """Field of a vector (3,); None for zero."""
 
     form = "vector"
     noun = "(3,) array_like"
@@ -98,14 +98,14 @@ class PointMass(Declared):
 
 
 def second_moment(J: Array) -> Array:
-    """Return G = int s s^T dm from inertia tensors J = tr(G) E - G; shape (..., 3, 3)."""
+    """Return second moments G = int s s^T dm for inertia tensors J = tr(G) E - G, (..., 3, 3)."""
     half_trace = 0.5 * np.trace(J, axis1=-2, axis2=-1)
     G: Array = half_trace[..., None, None] * np.eye(3) - J
     return G
 
 
 def inertia_tensor(G: Array) -> Array:
-    """Return J = tr(G) E - G from second moments G = int s s^T dm; shape (..., 3, 3)."""
+    """Return inertia tensors J = tr(G) E - G for second moments G = int s s^T dm, (..., 3, 3)."""
     J: Array = np.trace(G, axis1=-2, axis2=-1)[..., None, None] * np.eye(3) - G
     return J
 
@@ -224,7 +224,7 @@ def rigid_points(node: Ints, mass: Array, offset: Array, moment: Array, nodes: A
 
 
 def joined(parts: Sequence[MassPoints]) -> MassPoints:
-    """Return the mass points of several descriptions over the same degrees of freedom."""
+    """Return the mass points of several descriptions with the same degrees of freedom."""
     if len(parts) == 1:
         return parts[0]
     return MassPoints(

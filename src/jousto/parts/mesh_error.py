@@ -32,7 +32,7 @@ class MeshError:
     ids : (ne,) ndarray of int
         Numbers of the elements in their file.
     centers : (ne, 3) ndarray
-        Means of their corners and mid nodes in m, part frame.
+        Mean positions of the nodes of each element in m, part frame.
     squares : (ne, n) ndarray
         Square of the error in each element, ``int (s* - s) C^-1 (s* - s) dV``, J.
     energy : (n,) ndarray
@@ -74,15 +74,14 @@ class MeshError:
 def mesh_error(part: Part, d: Array) -> MeshError:
     """Return the estimated discretisation error of displacements of a part of solids.
 
-    The stress ``s*`` at the nodes, see `SolidStress`, interpolated by the shape functions,
-    approximates the exact stress: ``|e|^2 = int (s* - s) C^-1 (s* - s) dV`` (O. C. Zienkiewicz and
-    J. Z. Zhu,
-    *Int. J. Num. Meth. Eng.* 24 (1987) 337-357).
+    The stress ``s*``, which is interpolated by the shape functions from the stress at the nodes
+    (see `SolidStress`), approximates the exact stress: ``|e|^2 = int (s* - s) C^-1 (s* - s) dV``
+    (O. C. Zienkiewicz and J. Z. Zhu, *Int. J. Num. Meth. Eng.* 24 (1987) 337-357).
 
     Parameters
     ----------
     part : Part
-        Of solids.
+        Part of solids.
     d : (ndof, n) or (ndof,) array_like
         Nodal displacements in m, such as modes or static solutions.
 
@@ -159,13 +158,13 @@ def place_errors(part: Part, d: Array) -> Array:
     """Return the estimated error of the stress at every node of a part of solids, (ns, n) in Pa.
 
     The error is the root mean square, over the elements around a node, of the von Mises stress of
-    ``s_e - s*``, where s_e is the stress extrapolated from one element and s* the stress of the
+    ``s_e - s*``, where s_e is the stress extrapolated from one element and s* the stress at the
     node, see `SolidStress`. The sites are those of ``part.stress``.
 
     Parameters
     ----------
     part : Part
-        Of solids.
+        Part of solids.
     d : (ndof, n) or (ndof,) array_like
         Nodal displacements in m.
 

@@ -41,7 +41,7 @@ from jousto.parts.solids.surface import surface_stress
 
 
 def part_of(form: PartForm) -> Part:
-    """Return the part built from beams, a mesh or matrices."""
+    """Return the part built from an input: beams, a mesh or matrices."""
     return Part.of(form)
 
 
@@ -59,8 +59,8 @@ class Part(Geometry):
     nodes : (nn, 3) ndarray
         Undeformed positions in m, part frame.
     elements : (ne, m) ndarray of int
-        Node indices from 0; for drawing: two columns are beams, three the outer surface of
-        solids in triangles with their normals outwards.
+        Node indices from 0; for drawing: rows of two nodes are beams, rows of three nodes are
+        triangles of the outer surface of solids with outward normals.
     dofs_per_node : int
         6: ``[ux uy uz rx ry rz]`` for each node, or 3: ``[ux uy uz]``; node after node.
     M, K : (ndof, ndof) sparse array
@@ -68,18 +68,19 @@ class Part(Geometry):
     node_sets : mapping of str to tuple of int
         Named nodes; ``node1`` .. ``nodeN`` (counted from 1) are added up to 10000 nodes.
     mass_points : MassPoints, optional
-        The description from which M was computed.
+        Mass points from which M was computed.
     stress : StressOperator or SolidStress, optional
         Stress from nodal displacements.
     second_order : SecondOrder or SolidSecondOrder, optional
         Second-order displacements, for geometric stiffness; beams and solids have them.
     interfaces : sequence of Interface
-        Surfaces tied to one node of six motions each.
+        Surfaces, each tied to one node with six motions.
     faces : sequence of (nf, k) ndarray of int
         Outer faces of solids by kind, k = 3, 4, 6 or 8 node indices each, corners first, then
         mid-side nodes; used for area weights of averages over a surface.
     surfaces : mapping of str to sequence of (nf, k) ndarray of int
-        Named faces in the same form; an interface on a node set of that name uses these faces.
+        Named faces in the same form; an interface on the node set with the same name uses these
+        faces.
     solids : SolidModel, optional
         The solid elements with their materials.
     mesh : Mesh, optional
@@ -145,13 +146,13 @@ class Part(Geometry):
 
     @classmethod
     def of(cls, form: PartForm) -> Part:
-        """Return the part built from beams, a mesh or matrices."""
+        """Return the part built from an input: beams, a mesh or matrices."""
         part = cls(**form.assembled())
         form.judge(part)
         return part
 
     def with_interfaces(self, *interfaces: Interface) -> Part:
-        """Return the part with the given interfaces in place of the present ones.
+        """Return the part with the given interfaces, which replace the present ones.
 
         Parameters
         ----------
@@ -174,7 +175,7 @@ class Part(Geometry):
 
     @property
     def ties(self) -> tuple[Tie, ...]:
-        """Interfaces with the indices of their nodes, reference points and averages."""
+        """Interfaces with the indices of their nodes, reference points and averaging matrices."""
         known: tuple[Tie, ...] | None = self.__dict__.get("_ties")
         if known is None:  # created from other parts field by field, without the constructor
             known = resolve(Problems(), f"part '{self.name}'", self, self.interfaces)
@@ -257,12 +258,12 @@ class Part(Geometry):
     def load(self, *loads: Load) -> Array:
         """Return static loads as nodal forces, the right-hand side of ``K d = f``.
 
-        Work-equivalent forces of the shape functions: ``f_a = int N_a t dA`` and ``M a``.
+        The forces are work-equivalent for the shape functions: ``f_a = int N_a t dA`` and ``M a``.
 
         Parameters
         ----------
         *loads : Pressure, Traction, SurfaceLoad, NodalForce, Weight or Spin
-            They add up.
+            Loads, which are added.
 
         Returns
         -------
@@ -290,9 +291,9 @@ class Part(Geometry):
     def surface_normals(self) -> Array:
         """Outward unit normals at the surface nodes of solids, (nn, 3), part frame.
 
-        The normals are means over the faces around a node, weighted by area; zero at inner nodes
-        and for parts without known outer faces. On a free surface normal and shear stress vanish:
-        ``s n = 0``.
+        The normals are means over the faces around a node, weighted by area; they are zero at inner
+        nodes and in parts without known outer faces. On a free surface normal and shear stress
+        vanish: ``s n = 0``.
         """
         return read_only(node_normals(self.nodes, self.faces))
 
@@ -307,8 +308,8 @@ class Part(Geometry):
         Parameters
         ----------
         on : str, array_like of int or pick, optional
-            Node set, node indices or a pick: it selects the outer faces with all their nodes in the
-            set. None for all outer faces except those of interfaces.
+            Node set, node indices or a pick, which selects the outer faces whose nodes are all in
+            the set. None selects all outer faces except those of interfaces.
 
         Returns
         -------
@@ -328,7 +329,7 @@ class Part(Geometry):
         return surface_stress(self, self.solids, [tie.nodes for tie in self.ties], on)
 
     def with_stress(self, stress: StressOperator | SolidStress | None) -> Part:
-        """Return the part with another stress operator: fewer sites, a free surface, or None."""
+        """Return the part with another stress operator, or without one (None)."""
         return replace(self, stress=stress)
 
     @property

@@ -1,1 +1,1 @@
-"""Parts of beam elements: element matrices, members, stress, second order."""
+"""Parts of beam elements: element matrices, members, stress, second-order displacements."""

@@ -43,13 +43,13 @@ REFUSED = ("ELBOW31", "FRAME2D", "FRAME3D")
 
 
 class BeamDeck(BeamOptions, tag="beam-deck"):
-    """Frame of the beams in an Abaqus or CalculiX input file.
+    """Frame that consists of the beams in an Abaqus or CalculiX input file.
 
     Nodes, elements, sections with their axes, materials, sets and point masses are those of the
-    file; ``n17`` is the node with the number 17 there. Supports and loads are ignored.
-    ``B33`` are beams without shear deformation; ``B31`` and
-    ``B32`` become beams that are exact between their nodes, whereas those of Abaqus are linear or
-    quadratic. The middle node of a ``B32`` becomes a node of the frame.
+    file; ``n17`` is the node with the number 17 there. Supports and loads are ignored. ``B33`` are
+    beams without shear deformation. ``B31`` and ``B32`` become beams that are exact between their
+    nodes; in Abaqus they are interpolated linearly or quadratically. The middle node of a ``B32``
+    becomes a node of the frame.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class BeamDeck(BeamOptions, tag="beam-deck"):
         return f"part '{self.name}'"
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the deck."""
         path = Path(self.deck)
         options = {key: getattr(self, key) for key in BeamOptions.fields}
         return frame_fields(check_frame(deck_frame(path, Units.read(self.units), options)))
@@ -173,7 +173,7 @@ def _theory(beams: _Beams) -> Timoshenko | EulerBernoulli:
 
 
 def _sections(path: Path, deck: Deck, units: Units, beams: _Beams) -> list[DeckSection]:
-    """Return the section of each beam; raise with the beams without section or with two."""
+    """Return the section of each beam; raise an error for beams without section or with two."""
     materials = deck_materials(deck.others, units)
     ids = deck.raw.numbers(nodes=False)
     owner, read = np.full(len(beams.ids), -1), list[DeckSection | None]()

@@ -28,7 +28,7 @@ class DeckSection:
     Attributes
     ----------
     section : Section
-        Its y and z axes are the axes 1 and 2 of the deck, rotated by `turn`.
+        Section, whose y and z axes are the axes 1 and 2 of the deck, rotated by `turn`.
     material : Material
     n1 : (3,) ndarray
         Axis 1 in the assembly, not yet normal to the beam.
@@ -47,7 +47,7 @@ class DeckSection:
 
 @dataclass
 class _Numbers:
-    """Material constants of a deck, in its units."""
+    """Material constants of a deck, in the units of the deck."""
 
     E: float = 0.0
     nu: float = 0.0
@@ -160,7 +160,7 @@ def _known(materials: dict[str, Material]) -> str:
 
 
 def _own_material(block: Block, materials: dict[str, Material], units: Units) -> Material:
-    """Return E and G from the third data line of a general section, and its DENSITY."""
+    """Return E and G from the third data line of a general section, and its density."""
     values = numbers(block, 2)
     if len(values) < 2:
         name = block.text("MATERIAL").upper()
@@ -206,7 +206,7 @@ def _profile(block: Block, shape: str, s: list[float]) -> tuple[Section, float]:
 
 
 def _general(block: Block, units: Units) -> tuple[Section, float]:
-    """Return a section from A, I11, I12, I22, J, and the angle of its principal axes."""
+    """Return a section from A, I11, I12, I22 and J, and the angle of its principal axes."""
     values = numbers(block, 0)
     if len(values) < 5:
         raise block.wrong(f"has {len(values)} numbers, must be A, I11, I12, I22, J")

@@ -25,7 +25,7 @@ MOST_ELEMENTS = 100_000
 
 
 def check_elements(problems: Problems, where: str, value: Any) -> bool:
-    """Return whether a number of elements is a whole number in the allowed range, or report it."""
+    """Return whether a number of elements is a whole number in the allowed range; report others."""
     try:
         good = not isinstance(value, bool) and value == int(value) and value >= 1
     except (TypeError, ValueError, OverflowError):
@@ -100,7 +100,7 @@ class BeamElements:
     length : (ne,) ndarray
         Flexible length in m.
     offsets : (ne, 2, 3) ndarray
-        Rigid arm from the node to the flexible end in m, part frame; for end a and end b.
+        Rigid arms from the nodes to the flexible ends a and b in m, part frame.
     EA, GJ, EIy, EIz : (ne,) ndarray
         Axial stiffness in N; torsional and bending stiffness in N m^2.
     phi : (ne, 2) ndarray
@@ -153,7 +153,7 @@ def local_axes(direction: Array, orientation: Array) -> Array:
 def default_orientation(direction: Array) -> Array:
     """Return the default orientation vectors (ne, 3) of members.
 
-    They are (0, 0, 1), and (1, 0, 0) for members parallel to z.
+    The vector is (0, 0, 1), or (1, 0, 0) for members parallel to z.
     """
     up = np.tile([0.0, 0.0, 1.0], (len(direction), 1))
     across = np.linalg.norm(direction[:, :2], axis=1)
@@ -207,15 +207,15 @@ def shape_functions(beams: BeamElements, xi: float) -> Array:
     *Computers & Structures* 47 (1993) 473-481. For ``phi = 0`` they are the Hermite
     polynomials and the rotation is the slope.
 
-    With them the frequencies of refined Euler-Bernoulli beams converge with the fourth order. Those
-    of Timoshenko beams converge with the second order once the element length is about the section
-    height, because the shear force is constant within an element.
+    With these functions the frequencies of refined Euler-Bernoulli beams converge with the fourth
+    order. The frequencies of Timoshenko beams converge with the second order once the element
+    length is about the section height, because the shear force is constant within an element.
 
     Parameters
     ----------
     beams : BeamElements
     xi : float
-        Place along the element, 0 at end a and 1 at end b.
+        Position along the element, 0 at end a and 1 at end b.
 
     Returns
     -------
@@ -250,7 +250,7 @@ def slopes(beams: BeamElements, xi: float) -> Array:
     ----------
     beams : BeamElements
     xi : float
-        Place along the element, 0 at end a and 1 at end b.
+        Position along the element, 0 at end a and 1 at end b.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Beams as input of a part: a straight beam, frames from arrays or from members."""
+"""Beams as input of a part: a straight beam, a frame from arrays, a frame from members."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jousto.parts.frames.outlines import outlines_of
 
 
 def frame_fields(frame: Frame) -> dict[str, Any]:
-    """Return the fields of the part of a checked frame."""
+    """Return the fields of a part from a checked frame."""
     K, M, points, stress, second_order = assemble(frame)
     return {
         "name": frame.name,
@@ -51,7 +51,7 @@ class ArrayFrame(FrameArrays, tag="frame"):
     """
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the arrays."""
         return frame_fields(check_frame(self))
 
 
@@ -79,7 +79,7 @@ class MemberFrame(FrameMembers, tag="members"):
     """
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the members."""
         return frame_fields(check_frame(join_members(self)))
 
 
@@ -115,7 +115,7 @@ class StraightBeam(BeamOptions, tag="beam"):
     name: Label = field("Name of the part", file=False, default="beam", kw_only=True)
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the beam."""
         n = self.elements
         nodes = np.zeros((n + 1, 3), np.result_type(self.length))
         nodes[:, 0] = (

@@ -72,7 +72,7 @@ class BeamOptions(PartForm):
 
 
 class FrameArrays(BeamOptions):
-    """Beams in space by the arrays of their nodes and elements."""
+    """Beams in space, given by arrays of their nodes and elements."""
 
     nodes: Values = field("Positions, part frame", unit="m", shape=(None, 3))
     elements: AnyField = field(
@@ -243,9 +243,9 @@ def mass_points_on_nodes(frame: Frame) -> MassPoints:
     """Return the mass fixed to nodes: point masses and, if lumped, half elements.
 
     A half element has the rotary inertia of the sections, ``rho (Iy + Iz) L/2`` about the axis and
-    ``rho I L/2`` across it; the term ``m L^2/24`` of a half element rotating about its end is left
-    out, because the translational masses already exceed the inertia of the member (by m L^2/6). All
-    masses at a node are merged into one point.
+    ``rho I L/2`` about the transverse axes; the term ``m L^2/24`` of a half element rotating about
+    its end is left out, because the translational masses already exceed the inertia of the member
+    (by m L^2/6). All masses at a node are merged into one point.
     """
     beams, nodes, options = frame.beams, frame.nodes, frame.options
     node = [node_index(p.node, frame.node_sets) for p in frame.point_masses]
@@ -295,7 +295,7 @@ def mass_points_along(frame: Frame) -> MassPoints | None:
 
 
 def _line_moment(frame: Frame) -> Array:
-    """Return the second moment of sections of unit length (ne, 3, 3), part axes, kg m."""
+    """Return the second moment per length of the sections (ne, 3, 3), part axes, kg m."""
     _, rhoIy, rhoIz = frame.density.T
     # second moments in local axes: x none, y from Iz, z from Iy
     g = np.zeros((len(frame.beams), 3, 3), np.result_type(rhoIy, rhoIz))
@@ -308,7 +308,7 @@ def _line_moment(frame: Frame) -> Array:
 def _per_element(
     problems: Problems, where: str, name: str, value: Any, ne: int, kind: Any
 ) -> list[Any] | None:
-    """Return one object per element, from one object or a sequence of objects."""
+    """Return one object per element; a single object is used for all elements."""
 
     def fits(item: object) -> bool:
         return is_section(item) if kind is Section else isinstance(item, kind)
@@ -334,7 +334,7 @@ def _per_element(
 def _geometry(
     problems: Problems, where: str, xyz: Array, ab: Ints, arms: Array, up: Array | None
 ) -> tuple[Array, Array, Array]:
-    """Return origin, axes and length of the elements; report zero length and bad orientation."""
+    """Return origin, axes and length of the elements; report zero lengths and bad orientations."""
     a, b = xyz[ab[:, 0]] + arms[:, 0], xyz[ab[:, 1]] + arms[:, 1]
     length = norm(b - a, axis=1)
     short = length <= 1e-12 * max(float(np.abs(xyz).max()), float(length.real.max()))

@@ -32,7 +32,7 @@ class SectionField(Nested[Section, Section]):
     noun = "Section"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the section, or report that the value is none."""
+        """Return the section, or report a value of another type."""
         if not is_section(value):
             problems.add(where, f"{self.name} is {value!r}, must be a Section")
         return value
@@ -45,7 +45,7 @@ class MaterialField(Field[Material, Material]):
     noun = "Material"
 
     def check(self, problems: Problems, where: str, value: Any) -> Any:
-        """Return the material, or report that the value is none."""
+        """Return the material, or report a value of another type."""
         if not isinstance(value, Material):
             how = by_name(value)
             problems.add(where, f"{self.name} is {value!r}, must be a Material{how}")
@@ -129,7 +129,7 @@ class FrameMembers(BeamOptions):
 
 
 def join_members(frame: FrameMembers) -> FrameArrays:
-    """Return the arrays of a frame: ends of members at one position share a node.
+    """Return the arrays of a frame in which members whose ends have one position share a node.
 
     An end also joins an inner node of another member; inner nodes of two crossing members are not
     joined.
@@ -203,7 +203,7 @@ def join_members(frame: FrameMembers) -> FrameArrays:
 
 
 def _inner_nodes(member: Member) -> Array:
-    """Return the nodes between the ends, on the flexible member."""
+    """Return the inner nodes of a member, between its flexible ends."""
     a, b = member.start + member.start_offset, member.end + member.end_offset
     xi = np.linspace(0.0, 1.0, int(member.elements) + 1)[1:-1, None]
     nodes: Array = (1.0 - xi) * a + xi * b

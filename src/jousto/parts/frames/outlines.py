@@ -16,7 +16,7 @@ from jousto.sections.section import Section
 @described
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """Outlines of the different sections of a frame, and the outline of each element.
+    """Outlines of the different sections of a frame, and the index of the outline of each element.
 
     Attributes
     ----------

@@ -2,8 +2,8 @@
 
 Displacements d of the nodes are expanded to second order, ``d + 1/2 chi(d, d)``. The elastic energy
 depends on the stretch of an element and on the rotations of its ends relative to its chord; this
-file contains the quadratic terms of these in d. Local axes and the order of degrees of freedom are
-those of `beam`.
+file contains the quadratic terms in d of this stretch and of these rotations. Local axes and the
+order of degrees of freedom are as in `element`.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class SecondOrder:
         return end_displacements(self.beams)
 
     def geometric_stiffness(self, d: Array) -> Sparse:
-        """Return Kg (ndof, ndof) of the stress state of nodal displacements d (ndof,).
+        """Return Kg (ndof, ndof) for the stress state of nodal displacements d (ndof,).
 
         ``x^T Kg x = sum f . s(x, x)`` over the elements: f = k d are the end forces of the element
         and s the second-order part of its deformation, see `deformation_forms`.
@@ -107,7 +107,7 @@ class SecondOrder:
         return out
 
     def work(self, X: Array) -> Array:
-        """Return ``int g . chi_jk dm`` (12, n, n) of the fields g, with chi = 0 at the nodes.
+        """Return ``int g . chi_jk dm`` (12, n, n) for the fields g, with chi = 0 at the nodes.
 
         The second-order motions of particles with ``chi = 0`` at the nodes are those of rigid arms,
         of rotating sections, and of the axis between two nodes.
@@ -144,7 +144,7 @@ class SecondOrder:
 
     @cached_property
     def _end_loads(self) -> Array:
-        """Local end loads (ne, 12, 12 fields) of the distributed mass, without sections."""
+        """Local end loads (ne, 12, 12 fields) of the distributed mass, without section inertia."""
         b = self.beams
         loads = np.zeros((len(b), 12, FIELDS))
         for xi, w in GAUSS:
@@ -155,7 +155,7 @@ class SecondOrder:
 
     @cached_property
     def _field_forms(self) -> Array:
-        """Forms (ne, 12 fields, 12, 12) of local end displacements for `work`."""
+        """Forms (ne, 12 fields, 12, 12) in local end displacements, for `work`."""
         b, L = self.beams, self.beams.length
         # motion of the ends: rigid arms and the direction of the axis
         forms = np.einsum("ecf,ecab->efab", self._end_loads, motion_forms(b))
@@ -180,7 +180,7 @@ class SecondOrder:
         return np.asarray(forms)
 
     def _bilinear(self, forms: Array, X: Array, j: int) -> Array:
-        """Return ``s(x_j, x_k)`` (ne, 12, n) of symmetric forms (ne, 12, 12, 12)."""
+        """Return ``s(x_j, x_k)`` (ne, 12, n) for symmetric forms (ne, 12, 12, 12)."""
         ends = self.to_local @ X[self.dofs]
         half = np.einsum("ecab,ea->ecb", forms, ends[:, :, j])
         return np.asarray(half @ ends)
@@ -194,7 +194,7 @@ def point_field_loads(p: MassPoints) -> Array:
 
 
 def point_work(p: MassPoints, X: Array) -> Array:
-    """Return ``int g . chi dm`` (12, n, n) of masses on nodes, with chi = 0 there."""
+    """Return ``int g . chi dm`` (12, n, n) of masses on nodes, with chi = 0 at the nodes."""
     n = X.shape[1]
     # int g (arm + s)^T dm
     f = p.mass[:, None, None] * affine_fields(p.position)
@@ -211,9 +211,9 @@ def point_work(p: MassPoints, X: Array) -> Array:
 def deformation_forms(beams: BeamElements, gyration: Array) -> Array:
     """Return forms (ne, 12, 12, 12) of the second-order part s of element deformation.
 
-    The energy of the element is that of ``x + s(x, x)/2`` in place of its local end displacements
-    x. With the chord ``D = u_b - u_a``, its rotation ``rho = (tau, -Dz/L, Dy/L)``, tau the mean
-    twist, and the end rotations theta:
+    To second order, the element has the linear elastic energy of the displacements ``x + s(x,
+    x)/2`` in place of its local end displacements x. With the chord ``D = u_b - u_a``, its rotation
+    ``rho = (tau, -Dz/L, Dy/L)``, tau the mean twist, and the end rotations theta:
 
     * stretch, at end b: ``int v'^2 + w'^2 + (Iy + Iz)/A rx'^2 dx``;
     * end rotations relative to the chord: ``-rho x theta - 2 rho2``, where
@@ -239,7 +239,7 @@ def deformation_forms(beams: BeamElements, gyration: Array) -> Array:
 
 
 def motion_forms(beams: BeamElements) -> Array:
-    """Return forms (ne, 12, 12, 12) of the second-order motion of the ends, nodes fixed.
+    """Return forms (ne, 12, 12, 12) of the second-order motion of the ends with fixed nodes.
 
     Translation: ``theta x (theta x o)`` of the rigid arms o. Rotation: the change of direction of
     the axis, ``theta x (theta x e_x)``, as a slope ``(0, -w', v')``.
@@ -279,7 +279,7 @@ def _product(a: Array, b: Array) -> Array:
 
 
 def _places(beams: BeamElements, xi: float) -> Array:
-    """Return the points (ne, 3) of the axes at x = xi L."""
+    """Return the points (ne, 3) on the axes at x = xi L."""
     return np.asarray(beams.origin + xi * beams.length[:, None] * beams.axes[:, :, 0])
 
 
@@ -292,14 +292,14 @@ def affine_fields(x: Array) -> Array:
 
 
 def moments(G: Array) -> Array:
-    """Return ``int s x g(s) dm`` (k, 3, 12) of affine fields on sections with second moment G."""
+    """Return ``int s x g(s) dm`` (k, 3, 12) for affine fields on sections with second moment G."""
     out = np.zeros((len(G), 3, FIELDS))
     out[:, :, 3:] = np.einsum("ead,kac->kecd", EPS, G).reshape(len(G), 3, 9)
     return out
 
 
 def _arm_forms(P: Array) -> Array:
-    """Return ``sym(P) - tr(P) E``, the form of ``int g . (theta x (theta x s)) dm``.
+    """Return ``sym(P) - tr(P) E``, the form in theta of ``int g . (theta x (theta x s)) dm``.
 
     ``P = int g s^T dm``.
     """

@@ -57,7 +57,7 @@ class StressOperator:
             object.__setattr__(self, "elasticity", read_only(self.elasticity))
 
     def evaluate(self, d: Array) -> Array:
-        """Return the stress in Pa, (ns, 6, ncol), from displacements (ndof, ncol) or (ndof,).
+        """Return the stress (ns, 6, ncol) in Pa from displacements (ndof, ncol) or (ndof,).
 
         Components ``[s11 s22 s33 s12 s23 s13]`` in the axes of each site; a single column of
         displacements gives (ns, 6).
@@ -129,7 +129,7 @@ def beam_stress(
     ----------
     beams : BeamElements
     sections : sequence of Section
-        One for each element.
+        One section for each element.
     elements : (ne, 2) ndarray
         Node indices.
     ndof : int
@@ -186,7 +186,7 @@ def beam_stress(
 
 
 def _recovery(section: Section) -> Array:
-    """Return (points, 3, 6): [s11 s12 s13] from the section forces [N Vy Vz T My Mz]."""
+    """Return the matrices (points, 3, 6) from section forces [N Vy Vz T My Mz] to [s11 s12 s13]."""
     S = np.zeros((len(section.points), 3, 6), np.result_type(section.A, section.Iy, section.Iz))
     for S_p, p in zip(S, section.points, strict=True):
         S_p[0, [0, 4, 5]] = 1.0 / section.A, p.z / section.Iy, -p.y / section.Iz

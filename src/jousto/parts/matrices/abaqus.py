@@ -27,7 +27,7 @@ def is_matrix_market(path: Path) -> bool:
 
 
 def is_abaqus(path: Path) -> bool:
-    """Return whether a .mtx file looks like one of Abaqus: lines of numbers, or keywords."""
+    """Return whether a .mtx file has the form of Abaqus: lines of numbers, or keywords."""
     with path.open("rb") as file:
         head = file.read(200).decode("ascii", errors="replace").strip()
     return bool(re.match(r"\*\*|\*\w|\d+[\s,]+\d+[\s,]", head))
@@ -42,7 +42,7 @@ def is_substructure(path: Path) -> bool:
 def read_global(path: Path) -> tuple[Sparse, Ints | None]:
     """Return the matrix of a .mtx file of ``*MATRIX GENERATE`` and the map of its rows.
 
-    The map is None for ``FORMAT=COORDINATE``, which contains none.
+    The map is None for ``FORMAT=COORDINATE``, which does not contain it.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_global(path: Path) -> tuple[Sparse, Ints | None]:
 
 
 def take_out_held(K: Sparse, M: Sparse, dofs: Ints) -> tuple[Sparse, Sparse, Ints]:
-    """Return K and M with empty rows at boundary conditions, and the map of these rows."""
+    """Return K and M with empty rows at the boundary conditions, and the map of these rows."""
     held = np.flatnonzero(np.abs(K.diagonal()) > HELD)
     if not len(held):
         return K, M, np.zeros((0, 2), dtype=np.int64)

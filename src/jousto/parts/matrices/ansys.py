@@ -102,11 +102,11 @@ def _matrix(pieces: list[Any]) -> Sparse:
 
 
 def _check_binary(path: Path, kind: str) -> None:
-    """Raise InputError unless the file is of a kind and complete: the reader may crash otherwise.
+    """Raise InputError unless a file is complete and of the kind, since the reader may crash.
 
     The file has Fortran records of 4-byte words: length, a mark, and the standard header of 100
-    words, which begins with the number of the kind of file. In .full files their own header follows
-    at word 103, with the length of the file in items 23 and 24.
+    words, which begins with the number of the kind of file. In .full files a second header follows
+    at word 103; its items 23 and 24 contain the length of the file.
     """
     if not path.is_file():
         raise MissingFileError(Problem("", f"no such file {str(path)!r}"))

@@ -1,7 +1,7 @@
 """CalculiX: the matrices of ``*FREQUENCY, SOLVER=MATRIXSTORAGE``.
 
-JOB.sti and JOB.mas hold one triangle, a line ``i j value`` for each entry, JOB.dof the node and the
-direction of each row as ``node.direction``.
+JOB.sti and JOB.mas contain one triangle of the matrix with a line ``i j value`` for each entry.
+JOB.dof contains the node and the direction of each row as ``node.direction``.
 """
 
 from __future__ import annotations

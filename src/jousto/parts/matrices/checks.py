@@ -181,7 +181,7 @@ def _node_weight(matrix: Sparse, dofs: int) -> Array:
 
 
 def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, dofs: int) -> None:
-    """Report a matrix with a negative eigenvalue (of large ones: a negative nodal block)."""
+    """Report a matrix with a negative eigenvalue; of large matrices only the nodal blocks."""
     ndof = matrix.shape[0]
     coo = matrix.tocoo()
     row, column = coo.row, coo.col
@@ -210,7 +210,7 @@ def _check_definite(problems: Problems, where: str, name: str, matrix: Sparse, d
 
 
 def _is_free(matrix: Any, R: Array) -> bool:
-    """Return whether a matrix leaves rigid translations free except for round-off."""
+    """Return whether a matrix gives no force for rigid translations, except for round-off."""
     moved = R[:, :3]
     forces = abs(times(matrix, moved)).max(initial=0.0)
     return bool(forces <= RIGID_FORCE * (abs(matrix) @ abs(moved)).max(initial=0.0))

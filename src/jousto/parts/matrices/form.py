@@ -47,14 +47,14 @@ class PlainMatrices(ForeignMatrices):
     Raises
     ------
     InputError
-        If a matrix is not square, symmetric and finite, does not fit the nodes, M is not
-        positive semidefinite, a node has neither mass nor stiffness, or K has disconnected pieces
-        that no rigid interface joins.
+        If a matrix is not square, symmetric and finite, does not fit the nodes, M is not positive
+        semidefinite, a node has neither mass nor stiffness, or K has disconnected pieces that are
+        not joined by a rigid interface.
 
     Warns
     -----
     JoustoWarning
-        If a rigid motion stores strain energy, that is, K is not free of supports.
+        If a rigid motion stores strain energy, which means that K contains supports.
 
     Examples
     --------
@@ -87,7 +87,7 @@ class PlainMatrices(ForeignMatrices):
     name: Label = field("Name of the part", file=False, default="part", kw_only=True)
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the matrices."""
         mass, stiff, xyz, dofs = check_matrices(
             self.name,
             self.M,
@@ -166,7 +166,7 @@ class MatrixFiles(ForeignMatrices):
     )
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the files."""
         from jousto.parts.matrices.matrices import nodal
         from jousto.parts.matrices.read import read_matrices
 

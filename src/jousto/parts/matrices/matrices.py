@@ -1,4 +1,4 @@
-"""Matrices: mass and stiffness of another program, with the node and direction of each row."""
+"""Matrices: mass and stiffness of another program, and node and direction of each row."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ DIRECTIONS = ("modal", "ux", "uy", "uz", "rx", "ry", "rz")
 class Matrices:
     """Mass and stiffness of another program, in SI units and the axes of the part.
 
-    Created by `read_matrices`. A full and a condensed model (superelement) have the same form; a
-    condensed model may also have modal coordinates.
+    Created by `read_matrices`. The class is the same for a full model and for a condensed one
+    (superelement), which may also have modal coordinates.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ class Matrices:
 
 @dataclass(frozen=True, eq=False)
 class Nodal:
-    """Matrices in the order of a `Part`: node by node, 3 or 6 rows for each.
+    """Matrices in the order of a `Part`: node by node, with 3 or 6 rows for each node.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ def _notice_condensed(where: str, M: Sparse, d: int, nn: int) -> None:
 
 
 def sets_of(matrices: Matrices, keep: Ints) -> dict[str, tuple[int, ...]]:
-    """Return the node sets over the kept rows of ``nodes``, numbers of nodes as ``n<number>``."""
+    """Return the node sets with indices of kept rows of ``nodes``, and sets ``n<number>``."""
     ids = matrices.node_ids[keep]
     index = {int(number): i for i, number in enumerate(ids)}
     sets: dict[str, tuple[int, ...]] = {}
@@ -281,7 +281,7 @@ def sets_of(matrices: Matrices, keep: Ints) -> dict[str, tuple[int, ...]]:
 
 
 def elements_of(matrices: Matrices, keep: Ints) -> Ints:
-    """Return the elements whose nodes are all kept, by kept row."""
+    """Return the elements whose nodes are all kept, with indices of kept rows."""
     if not matrices.elements.size:
         return np.zeros((0, 2), dtype=np.int64)
     new = np.full(len(matrices.nodes), -1, dtype=np.int64)

@@ -62,7 +62,7 @@ def read_op4(path: Path) -> tuple[Sparse, Sparse]:
 
 
 def _choose(path: Path, found: dict[str, Sparse], names: tuple[str, ...], letter: str) -> str:
-    """Return the name of K or M among the names in the file."""
+    """Return the name of the matrix K or M among the names in the file."""
     name = next((name for name in names if name in found), None)
     if name is None:
         known = ", ".join(sorted(found)).upper() or "nothing"
@@ -82,7 +82,7 @@ def read_dmig(path: Path) -> tuple[Sparse, Sparse, Ints]:
     Raises
     ------
     InputError
-        If there are none, or they are truncated.
+        If there are no such entries, or they are truncated.
     """
     text = read_text(path)
     if not re.search(r"^DMIG", text, flags=re.M | re.I):

@@ -1,4 +1,4 @@
-"""Positions of the nodes in the maps of the matrices."""
+"""Positions of the nodes of matrices."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Positions:
     ids : (nn,) ndarray of int or None
         Node numbers; None if only the order is known.
     xyz : (nn, 3) ndarray
-        In the unit of the files, or in m.
+        Positions in the unit of the files, or in m.
     node_sets : mapping of str to node numbers
     elements : (ne, m) ndarray of int
         Rows of xyz.
@@ -55,7 +55,7 @@ def read_positions(nodes: Any, unit: str) -> Positions:
     Raises
     ------
     InputError
-        If the file does not exist, or has other columns.
+        If the file does not exist, or does not have these columns.
     """
     if isinstance(nodes, (str, Path)):
         path = Path(nodes)

@@ -66,7 +66,7 @@ def read_plain(path: Path) -> Sparse:
 
 
 def _check_header(path: Path) -> None:
-    """Raise InputError for a Matrix Market header that announces more than the file has."""
+    """Raise InputError if a file is shorter than its Matrix Market header states."""
     size = path.stat().st_size
     with path.open("rb") as file:
         kind = file.readline(1024).lower()
@@ -119,13 +119,13 @@ def read_harwell_boeing(path: Path) -> Sparse:
 
     The file has Fortran formats: column pointers, row numbers and values in fields of fixed
     width (Duff, Grimes, Lewis: Users' guide for the Harwell-Boeing sparse matrix collection,
-    1992). Symmetric files (RSA) hold the lower triangle.
+    1992). Symmetric files (RSA) contain the lower triangle.
 
     Raises
     ------
     InputError
-        If the file is truncated, complex, a pattern without values, or of unassembled element
-        matrices.
+        If the file is truncated, or contains complex numbers, a pattern without values, or
+        unassembled element matrices.
     """
     lines = read_text(path).splitlines()
     if len(lines) < 4:
@@ -180,7 +180,7 @@ def _width(fortran: str) -> int:
 
 
 def _fields(lines: list[str], width: int) -> Array:
-    """Return numbers in fields of a width, or separated by blanks if the fields are not kept."""
+    """Return numbers from fields of fixed width, or from words if the fields are not aligned."""
     cut = [line[i : i + width] for line in lines for i in range(0, len(line.rstrip()), width)]
     try:
         return _floats([word for word in cut if word.strip()])

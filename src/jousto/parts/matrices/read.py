@@ -1,4 +1,4 @@
-"""`read_matrices`: choice of the reader, files beside the given one, units, and plausibility."""
+"""`read_matrices`: choice of the reader, search for other files, units, and plausibility."""
 
 from __future__ import annotations
 
@@ -61,15 +61,17 @@ def read_matrices(
         File of the stiffness matrix, or of both: .sti (CalculiX), .full (Ansys), .op4 or .pch
         (Nastran), .mtx (Abaqus or Matrix Market), .npz, .npy, .hb or .rsa.
     M : str or Path, optional
-        File of the mass matrix if it is a separate file; that of CalculiX is found beside .sti.
+        File of the mass matrix if it is a separate file; for CalculiX it is found beside the .sti
+        file.
     nodes : Mesh, str, Path or array_like, optional
         Positions: a mesh (in m) or mesh file of the same model, a table with the columns x y z in
-        the order of the rows, or with the node number before them. None searches beside the
-        matrices of CalculiX (.inp), Ansys (.rst) and Nastran (.pch, .bdf).
+        the order of the rows, or with the node number before them. With None the positions are
+        searched in files beside the matrices of CalculiX (.inp), Ansys (.rst) and Nastran (.pch,
+        .bdf).
     dofs : (ndof, 2) array_like, str or Path, optional
-        Node number and direction (1..6, 0 for a modal coordinate) of each row, as an array, a
-        text file of such lines or a .dof file. None for the map in the files, else node by node
-        with 3 or 6 directions.
+        Node number and direction (1..6, 0 for a modal coordinate) of each row, as an array, a text
+        file of such lines or a .dof file. With None the map in the files is used or, without one,
+        the order node by node with 3 or 6 directions.
     format : str, optional
         ``calculix``, ``ansys``, ``op4``, ``dmig``, ``abaqus`` or ``plain``; from the ending and
         the content if not given.
@@ -141,7 +143,7 @@ def read_dofs(dofs: Any) -> Ints:
     Raises
     ------
     InputError
-        If the file does not exist, or its lines are not node and direction.
+        If the file does not exist, or its lines do not contain node and direction.
     """
     if isinstance(dofs, (str, Path)):
         path = Path(dofs)
@@ -159,7 +161,7 @@ def read_dofs(dofs: Any) -> Ints:
 
 # signature of a reader: (files, unit of length of the nodes or None if they are given)
 def _reader(path: Path, format: str | None) -> Callable[[Path, Path | None, str | None], Raw]:
-    """Return the reader of a format, by default of the format that the file looks like."""
+    """Return the reader of a format; without a format, the reader that fits the file."""
     readers = {
         "calculix": _calculix,
         "ansys": _ansys,
@@ -285,7 +287,7 @@ def _plain(path: Path, mass: Path | None, unit: str | None) -> Raw:
 def _number(
     raw: Raw, given: Ints | None, positions: Positions, where: str
 ) -> tuple[Ints, Positions]:
-    """Return the map of the rows, and positions with node numbers."""
+    """Return the map of the rows, and the positions with node numbers."""
     dofs = raw.dofs if given is None else given
     nn, rows = len(positions.xyz), raw.K.shape[0]
     if dofs is None:

@@ -53,7 +53,7 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Array:
     Raises
     ------
     InputError
-        With the first line of another format; also for a truncated last line.
+        With the first line that has another format; also for a truncated last line.
     """
     plain = _plain(text)
     with warnings.catch_warnings():
@@ -83,14 +83,14 @@ def read_numbers(path: Path, text: str, columns: int, what: str) -> Array:
 
 
 def _plain(text: str) -> str:
-    """Return numbers separated by blanks, also with Fortran exponents D."""
+    """Return numbers separated by blanks; Fortran exponents D are allowed."""
     return text.replace(",", " ").replace("D", "E").replace("d", "e")
 
 
 def from_triplets(
     path: Path, row: Ints, column: Ints, value: Array, n: int, *, symmetric: bool | None = None
 ) -> Sparse:
-    """Return a matrix (n, n) from indices from 0 and values.
+    """Return a matrix (n, n) from indices, counted from 0, and values.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def diagonal(values: Array) -> Sparse:
 
 
 def expanded(matrix: Sparse, rows: Ints, dofs: Ints) -> Sparse:
-    """Return a matrix with the map ``rows`` (n, 2) over the larger map ``dofs`` (m, 2)."""
+    """Return a matrix with the rows ``rows`` (n, 2) enlarged to the rows ``dofs`` (m, 2)."""
     place = {tuple(pair): i for i, pair in enumerate(dofs.tolist())}
     at = np.array([place[tuple(pair)] for pair in rows.tolist()], dtype=np.int64)
     coo = matrix.tocoo()

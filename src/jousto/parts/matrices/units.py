@@ -1,4 +1,4 @@
-"""Systems of units of other programs, converted to SI at the reader."""
+"""Systems of units of other programs, which the reader converts to SI."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Units:
     Parameters
     ----------
     length, mass, time : float
-        The units in m, kg and s; the unit of force is mass length / time^2.
+        Units of length, mass and time in m, kg and s; the unit of force is mass length / time^2.
     unit : str
         Name of the unit of length.
 
@@ -43,10 +43,10 @@ class Units:
 
     @classmethod
     def read(cls, text: str) -> Units:
-        """Return the system of a name such as ``"SI"``, ``"mm-t-s"`` or ``"in-lbf-s"``.
+        """Return the system of units with a name such as ``"SI"``, ``"mm-t-s"`` or ``"in-lbf-s"``.
 
-        With ``lbf`` in the middle, pounds are forces; the unit of mass is accelerated by one
-        pound-force by one unit of length per s^2.
+        With ``lbf`` in the middle, pounds are forces; the unit of mass is the mass to which one
+        pound-force gives an acceleration of one unit of length per s^2.
 
         Raises
         ------
@@ -80,7 +80,8 @@ class Units:
         Parameters
         ----------
         components : (ndof,) ndarray of int
-            1, 2, 3 translations, 4, 5, 6 rotations, 0 modal coordinates, which keep their values.
+            1, 2, 3 for translations, 4, 5, 6 for rotations, 0 for modal coordinates, whose values
+            are not converted.
 
         Returns
         -------

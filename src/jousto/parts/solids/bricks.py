@@ -1,13 +1,12 @@
-"""Bricks of eight nodes whose strain is not simply that of their displacements.
+"""Bricks of eight nodes whose strain differs from the strain of their displacements.
 
 ``bbar``: the change of volume is its mean over the element (T. J. R. Hughes, *The Finite Element
-Method* (1987), section 4.5.2). ``incompatible``: three functions ``1 - xi_d^2`` in each direction,
-with nine unknowns that are eliminated in the element (R. L. Taylor, P. J. Beresford and E. L.
-Wilson,
-*Int. J. Num. Meth. Eng.* 10 (1976) 1211-1219; their derivatives are those of the centre times
-``det J_0 / det J``, so that they do no work on a constant stress). ``reduced``: the mean strain and
-a small stiffness against the four hourglass shapes (D. P. Flanagan and T. Belytschko,
-*Int. J. Num. Meth. Eng.* 17 (1981) 679-706).
+Method* (1987), section 4.5.2). ``incompatible``: the displacement in each direction has three
+additional functions ``1 - xi_d^2``; the nine unknowns are eliminated in the element (R. L. Taylor,
+P. J. Beresford and E. L. Wilson, *Int. J. Num. Meth. Eng.* 10 (1976) 1211-1219; their derivatives
+are those of the centre times ``det J_0 / det J``, so that they do no work on a constant stress).
+``reduced``: the stiffness is that of the mean strain plus a small stiffness against the four
+hourglass shapes (D. P. Flanagan and T. Belytschko, *Int. J. Num. Meth. Eng.* 17 (1981) 679-706).
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ class Kinematics:
 
 
 def is_special(kind: str, formulation: str) -> bool:
-    """Return whether elements are formulated in this file, not by `table` only."""
+    """Return whether the stiffness of elements is computed in this file, not with `table` only."""
     return kind == "hexahedron" and formulation in SPECIAL
 
 
@@ -64,7 +63,7 @@ def kinematics(formulation: str, x: Array, C: Array) -> Kinematics:
     x : (ne, 8, 3) ndarray
         Positions of the nodes in m.
     C : (6, 6) ndarray
-        Elasticity in Pa, which condenses the incompatible modes.
+        Elasticity in Pa, with which the incompatible modes are eliminated.
     """
     t = table("hexahedron", "stiffness")
     G, detJ = gradients(t.dN, x)
@@ -109,7 +108,7 @@ def brick_stiffness(formulation: str, x: Array, C: Array) -> Array:
 
 
 def _of_nodes(G: Array) -> Array:
-    """Return ``du_i/dx_m`` (ne, nq, 3, 3, 3 k) from derivatives of functions (ne, nq, 3, k)."""
+    """Return ``du_i/dx_m`` (ne, nq, 3, 3, 3 k) for derivatives of functions (ne, nq, 3, k)."""
     ne, nq, _, k = G.shape
     L = np.zeros((ne, nq, 3, 3, k, 3))
     for i in range(3):
@@ -126,7 +125,7 @@ def _strain(L: Array) -> Array:
 def _incompatible(x: Array, detJ: Array) -> Array:
     """Return derivatives (ne, nq, 3, 3) along x of ``1 - xi_d^2``, d = 1, 2, 3 being the last axis.
 
-    ``dxi_d/dx`` is that of the centre; the factor ``det J_0 / det J`` makes the mean of the
+    ``dxi_d/dx`` is evaluated at the centre; the factor ``det J_0 / det J`` makes the mean of the
     derivatives over the element zero.
     """
     t, centre = table("hexahedron", "stiffness"), table("hexahedron", "stress", "reduced")

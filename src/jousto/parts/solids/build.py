@@ -270,7 +270,7 @@ def solid_masses(
 ) -> tuple[SolidModel, Sparse, MassPoints | None, MassPoints | None]:
     """Return the model with scaled density, M, all mass as points, and attached points.
 
-    The mass as points is that of a lumped mass, else None; attached points are those added to a
+    The mass as points is None unless the mass is lumped; attached points are the masses added to a
     consistent mass.
     """
     problems = Problems()

@@ -25,9 +25,11 @@ class FaceStress:
     ----------
     at : (m,) ndarray of int Indices of the sites.
     D : (6 m, ndof) sparse array
-        From displacements to the stress of the in-plane strain without traction, Pa/m.
+        Matrix from displacements to the stress that has their in-plane strain and no traction,
+        Pa/m.
     R : (m, 6, 6) ndarray
-        From stress to the stress with the same traction ``t = s n`` and no in-plane strain.
+        Matrix from a stress to the stress that has the same traction ``t = s n`` and no in-plane
+        strain.
     """
 
     at: Ints
@@ -35,7 +37,7 @@ class FaceStress:
     R: Array
 
     def correct(self, s: Array, d: Array) -> None:
-        """Replace stress (ns, 6, n) at the sites by that of faces, displacements (ndof, n)."""
+        """Replace stress (ns, 6, n) at the sites by stress of faces for displacements (ndof, n)."""
         tangential = times(self.D, d).reshape(len(self.at), 6, d.shape[1])
         s[self.at] = tangential + self.R @ s[self.at]
 
@@ -43,16 +45,16 @@ class FaceStress:
 def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
     """Return the stress at the sites on quadratic outer faces.
 
-    The in-plane strain is that of the face at its nodes, which is more accurate than the strain
-    extrapolated from inside the element; the traction is that of the stress extrapolated from
-    inside. The stress of a node is the mean over the faces of one material around it. Linear fields
-    are reproduced exactly.
+    The in-plane strain is computed from the face at its nodes, which is more accurate than the
+    strain extrapolated from inside the element; the traction follows from the stress extrapolated
+    from inside. The stress of a node is the mean over the faces of one material around it. Linear
+    fields are reproduced exactly.
 
     Parameters
     ----------
     model : SolidModel
     site : (n materials, nn) ndarray of int
-        Number of the site of each node in each material, -1 where there is none.
+        Number of the site of each node in each material, -1 if there is no site.
     ns : int
         Number of sites.
     """
@@ -87,8 +89,8 @@ def face_stress(model: SolidModel, site: Ints, ns: int) -> FaceStress:
 def face_operators(C: Array, nodes: Array, faces: Ints) -> tuple[Array, Array]:
     """Return operators of the stress at the nodes of faces, from displacements and traction.
 
-    With ``T s = s n``, ``A = T C T^T`` and the strain e of the face's plane,
-    ``s = (C - C T^T A^-1 T C) e + C T^T A^-1 t`` has the in-plane strain e, and ``s n = t``.
+    With ``T s = s n``, ``A = T C T^T`` and the strain e of the face's plane, the stress ``s = (C -
+    C T^T A^-1 T C) e + C T^T A^-1 t`` has the in-plane strain e and the traction t.
 
     Parameters
     ----------
@@ -102,9 +104,9 @@ def face_operators(C: Array, nodes: Array, faces: Ints) -> tuple[Array, Array]:
     Returns
     -------
     D : (nf, k, 6, 3 k) ndarray
-        From displacements of the nodes of the face, with t = 0, Pa/m.
+        Matrix from displacements of the nodes of the face to stress, with t = 0, Pa/m.
     R : (nf, k, 6, 6) ndarray
-        From a stress with the traction t, with e = 0.
+        Matrix from a stress with the traction t to stress, with e = 0.
     """
     k = faces.shape[1]
     B, n = face_node_tangents(nodes, faces)  # (f, k nodes, 3, k), (f, k nodes, 3)

@@ -15,11 +15,11 @@ from jousto.parts.solids.build import solid_fields
 class MeshSolid(PartForm):
     """Part of solid elements from a mesh.
 
-    Nodes keep the order of the mesh; nodes that no solid element uses are left out with a
-    warning. ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for straight
-    elements, M also for curved ones, unless the file has element types of another formulation, such
-    as ``C3D8I`` of Abaqus. Use quadratic elements (``tetra10``, ``hexahedron20``, ``wedge15``):
-    linear ones are far too stiff in bending.
+    Nodes keep the order of the mesh; nodes that no solid element uses are left out with a warning.
+    ``K = int B^T C B dV`` and ``M = int rho N^T N dV`` are integrated exactly for straight
+    elements, and M also for curved ones, unless the element types of the file have another
+    formulation, such as ``C3D8I`` of Abaqus. Use quadratic elements (``tetra10``, ``hexahedron20``,
+    ``wedge15``): linear ones are far too stiff in bending.
 
     Raises
     ------
@@ -92,7 +92,7 @@ class MeshSolid(PartForm):
         return given.formulated(self.formulation)
 
     def assembled(self) -> dict[str, Any]:
-        """Return the fields of the part."""
+        """Return the fields of the part that is built from the mesh."""
         fields = solid_fields(
             self._formulated(),
             self.materials,

@@ -121,8 +121,8 @@ class SolidModel:
     def lumped_mass(self) -> Array:
         """Return lumped masses (nn,) in kg, in proportion to the diagonal of the element matrix.
 
-        Hinton, Rock and Zienkiewicz, *Earthquake Engineering and Structural Dynamics* 4 (1976)
-        245-249: positive for every element.
+        The masses are positive for every element: Hinton, Rock and Zienkiewicz, *Earthquake
+        Engineering and Structural Dynamics* 4 (1976) 245-249.
         """
         masses = np.zeros(len(self.nodes))
         for group, rows, _ in self._blocks("mass"):
@@ -148,7 +148,7 @@ class SolidModel:
 
     @cached_property
     def _places(self) -> tuple[sp.csr_array, Ints]:
-        """Pattern, and the position in it of each pair of nodes of each element."""
+        """Pattern, and the position in the pattern of each pair of nodes of each element."""
         nn = len(self.nodes)
         rows = [np.repeat(g.nodes, g.nodes.shape[1], axis=1).ravel() for g in self.groups]
         columns = [np.tile(g.nodes, (1, g.nodes.shape[1])).ravel() for g in self.groups]
@@ -174,7 +174,7 @@ class SolidModel:
         return sp.csr_array((np.empty(len(indices)), indices, indptr), shape=shape), place
 
     def _blocks(self, purpose: str) -> Iterator[tuple[SolidGroup, slice, Ints]]:
-        """Yield blocks of elements: group, rows in it, positions of pairs in the pattern."""
+        """Yield blocks of elements: group, element rows, positions of node pairs in the pattern."""
         at = 0
         for group in self.groups:
             ne, k = group.nodes.shape
@@ -228,7 +228,7 @@ def element_mass(kind: str, x: Array, rho: float) -> Array:
 
 
 def expanded(scalar: Sparse) -> Sparse:
-    """Return the mass matrix of three directions from that of one direction."""
+    """Return the mass matrix of three directions from the matrix of one direction."""
     csr = sp.csr_array(scalar)
     count = np.repeat(np.diff(csr.indptr), 3)
     indptr = np.concatenate([[0], np.cumsum(count)])

@@ -59,10 +59,10 @@ class SolidSecondOrder:
     attached: MassPoints | None
 
     def geometric_stiffness(self, d: Array) -> Sparse:
-        """Return Kg (ndof, ndof) of the stress s of nodal displacements d (ndof,).
+        """Return Kg (ndof, ndof) for the stress s of nodal displacements d (ndof,).
 
-        ``x^T Kg x = int s : (grad x^T grad x) dV``: the same block for every direction of x, except
-        for bricks of special formulation.
+        ``x^T Kg x = int s : (grad x^T grad x) dV``: the block of a node pair is the same for every
+        direction of x, except in bricks of special formulation.
         """
         nn = len(self.model.nodes)
         shape = (nn, nn)
@@ -114,11 +114,12 @@ class SolidSecondOrder:
         return out.reshape(3 * nn, n)
 
     def work(self, X: Array) -> Array:
-        """Return ``int g . chi dm`` (12, n, n) of the fields g for chi that is zero at the nodes.
+        """Return ``int g . chi dm`` (12, n, n) for the fields g, with chi zero at the nodes.
 
-        It is zero for solids, but not for masses on rigid arms or with inertia that rotate with
-        several nodes. Their mean motion is that of the nodes minus ``theta x (theta x r)``, the
-        second-order displacement of the nodes in a finite rotation, which does not move the mass.
+        The integral is zero for solids, but not for masses on rigid arms and masses with inertia
+        that rotate with several nodes. Their mean motion is that of the nodes minus ``theta x
+        (theta x r)``, the second-order displacement of the nodes in a finite rotation, which does
+        not move the mass.
         """
         n = X.shape[1]
         p = self.attached

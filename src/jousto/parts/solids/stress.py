@@ -32,11 +32,11 @@ ROWS_BYTES = 32 << 20
 class SolidStress:
     """Stress or strain at nodes of solids from nodal displacements.
 
-    Strains are computed at the points of each element where they are most accurate (Barlow, *Int.
+    In each element strains are computed at the points where they are most accurate (Barlow, *Int.
     J. Num. Meth. Eng.* 10 (1976) 243-251), extrapolated to its nodes by the linear shape functions
     of its corners, and averaged over the elements of one material around a node. On outer faces of
     quadratic elements the in-plane strain is that of the face, and only the traction is
-    extrapolated, see `face_stress`. A node where materials meet is one site per material.
+    extrapolated, see `face_stress`. A node where materials meet has one site per material.
 
     Attributes
     ----------
@@ -49,8 +49,9 @@ class SolidStress:
         ``"stress"`` in Pa: ``[s11 s22 s33 s12 s23 s13]``, or ``"strain"``:
         ``[e11 e22 e33 g12 g23 g13]`` with engineering shear strains g. Part axes.
     faces : bool
-        Whether the in-plane strain on outer faces is that of the faces. False extrapolates all of
-        it from inside, as most finite element programs do: ``replace(part.stress, faces=False)``.
+        Whether the in-plane strain on outer faces is that of the faces. With False the whole strain
+        is extrapolated from inside, as in most finite element programs: ``replace(part.stress,
+        faces=False)``.
     """
 
     model: SolidModel
@@ -61,7 +62,7 @@ class SolidStress:
 
     @classmethod
     def everywhere(cls, model: SolidModel, quantity: str = "stress") -> SolidStress:
-        """Return the operator of all nodes."""
+        """Return the operator for all nodes."""
         pairs = [
             np.unique(g.nodes).astype(np.int64) * len(model.materials) + g.material
             for g in model.groups
@@ -74,7 +75,7 @@ class SolidStress:
 
     @cached_property
     def sites(self) -> tuple[str, ...]:
-        """Labels: ``n12`` is the node of number 12 in the mesh; ``n12.left`` if materials meet."""
+        """Labels: ``n12`` for node number 12 of the mesh; ``n12.left`` if materials meet there."""
         return labels(self.model, self.node, self.material)
 
     @cached_property
@@ -221,7 +222,7 @@ class SolidStress:
         return as_csr(sp.hstack(found, format="csr") @ spread)
 
     def at(self, nodes: Sequence[int] | Ints) -> SolidStress:
-        """Return the operator of the sites of some nodes (indices of the part), in node order."""
+        """Return the operator for the sites at some nodes (indices of the part), in node order."""
         i = np.flatnonzero(np.isin(self.node, np.asarray(nodes)))
         return replace(self, node=self.node[i], material=self.material[i])
 

@@ -1,4 +1,4 @@
-"""Stress jumps between elements as quadratic forms of the amplitudes of many shapes."""
+"""Stress jumps between elements as quadratic forms in the amplitudes of many shapes."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ MISES = np.array(
 
 
 def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array:
-    """Return E (ns, r, n) for which ``|E p|`` is the estimated stress error of ``X p``.
+    """Return E (ns, r, n) with which ``|E p|`` is the estimated stress error of ``X p``.
 
     The error is that of `place_errors`, the root mean square of the von Mises stress of ``s_e -
-    s*`` over the elements around a site, ``p^T Q p`` with ``Q = sum A_e^T A_e / count``; the r
-    largest eigenvalues of Q are stored, for shapes scaled by `size`.
+    s*`` over the elements around a site, ``p^T Q p`` with ``Q = sum A_e^T A_e / count``; E contains
+    the r largest eigenvalues of Q, for shapes scaled by `size`.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _squares(few: SolidStress, X: Array, s: Array) -> Array:
 
 
 def _add(Q: Array, at: Array, A: Array) -> None:
-    """Add ``A_k^T A_k`` of rows A (m, 5, n) to the sites they belong to."""
+    """Add the product ``A_k^T A_k`` of each block A (m, 5, n) to the site of the block."""
     order = np.argsort(at, kind="stable")
     places, first, times = np.unique(at[order], return_index=True, return_counts=True)
     for k in np.unique(times):

@@ -1,4 +1,4 @@
-"""Stress of free surfaces of solids from their surface strain, as measured by strain gauges."""
+"""Stress of free surfaces of solids from their surface strain, which strain gauges measure."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ def skin_stress(
     """Return the stress at the nodes of outer faces on which no load acts.
 
     The in-plane strain at the nodes is that of the face, ``grad_t u``; the rest of the strain
-    follows from ``s n = 0``: with ``A = n . C . n`` and the traction ``t = s n`` of the in-plane
-    strain only, ``s <- s - C : (A^-1 t) n``. The stress of a node is the mean over the faces of one
-    material around it. No value is extrapolated from inside the body.
+    follows from ``s n = 0``: with ``A = n . C . n`` and the traction ``t = s n`` for the in-plane
+    strain alone, ``s <- s - C : (A^-1 t) n``. The stress of a node is the mean over the faces of
+    one material around it. No value is extrapolated from inside the body.
 
     Parameters
     ----------
