@@ -85,7 +85,7 @@ class FrameField(Nested["Frame | None", "Frame | None"]):
     noun = "NodeFrame(...), ChordFrame(...) or MeanFrame()"
 
     def check(self, problems: Problems, where: str, value: Frame | None) -> Frame | None:
-        """Return the reference condition, or report that the value is none."""
+        """Return the reference condition, or report a value of another type."""
         if not isinstance(value, Frame):
             problems.add(where, f"{self.name} is {value!r}, must be {self.noun}")
         return value
