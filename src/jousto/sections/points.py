@@ -56,7 +56,7 @@ def stress_points(
 
     Round sections have 24 points on the circumference: the four of the section and ``deg15``,
     ``deg30`` ... by their angle about x, from ``left`` (0) over ``top`` (90). The largest bending
-    stress is at most 7.5 degrees from a point, an error of ``1 - cos(7.5 deg)`` = 0.9 %.
+    stress is at most 7.5 degrees from a point; the error is at most ``1 - cos(7.5 deg)`` = 0.9 %.
 
     Parameters
     ----------

@@ -145,7 +145,7 @@ class IBeam(Declared, section="sections", tag="i-beam", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Stress points: flange tips and outer middles, faces of the web at ends and mid-height."""
+        """Stress points: tips and outer middles of the flanges, ends and middle of the web."""
         h, b, tw, tf = self.height, self.width, self.web, self.flange
         flow = b * tf * 0.5 * (h - tf)
         v_end = flow / (self.Iy * tw)
@@ -262,7 +262,7 @@ class Box(Declared, section="sections", tag="box", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """Stress points: outer middles of the walls and outer corners (shear at web ends)."""
+        """Stress points: outer middles of the walls, and outer corners."""
         y, z, tw, tf = 0.5 * self.width, 0.5 * self.height, self.web, self._tf
         b, h = self._inner
         # first moments at mid-wall and at the ends of the webs

@@ -1,11 +1,11 @@
-"""Cross sections: stiffness constants, and stress data at named section points.
+"""Cross sections: stiffness constants, and stresses at named section points per unit resultant.
 
 Section axes: y to the left and z up when looking along the member (x forward), through the
 centroid and along the principal axes. ``Iy`` is the second moment for bending about y, in the
 xz plane.
 
 The shear coefficients are those of Cowper, *J. Appl. Mech.* 33 (1966) 335-340, for nu = 0,
-where they agree with the strain-energy definition and depend on the section only. Use
+for which they agree with the strain-energy definition and depend on the section only. Use
 ``Timoshenko(ky=, kz=)`` or a :class:`GeneralSection` to use others.
 """
 
@@ -61,7 +61,7 @@ class SectionPoint(Declared, by_value=True):
 
 @runtime_checkable
 class Section(Protocol):
-    """Protocol of a beam section: any object with these properties is one.
+    """Protocol of a beam section: any object with these properties is a section.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Section(Protocol):
 
 
 def is_section(value: object) -> TypeGuard[Section]:
-    """Return whether a value has the properties of a section, without computing known ones."""
+    """Return whether a value has the properties of a section; known classes compute nothing."""
     kind: Any = type(value)
     return _has_properties(kind) or isinstance(value, Section)
 
@@ -283,7 +283,7 @@ class Tube(Declared, section="sections", tag="tube", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """24 stress points around: top, bottom, left, right, ``deg15`` ... by angle from left."""
+        """24 stress points: top, bottom, left, right, ``deg15`` ... by the angle from left."""
         ro, ri = self._radii
         # first moment of the half section / width 2 wall of the cut
         v = (ro**2 + ro * ri + ri**2) / (3.0 * self.Iy)
@@ -340,7 +340,7 @@ class Circle(Declared, section="sections", tag="circle", by_value=True):
 
     @cached_property
     def points(self) -> tuple[SectionPoint, ...]:
-        """24 stress points around, see `Tube`, and the centre."""
+        """24 stress points on the circumference, see `Tube`, and the centre."""
         v = 4.0 / (3.0 * self.A)
         radius = 0.5 * self.diameter
         return (
@@ -394,10 +394,11 @@ class GeneralSection(Declared, section="sections", tag="general", by_value=True)
 
 
 def _around(radius: float, v: float, t: float) -> tuple[SectionPoint, ...]:
-    """Return the points around a round section; bending is at most 7.5 degrees from a point.
+    """Return the points on the circumference of a round section, every 15 degrees.
 
-    Shear stress is tangential: ``V v cos(a)`` at the angle a from the neutral axis of bending, by
-    Jourawski, and ``T t`` from torsion.
+    The largest bending stress is at most 7.5 degrees from a point. Shear stress is tangential: ``V
+    v cos(a)`` at the angle a from the neutral axis of bending, by Jourawski, and ``T t`` from
+    torsion.
     """
     four = {0: "left", 90: "top", 180: "right", 270: "bottom"}
     found = {}
