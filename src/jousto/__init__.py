@@ -1,7 +1,8 @@
 """jousto: flexible multibody dynamics, from finite element model to simulated mechanism.
 
-One noun per stage: ``Part`` -> ``reduce`` -> ``ReducedPart`` -> bodies, joints, forces and sensors
-in a ``Mechanism`` -> ``compile`` -> ``Model`` -> ``simulate`` -> ``Solution``. SI units everywhere.
+The stages of a computation: ``Part`` -> ``reduce`` -> ``ReducedPart`` -> bodies, joints, forces and
+sensors in a ``Mechanism`` -> ``compile`` -> ``Model`` -> ``simulate`` -> ``Solution``. SI units
+everywhere.
 
 Names for a first model are in the package itself; others are in subpackages such as
 ``jousto.fatigue``, ``jousto.gauges`` and ``jousto.simulation``. All names are listed in files
@@ -17,7 +18,7 @@ VERBS = ("plot", "write")
 
 
 def _gone(name: str) -> str:
-    """Return the new name of a name that has moved out of the package itself."""
+    """Return the new name of a public name that is no longer in the package itself."""
     if name.startswith("_"):
         return ""
     verb = name.partition("_")[0]
