@@ -82,6 +82,12 @@ WIDTHS = {  # pixels
     "statics.png": 1200,
     "beam_dynamics.png": 1000,
     "planar_element.png": 1000,
+    "offset_element.png": 1000,
+    "boom.png": 1000,
+    "seven_methods.png": 1000,
+    "esl_process.png": 1000,
+    "rbdo_process.png": 1000,
+    "stress_process.png": 1000,
     "moving_frame_order.png": 1200,
     "four_bar_still.png": 500,
     "portal_frame.png": 800,
@@ -223,6 +229,10 @@ def main() -> int:
             "statics.py",
             "beam_dynamics.py",
             "planar_element.py",
+            "offset_element.py",
+            "boom.py",
+            "seven_methods.py",
+            "process_charts.py",
             "moving_frame.py",
         ):
             subprocess.run([sys.executable, str(HERE / name), folder], check=True)

@@ -23,6 +23,7 @@ SECTION = PlanarSection(EA=200.0, GA=120.0, EI=60.0, mass=1.0, rotary=1.0)
 NODES = np.array([[1.0, 0.5], [3.0, 1.3]])
 TURN, SHIFT = 0.35, np.array([1.6, 0.9])  # rad, m
 SIZE, HALF = 0.45, 0.3  # arrows and sections
+TITLE = {"loc": "left", "fontweight": "bold", "fontsize": 10.5, "pad": 10}
 
 
 def solved() -> tuple[np.ndarray, np.ndarray]:
@@ -48,55 +49,70 @@ def arrow(axes: Axes, at: np.ndarray, way: np.ndarray, text: str, color: str) ->
     axes.annotate(text, at + 1.18 * way, ha="center", va="center", color=color)
 
 
+def freedoms(axes: Axes, at: np.ndarray, k: int) -> None:
+    """Draw the two displacements and the rotation of node k, from 0."""
+    arrow(axes, at, np.array([SIZE, 0.0]), f"$u_{{{3 * k + 1}}}$", COLORS[1])
+    arrow(axes, at, np.array([0.0, SIZE]), f"$u_{{{3 * k + 2}}}$", COLORS[1])
+    arc = np.linspace(2.0, 4.2, 30)
+    axes.plot(at[0] + 0.16 * np.cos(arc), at[1] + 0.16 * np.sin(arc), color=COLORS[1])
+    place = at + np.array([-0.32, 0.05])
+    axes.annotate(f"$u_{{{3 * k + 3}}}$", place, ha="center", va="center", color=COLORS[1])
+
+
 def positions(axes: Axes, now: np.ndarray) -> None:
     """Draw the initial position (dashed), the current one, and the directions of the nodes."""
     axes.plot(*NODES.T, "--o", color="0.5", mfc="w")
     axes.plot(*now.T, "-o", color=COLORS[0], lw=2.5)
     for k, (a, b) in enumerate(zip(NODES, now, strict=True)):
         axes.plot([a[0], b[0]], [a[1], b[1]], ":", color="0.6", lw=1.0)
-        arrow(axes, b, np.array([SIZE, 0.0]), f"$u_{{{3 * k + 1}}}$", COLORS[1])
-        arrow(axes, b, np.array([0.0, SIZE]), f"$u_{{{3 * k + 2}}}$", COLORS[1])
-        axes.annotate(
-            f"$u_{{{3 * k + 3}}}$", b + (-0.2, 0.25), ha="center", va="center", color=COLORS[1]
-        )
-        arc = np.linspace(2.0, 4.2, 30)
-        axes.plot(b[0] + 0.16 * np.cos(arc), b[1] + 0.16 * np.sin(arc), color=COLORS[1])
+        freedoms(axes, b, k)
         axes.annotate(f"{k + 1}", a + (0.05, -0.2), color="0.4")
-    axes.set(
-        xlim=(0.7, 4.9),
-        ylim=(0.1, 4.4),
-        xlabel="X",
-        ylabel="Y",
-        title="Initial (dashed) and current position",
-    )
+    axes.set(xlim=(0.7, 4.9), ylim=(0.1, 4.4), xlabel="X", ylabel="Y")
+    axes.set_title("Initial (dashed) and current position", **TITLE)
+
+
+def angle(axes: Axes, at: np.ndarray, size: float, value: float, text: str) -> None:
+    """Draw an angle from the X axis with its name."""
+    axes.plot([at[0], at[0] + size + 0.3], [at[1], at[1]], ":", color="0.6", lw=1.0)
+    arc = np.linspace(0.0, value, 30)
+    axes.plot(at[0] + size * np.cos(arc), at[1] + size * np.sin(arc), color="0.5", lw=1.0)
+    place = at + (size + 0.09) * np.array([np.cos(value / 2), np.sin(value / 2)])
+    axes.annotate(text, place, va="center")
 
 
 def section(axes: Axes, now: np.ndarray, u: np.ndarray, strains: np.ndarray) -> None:
-    """Draw the section in the middle, its normal, and the tangent of the axis."""
+    """Draw the section in the middle before and now, its normal, and the tangent of the axis."""
     eps, gam, kap = strains
     start = NODES[1] - NODES[0]
-    theta = np.arctan2(start[1], start[0]) + u[:, 2].mean()
+    first = np.arctan2(start[1], start[0])
+    theta = first + u[:, 2].mean()
     normal = np.array([np.cos(theta), np.sin(theta)])
     across = np.array([-normal[1], normal[0]])
     tangent = (now[1] - now[0]) / np.hypot(*start)  # x' = (1 + eps) n + gam t
     assert np.allclose(tangent, (1.0 + eps) * normal + gam * across, atol=1e-9)
-    middle = now.mean(axis=0)
+    middle, before = now.mean(axis=0), NODES.mean(axis=0)
+    # initial position
+    axes.plot(*NODES.T, "--", color="0.5")
+    side = HALF * np.array([-np.sin(first), np.cos(first)])
+    axes.plot(*np.array([before - side, before + side]).T, "--", color="0.5", lw=2.0)
+    angle(axes, before, 0.6, first, r"$\theta_{in}$")
+    # current position
     axes.plot(*now.T, "-", color=COLORS[0], lw=2.5)
-    ends = np.array([middle - HALF * across, middle + HALF * across])
-    axes.plot(*ends.T, color="0.2", lw=3.0)
-    arrow(axes, middle, normal, "", COLORS[1])
-    axes.annotate(r"$\mathbf{n}(\theta)$", middle + 0.9 * normal + (0.1, -0.2), color=COLORS[1])
-    arrow(axes, middle, tangent, r"$\mathbf{x}'$", COLORS[2])
+    axes.plot(*np.array([middle - HALF * across, middle + HALF * across]).T, color="0.2", lw=3.0)
+    angle(axes, middle, 0.5, theta, r"$\theta$")
     corner = middle + (1.0 + eps) * normal
     axes.plot(*np.array([middle, corner]).T, ":", color=COLORS[1])
-    axes.plot(*np.array([corner, middle + tangent]).T, ":", color=COLORS[2])
-    axes.plot([middle[0], middle[0] + 0.8], [middle[1], middle[1]], ":", color="0.6", lw=1.0)
-    arc = np.linspace(0.0, theta, 30)
-    axes.plot(middle[0] + 0.5 * np.cos(arc), middle[1] + 0.5 * np.sin(arc), color="0.5", lw=1.0)
-    axes.annotate(r"$\theta$", middle + 0.58 * np.array([np.cos(theta / 2), np.sin(theta / 2)]))
-    said = rf"$\varepsilon$ = {eps:.3f}, $\gamma$ = {gam:.3f}, $\kappa$ = {kap:.3f} /m"
-    axes.set(xlabel="X", title=said)
-    axes.set(xlim=(1.9, 4.6), ylim=(1.5, 4.1))
+    arrow(axes, middle, normal, "", COLORS[1])
+    arrow(axes, middle, tangent, "", COLORS[2])
+    arrow(axes, corner, gam * across, "", COLORS[3])
+    axes.annotate(r"$\mathbf{n}$", middle + 0.85 * normal + (0.04, -0.2), color=COLORS[1])
+    axes.annotate(r"$(1+\varepsilon)\,\mathbf{n}$", corner + (0.06, -0.12), color=COLORS[1])
+    axes.annotate(r"$\gamma\,\mathbf{t}$", corner + (0.02, 0.12), color=COLORS[3])
+    place = middle + 0.75 * tangent + (-0.22, 0.08)
+    axes.annotate("x'", place, color=COLORS[2], fontweight="bold")
+    values = rf"$\varepsilon$ = {eps:.3f}, $\gamma$ = {gam:.3f}, $\kappa$ = {kap:.3f} /m"
+    axes.set(xlim=(0.8, 4.9), ylim=(0.3, 4.1), xlabel="X")
+    axes.set_title(f"Section of its middle: {values}", **TITLE)
 
 
 def main(folder: Path) -> None:
