@@ -127,7 +127,7 @@ def misfits(
             Problem(where, f"{name}= is now {changed[name]}=") for name in named if name in changed
         ]
     scope = getattr(inspect.unwrap(function), "__globals__", {})
-    if function.__name__ == "__init__" and given:  # fields of classes from other files
+    if function.__name__ == "__init__" and given:  # fields declared by classes in other files
         files = (vars(sys.modules[base.__module__]) for base in type(given[0]).__mro__)
         scope = ChainMap(scope, *files)
     found = []

@@ -152,7 +152,8 @@ class Sealed:
                 if count <= 0 or self._good[b, k]:
                     continue
                 found = _crc(file, offset + b * BLOCK * width, count * width)
-                if found != self._sums[b, k]:  # during a run, checksums in the file may be newer
+                # while the run continues, checksums in the file may be newer
+                if found != self._sums[b, k]:
                     self._sums = self._read_sums()
                 if found != self._sums[b, k]:
                     until = b * BLOCK + count - 1

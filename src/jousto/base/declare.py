@@ -81,7 +81,7 @@ class Declared:
         if by_value is not None:
             cls.by_value = by_value
         said = {key: value for key, value in vars(cls).items() if isinstance(value, Facts)}
-        # frame of the class statement, whose names the annotations refer to
+        # frame of the class statement, in which the names of the annotations are defined
         here = sys._getframe(1)
         while here.f_back and here.f_globals.get("__name__") == "abc":
             here = here.f_back

@@ -275,7 +275,7 @@ def suggest(name: object, candidates: Iterable[str]) -> str:
     >>> suggest("bom", ["boom", "ground"])
     "; did you mean 'boom'?"
     """
-    # names given by the user come before names of numbered nodes
+    # names given by the user precede names of numbered nodes
     known = sorted(candidates, key=lambda known: bool(re.fullmatch(r"n(ode)?\d+", known)))
     near = difflib.get_close_matches(str(name), known, n=1)
     if not near:  # another capitalisation, such as PID for pid

@@ -50,7 +50,8 @@ class Room(ModuleType):
 
 
 def _nearest(name: str, known: list[str]) -> str:
-    from jousto.base.errors import suggest  # only where a name is wrong: imports stay quick
+    # only needed for a wrong name, so that imports stay quick
+    from jousto.base.errors import suggest
 
     return suggest(name, known)
 

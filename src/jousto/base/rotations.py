@@ -22,7 +22,7 @@ UNIT_TOLERANCE = 1e-6
 
 PARALLEL = 1e-12  # largest sine of the angle between parallel vectors
 
-# smallest largest component of a vector with a direction
+# smallest allowed value of the largest component of a direction
 SHORTEST = 1e-150
 
 
