@@ -242,7 +242,8 @@ def _choose(
     loaded = _first(np.max(static, axis=0) <= accuracy) if static else 0
     least = 0 if limit is not None else min(LEAST, most)
     if dynamic is not None and limit is not None:
-        # all fixed-interface modes below the limit are needed: the supported body vibrates so
+        # all fixed-interface modes below the limit are needed, since the supported body vibrates in
+        # these
         dynamic = max(dynamic, int(np.sum(family.frequencies <= limit)))
     k = max(dynamic if dynamic is not None else most, least)
     use_residuals = bool(static) and (loaded is None or loaded > k + len(patterns))

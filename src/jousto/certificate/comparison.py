@@ -67,7 +67,7 @@ def hold(full: FullModel, modes: Modes) -> Check:
     ties = {tie.name: tie for tie in full.part.ties}
     for name, rows in modes.interfaces:
         s = np.linalg.svd(P[rows], compute_uv=False)
-        # / norm of one node, so that many nodes do not look stiffer
+        # divided by the norm of one node, so that many nodes do not look stiffer
         norm = max(np.sqrt(len(rows) / full.dofs), 1.0)
         own = ties[name].conditioning if name in ties else 1.0
         least.append((min(float(s[5] / norm), own) if len(s) > 5 else 0.0, name))

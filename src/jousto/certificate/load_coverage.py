@@ -101,7 +101,7 @@ class Reach:
         Y = np.concatenate([full.rigid.R, modes.X], axis=1)
         C = modes.moved(Y)
         size = np.sqrt(np.einsum("ij,ij->j", C, C))
-        # modes with fixed interfaces, up to round-off, are used unchanged
+        # modes with fixed interfaces (up to round-off) are used unchanged
         size = np.where(size > AT_REST * size.max(initial=0.0), size, 1.0)
         Z = scipy.linalg.null_space(C / size, rcond=1e-10) / size[:, None]
         if not Z.shape[1]:

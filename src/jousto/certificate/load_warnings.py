@@ -22,7 +22,8 @@ RUN_ERROR, EXAMINED_ERROR = 0.1, 0.02
 """Stress errors above which a run or an equilibrium warns, and doctor and `jousto check`."""
 RUN_SIZE = 5000
 """Number of degrees of freedom above which only doctor solves a part, not a run."""
-SAG = 1e-5  # smallest mean sag under its weight outside of the modes / length of the body
+# smallest mean sag under its own weight that the modes do not contain / length of the body
+SAG = 1e-5
 REMEDY = (
     "give its reduction more modes, residuals=[the load] (inertia_relief=True for weight), or an "
     "interface where the load acts"
