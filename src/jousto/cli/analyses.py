@@ -28,7 +28,7 @@ from jousto.cli.terminal import columns, facts, most_at, named, numbers, plain, 
 
 MATRICES = (".npz", ".mat")
 
-IN_LINE = 6  # longest list of components in one unit that is printed as one row
+IN_LINE = 6  # number of components in one unit up to which they are printed in one row
 ROWS = 20
 
 

@@ -184,7 +184,7 @@ def advise(
     text = str(advice)
     residuals = getattr(advice.method, "residuals", ())
     if residuals and all(".f" in load[-3:] for load in loads):
-        # residual loads as entries of a model file, which has forces at nodes but no moments
+        # residual loads as entries of a model file, where loads at nodes are forces without moments
         entries = ", ".join(_entry(load) for load in loads)
         text = text.replace(f"residuals={residuals}", f"residuals: [{entries}]")
     for line in text.splitlines():
