@@ -57,7 +57,7 @@ class Elastic:
     def from_part(cls, name: str, part: Part) -> Elastic:
         """Return the static model of an unsupported part."""
         R = part.rigid_modes()
-        # hold the six degrees of freedom whose rigid motions are most independent
+        # fix the six degrees of freedom whose rigid motions are most independent
         _, _, order = sl.qr(R.T, mode="economic", pivoting=True)
         held = np.sort(order[: R.shape[1]]).astype(np.intp)
         stress = part.stress if isinstance(part.stress, StressOperator) else None

@@ -127,7 +127,7 @@ def optimise_by_loads(
         plain = esl.classical(x, problem.bodies(x), problem.motions(x))
         table = esl.table_of(problem, x)
         ratio = largest(table, problem.fixed(x))
-        # order 0 finds a feasible design from any start, order 1 the optimum near it
+        # order 0 finds a feasible design from any start; order 1 then finds the optimum near it
         ahead = order == 1 and len(history) < AHEAD and ratio > 1.0 + NEAR
         loads = esl.first_order(problem, x, size) if order and not ahead else plain
         kept = esl.screened(table, screen)

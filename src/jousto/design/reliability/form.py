@@ -135,7 +135,7 @@ def moment_derivative(
     `tied`: a change of the mean also changes the deviation of variables with constant
     coefficient of variation.
     """
-    if isinstance(one.law, Affine):  # closed form; correlations do not change
+    if isinstance(one.law, Affine):  # closed form; the correlations remain the same
         out = np.zeros(len(u))
         i = variables.names.index(one.name)
         y = (x[i] - one.mean) / one.deviation

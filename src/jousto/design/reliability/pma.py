@@ -30,7 +30,7 @@ from jousto.design.reliability.limit import LimitState, Values, format_values
 
 Method = Literal["sqp", "hmv", "amv", "cmv"]
 METHODS = ("sqp", "hmv", "amv", "cmv")
-SAME = 1e-6  # distance of two iterates that count as one, relative to the last step
+SAME = 1e-6  # distance of two iterates that count as equal, relative to the last step
 ARMIJO = 1e-4
 HALVINGS = 20
 ROUNDING = 1e-12

@@ -21,7 +21,7 @@ from jousto.design.reliability.limit import LimitState
 
 STEP = 1e-3  # step of differences of a given gradient, standard deviations
 STEP_OF_VALUES = 3.0  # factor on the step where second derivatives are taken from values
-NOISY = 0.05  # relative change of the probability with a doubled step from which G counts as noisy
+NOISY = 0.05  # relative change of the probability for a doubled step above which G counts as noisy
 
 
 @described

@@ -269,7 +269,7 @@ class Work:
         A second check with a smaller step follows where the first one may have crossed a kink.
         """
         columns = [j for j in range(len(self._x)) if any(row[j] in STEPS for row in self._way)]
-        # skip outcomes that have differences in some columns
+        # skip outcomes for which some columns contain differences
         known = [all(row[j] in STEPS for j in columns) for row in self._way]
         rows = np.flatnonzero(known).tolist() if columns else []
         # irregular weights, so that errors of several parameters do not cancel
@@ -304,7 +304,8 @@ class Work:
         found = find_lost(partial(self._outcomes_beside, j), self._values, slopes, rows, sizes[j])
         for i, (why, jumps) in found.items():
             self._record([i], NONE if jumps else DIFFERENCES, why, j)
-            self._noise[i, j] = ROUNDING  # proportional to the step: a derivative, not noise
+            # the difference is proportional to the step, so it is a derivative and not noise
+            self._noise[i, j] = ROUNDING
             if jumps:
                 self._jacobian[i, j] = np.nan
 

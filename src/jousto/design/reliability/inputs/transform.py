@@ -269,7 +269,8 @@ class Rosenblatt(Transformation):
         if rows.ndim == 2 and rows.shape[1] > 1:
             try:
                 return self._chain(rows, take, given)
-            except (TypeError, ValueError, NotImplementedError):  # laws that accept one point only
+            # laws that accept a single point only
+            except (TypeError, ValueError, NotImplementedError):
                 columns = [self._chain(rows[:, k], take, given) for k in range(rows.shape[1])]
                 return np.stack(columns, axis=1)
         if rows.ndim == 2:

@@ -59,7 +59,8 @@ def _index(
         try:
             found = design_point(space, u, "sqp", 1e-6, 100, FAR)
         except DesignPointError as error:
-            if not error.history:  # no gradient at the start: the limit state may fail anywhere
+            # no gradient at the start, since the limit state may fail anywhere
+            if not error.history:
                 raise
             continue
         slope = problem.slope_at(d, i, found.u, found.gradient)

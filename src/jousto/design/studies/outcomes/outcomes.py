@@ -185,7 +185,7 @@ class Stress(Outcome):
                 return float(at(case.run, self.site).max())
             worst = spots(case.run)
             return float(worst[0].value) if worst else 0.0
-        # the derivative is that of the same place and instant
+        # the derivative at the same place and instant
         with plainly():
             plain = displaced_results(case.run, 0.0)
             found: Any = () if self.site else spots(plain)

@@ -71,7 +71,7 @@ class Contents:
             return "module", thing.__name__
         if id(thing) in self._seen:
             return "again", self._seen[id(thing)][0]
-        # a reference keeps the id from reuse
+        # a reference prevents the reuse of the id
         self._seen[id(thing)] = len(self._seen), thing
         name = qualified_name(thing)
         if is_library(thing):

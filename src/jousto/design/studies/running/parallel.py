@@ -195,7 +195,7 @@ def run_processes(
             if not sign.exists():
                 raise InputError(Problem("study", GUARD))
             size = 1
-            # points that were begun first: one of them may have crashed the worker
+            # the points that were begun first, since one of them may have crashed the worker
             for i in list(left)[:workers]:
                 deaths[i] = deaths.get(i, 0) + 1
                 if deaths[i] >= MOST_DEATHS:
