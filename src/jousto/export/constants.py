@@ -83,7 +83,8 @@ def array(name: str, values: NDArray[np.float64], *, kind: str = "double") -> st
     width = A_ROW if kind == "double" else 16
     lines = [", ".join(flat[i : i + width]) for i in range(0, len(flat), width)]
     body = ",\n    ".join(lines)
-    kind = {"double": "jo_real"}.get(kind, kind)  # complex in the build for derivatives
+    # double becomes complex in the build for derivatives
+    kind = {"double": "jo_real"}.get(kind, kind)
     return f"static const {kind} {name}[{len(flat)}] = {{\n    {body}\n}};\n"
 
 

@@ -12,7 +12,7 @@ from jousto.base.object_repr import described
 from jousto.model.model import Model
 
 SECONDS = 120.0  # timeout of a count, s
-FEW, MORE = 10, 110  # numbers of timed steps; a tenth more precede them
+FEW, MORE = 10, 110  # numbers of timed steps; a tenth more steps precede them
 STEPS = (MORE - FEW) * 11 // 10
 
 KINDS = {

@@ -17,7 +17,8 @@ from jousto.simulation.results.dataframes import component_units
 
 XYZ = ("x", "y", "z")
 ANGULAR = ("axes", "angle")
-FRICTION = {"mu_kinetic": "1", "mu_static": "1", "velocity": "m/s", "preload": "N"}  # else m
+# all others in m
+FRICTION = {"mu_kinetic": "1", "mu_static": "1", "velocity": "m/s", "preload": "N"}
 
 
 @dataclass(frozen=True)
