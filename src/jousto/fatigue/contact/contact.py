@@ -336,7 +336,7 @@ def _point_stress(x: Array, z: Array, c: HertzContact, mu: float) -> Array:
     for depth in np.unique(Z):
         rows = np.flatnonzero(Z == depth)
         points = _ellipse_rule(c, float(depth))
-        # number of points at a time, such that the distances fit into the cache
+        # number of points evaluated at a time, so that the distances fit into the cache
         step = max(1, 40_000 // len(points[0]))
         for i in range(0, len(rows), step):
             chosen = rows[i : i + step]

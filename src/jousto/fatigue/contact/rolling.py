@@ -138,7 +138,7 @@ def rolling_life(
     problems.raise_if_any()
     assert F is not None and c is not None
 
-    # one contact of unit pressure and size
+    # a single contact of unit pressure and size
     size = contact.a if contact.kind == "line" else min(contact.a, contact.b)
     along = round(contact.a / size, 9)
     across = round(contact.b / size, 9) if contact.kind == "point" else 1.0

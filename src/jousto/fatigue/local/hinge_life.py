@@ -174,7 +174,7 @@ def _large_turns(x: Array, small: float) -> NDArray[np.int64]:
     for k in range(1, len(values)):
         last = values[kept[-1]]
         if len(kept) >= 2 and (values[k] - last) * (last - values[kept[-2]]) >= 0.0:
-            kept[-1] = k  # it goes on in the same direction
+            kept[-1] = k  # the series continues in the same direction
         elif abs(values[k] - last) > small:
             kept.append(k)
     return index[kept]
@@ -186,7 +186,7 @@ def _plateau_ends(M: Array, ends: NDArray[np.int64]) -> NDArray[np.int64]:
     out = ends.copy()
     for k, (i, j) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
         out[k] = i + np.flatnonzero(np.abs(M[i:j] - M[i]) <= same)[-1]
-    out[-1] = len(M) - 1  # with the yielding after the last turn
+    out[-1] = len(M) - 1  # including the yielding after the last turn
     return out
 
 

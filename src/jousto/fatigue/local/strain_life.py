@@ -129,15 +129,15 @@ def local_path(series: ArrayLike, material: StrainLife, *, rule: Rule = "neuber"
     S, index = turning_points(x)
     start = np.full(
         len(S), -1, dtype=np.intp
-    )  # turning point at the start of the branch, -1: virgin curve
+    )  # turning point at the start of the branch; -1 for the virgin curve
     stack: list[int] = []
     largest = 0.0
     for k, value in enumerate(S):
         # close the loops that are smaller than this branch
         while len(stack) >= 2 and abs(value - S[stack[-1]]) >= abs(S[stack[-1]] - S[stack[-2]]):
             del stack[-2:]
-        # on the virgin curve: clear the memory. round-off of equal ranges may close all loops a
-        # little below the largest value
+        # on the virgin curve: clear the memory. Round-off of equal ranges may close all loops
+        # slightly below the largest value
         if abs(value) >= largest or not stack:
             stack, largest = [k], max(largest, abs(float(value)))
         else:

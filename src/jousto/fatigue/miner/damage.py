@@ -271,7 +271,7 @@ def survival_of(
     low, high = (
         -8.0,
         8.0,
-    )  # limits of z, standard deviations; P is 0 or 1 in double precision beyond them
+    )  # limits of z in standard deviations; beyond them P is 0 or 1 in double precision
     if np.any(np.isinf(S)) or _breaks(cycles, mean) or not survives(low):
         return 0.0
     if survives(high):

@@ -28,7 +28,7 @@ from jousto.fatigue.multiaxial.enclosing_ball import enclosing_ball, enclosing_c
 from jousto.materials.strength.strain_life import StrainLife
 from jousto.recovery.fields.planes import positive_normal
 
-BLOCK_BYTES = 64 << 20  # memory for the stresses on planes at a time, bytes
+BLOCK_BYTES = 64 << 20  # memory for the stresses on planes evaluated at a time, bytes
 COARSE = math.radians(9.0)  # angle between normals of the first search, rad
 PLANE_TIE = 1e-7  # relative difference of values on the finest grid (0.01 degrees) that are equal
 SENSITIVITY = "in [0, 10]"
@@ -191,7 +191,7 @@ def normals(step: float = COARSE) -> Array:
     out = [np.array([[0.0, 0.0, 1.0]])]
     for ring in range(1, rings + 1):
         theta = 0.5 * math.pi * ring / rings
-        # opposite normals on the equator are the same plane: half of the circle
+        # opposite normals on the equator belong to the same plane, so half of the circle is enough
         turn = math.pi if ring == rings else 2.0 * math.pi
         count = max(3, round(turn * math.sin(theta) / step))
         phi = np.arange(count) * turn / count
@@ -315,7 +315,7 @@ def critical_plane(stress: ArrayLike, criterion: PlaneCriterion | DangVan) -> Cr
             u, v = tangents(centre[None])
             g = reach * np.array(
                 [0.0, -0.5, 0.5, -1.0, 1.0]
-            )  # the centre is first, so that it remains if values are equal
+            )  # the centre comes first, so that it is selected among equal values
             net = centre + g[:, None, None] * u[0] + g[None, :, None] * v[0]
             net = net.reshape(-1, 3) / np.linalg.norm(net.reshape(-1, 3), axis=1, keepdims=True)
             found = _values(s, net, criterion)[0]

@@ -17,7 +17,8 @@ from jousto.base.errors import InputError, Problem, Problems, suggest
 Method = Literal["dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light"]
 METHODS = ("dirlik", "narrow-band", "tovo-benasciutti", "wirsching-light")
 POINTS = 6001  # number of amplitudes of the integral of the damage
-REACH = 12.0  # largest amplitude, standard deviations; Dirlik's exponential term goes further
+# largest amplitude in standard deviations; only Dirlik's exponential term extends further
+REACH = 12.0
 
 
 @explained
@@ -156,7 +157,7 @@ def amplitude_density(
         a1 = min(m1 / math.sqrt(m0 * m2), 1.0)
         share = 1.112 * (1.0 + a1 * a2 - (a1 + a2)) * math.exp(2.11 * a2) + (a1 - a2)
         b = min(max((a1 - a2) * share / (a2 - 1.0) ** 2, 0.0), 1.0)
-        # both densities per peak: level crossings at the rate nu0, ranges at the rate nup
+        # both densities are per peak: level crossings occur at the rate nu0, ranges at the rate nup
         return b * a2 * narrow + (1.0 - b) * _rayleigh(a, a2 * s), nup
     z = a / s
     x = m1 / m0 * math.sqrt(m2 / m4)
