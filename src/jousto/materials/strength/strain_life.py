@@ -197,7 +197,7 @@ class StrainLife(Declared, section="curves", tag="strain-life", by_value=True):
         q = p - self.b + self.c
         y, A, B = np.broadcast_arrays(y, np.asarray(A, dtype=float), np.asarray(B, dtype=float))
         out = np.full(y.shape, np.inf)
-        # a mean stress above sf: failure at once
+        # a mean stress above sf causes failure at once
         out[(A <= 0.0) & (y > 0.0)] = 0.0
         live = (y > 0.0) & (A > 0.0)
         if not live.any():
