@@ -14,7 +14,7 @@ from jousto.base.arrays import Array
 from jousto.base.object_repr import described
 from jousto.model.native.damage_meter import DamageMeter
 
-PAUSE = 10.0  # number of usual time steps from which a gap is not monitored time
+PAUSE = 10.0  # number of usual time steps above which a gap does not count as monitored time
 
 
 @described

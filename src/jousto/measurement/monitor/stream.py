@@ -27,8 +27,8 @@ LINES = 512  # lines per block; constant for files, so that repeated runs are id
 LONGEST = 1 << 16  # longest valid line, bytes
 HEADER_WITHIN = 1000  # lines within which the header must occur
 CONFIRM = 5  # consecutive lines that confirm a jump of time
-LEAP = 1000.0  # length of a jump that needs confirmation, in time steps ..
-LEAST_LEAP = 10.0  # .. and in seconds
+LEAP = 1000.0  # length of a jump that needs confirmation, in time steps; see also the next constant
+LEAST_LEAP = 10.0  # the same limit in seconds
 
 PRESENT, EMPTY, NOT_A_NUMBER, INFINITE = range(4)
 """Content of a cell."""
@@ -202,7 +202,7 @@ class Stream:
         self._origin: float | None = None  # first time of a pipe, to detect a restart
         self._skip = False
         self._known = 0  # number of invalid lines of a pipe that were reported before its restart
-        # invalid lines found before it is clear whether the pipe restarted
+        # invalid lines found before it is known whether the pipe was restarted
         self._unsure: list[Oddity] = []
         self._whole = bool(self.source.seekable())
         self._headed = False  # whether the next line of text may contain the units
@@ -257,7 +257,7 @@ class Stream:
 
     def _lines(self) -> list[tuple[int, bytes]]:
         """Return the complete lines (byte offset, text) of the next piece."""
-        # bytes that were read together with the header
+        # bytes that were read beyond the header
         waiting = b"\n" in self._rest
         read = getattr(self.source, "read1", self.source.read)
         piece = b"" if waiting else read(PIECE)
@@ -568,7 +568,7 @@ def _has_content(line: tuple[int, bytes]) -> bool:
 def _name_and_unit(cell: str) -> tuple[str, str]:
     if not cell.endswith(("]", ")")):
         return cell, ""
-    # the first bracket that opens after the last one that closes before
+    # the first bracket from which every bracket is closed
     start = max(cell.rfind("]", 0, -1), cell.rfind(")", 0, -1)) + 1
     at = min((i for i in (cell.find("[", start), cell.find("(", start)) if i >= 0), default=-1)
     return (cell[:at].rstrip(), cell[at + 1 : -1].strip()) if at >= 0 else (cell, "")

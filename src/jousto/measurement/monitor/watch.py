@@ -35,7 +35,8 @@ from jousto.simulation.results.writer import uninterrupted
 Show = Callable[["Progress"], None]
 
 TEXT = 160  # bytes of the text of an event
-MOST_ODDITIES = 1000  # invalid lines that are recorded one by one; all of them are counted
+# number of invalid lines that are recorded one by one; all invalid lines are counted
+MOST_ODDITIES = 1000
 UNLIKELY = LARGE_STRAIN  # m/m; a channel without unit that mostly exceeds this is not in m/m
 
 

@@ -247,7 +247,7 @@ def check_observable(system: System, channels: Channels) -> None:
     seen = (channels.H @ system.static_states) * scale
     _, s, Vt = np.linalg.svd(seen)
     s = np.r_[s, np.zeros(system.na - len(s))]
-    # unobservable: effect of the whole prior load below one standard deviation of noise
+    # unobservable: the effect of the whole prior load is below one standard deviation of noise
     hidden = Vt[s < 1.0]
     if not len(hidden):
         return

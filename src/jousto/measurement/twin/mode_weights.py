@@ -23,9 +23,11 @@ from jousto.parts.part import Part
 from jousto.reduction.reduced import ReducedPart
 
 KINDS = ("energy", "loads")
-STRAINLESS = 1e-10  # strain over the largest possible one, up to which it is round-off
-ALIKE = 1e-8  # smallest singular value of unit strains of loads, below which they are alike
-UNSEEN = 0.01  # share of a mode that the strains decide, below which it is listed as not seen
+STRAINLESS = 1e-10  # ratio of a strain and the largest possible one, up to which it is round-off
+# smallest singular value of unit strains of loads, below which two loads are indistinguishable
+ALIKE = 1e-8
+# share of a mode that the strains determine, below which the mode is listed as not seen
+UNSEEN = 0.01
 # logarithms of the weight over the squared singular values, between which the evidence is searched
 RANGE, STEPS = 14.0, 113
 SYMMETRY = 1e-9  # asymmetry of a stiffness over its largest entry, above which it is refused
@@ -244,7 +246,8 @@ def _weighed(
     power = (d**2).sum(axis=1)
     a, evidence = _likeliest_weight(where, s**2, power, len(complete))
     G = la.cho_solve((energy_root, True), np.eye(n)) / a
-    with warnings.catch_warnings():  # fewer gauges than modes: the result tells what is not seen
+    # fewer gauges than modes: the result reports the modes that are not seen
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", JoustoWarning)
         found = Reconstruction(S, noise=R, prior=0.5 * (G + G.T), names=labels)
     gain = found.gain(np.ones(ng, dtype=bool))
@@ -259,7 +262,7 @@ def _check_loads(
     """Raise an error for loads without strain (columns of H), or that gauges cannot distinguish."""
     size = np.linalg.norm(H, axis=0)
     moved = np.linalg.norm(L, axis=0)
-    if part is not None:  # a load at a clamp moves nothing but by round-off
+    if part is not None:  # a load at a clamp causes no motion except round-off
         moved = np.maximum(moved, float(np.abs(part.modes).max()))
     still = np.flatnonzero(size <= STRAINLESS * np.linalg.norm(flexibility, 2) * moved)
     for k in still:
@@ -290,7 +293,8 @@ def _rest(S: Array, H: Array, E: Array, K: Array) -> Array:
         modes = la.solve_triangular(la.cholesky(W, lower=True), S.T, lower=True).T
         U, s, _ = la.svd(left.T @ modes, full_matrices=False)
         if not s[0] > STRAINLESS * np.linalg.norm(modes, 2):
-            continue  # other motions strain as the loads do: nothing tells them apart
+            # other motions cause the same strains as the loads, so they cannot be distinguished
+            continue
         power = ((U.T @ (left.T @ E)) ** 2).sum(axis=1)
         log_b, loss, _ = _most_likely(s**2, power, E.shape[1])
         if loss < best:
@@ -378,7 +382,8 @@ def _most_likely(s2: Array, power: Array, instants: int) -> tuple[float, float, 
     k = int(losses.argmin())
     if k in (0, STEPS - 1):
         return float(grid[k]), float(losses[k]), k
-    # where the slope vanishes: the loss itself is flat there, and tells half of the digits
+    # the optimum is where the slope vanishes: the loss itself is flat there and determines only
+    # half of the digits
     low, high = float(grid[k - 1]), float(grid[k + 1])
     if slope(low) < 0.0 < slope(high):
         log_a = float(brentq(slope, low, high, xtol=1e-14))

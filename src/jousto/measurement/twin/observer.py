@@ -342,7 +342,8 @@ class Observer:
             motion = STILL if self.reference is None else self.reference.at(t)
         # known forces at the predicted state; their change with p is of second order
         f = system.known_forces(self._force, motion, system.shape @ self._x, system.rates @ self._x)
-        y = np.zeros(len(channels.names))  # the balance channels always read zero
+        # the balance channels always have the measured value zero
+        y = np.zeros(len(channels.names))
         y[: len(sample)] = sample
         y -= self._offset(motion, f, self._x)
         seen = np.isfinite(y)

@@ -143,7 +143,7 @@ def innovation_test(
         raise InputError(
             Problem("innovation_test", f"{len(observed)} samples, needs {skip + 10} or more")
         )
-    # without the balance, which free loads always satisfy
+    # without the balance equations, which free loads always satisfy
     measured = observed.observer.names
     scores = observed.scores[skip:, : len(measured)]
     good = np.isfinite(scores)

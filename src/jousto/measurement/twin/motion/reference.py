@@ -208,7 +208,7 @@ class Reference:
             if not isinstance(x, Sensor)
         ]
         with warnings.catch_warnings():
-            # measured values differ from the initial pose: a corrected start needs no warning
+            # measured values differ from the initial pose, so a corrected start needs no warning
             warnings.filterwarnings("ignore", ".*the start fits the drives", JoustoWarning)
             model = compile(Mechanism(*items, name=mechanism.name))
         parts = {x.name: getattr(x, "reduced", None) for x in mechanism.bodies}
