@@ -26,7 +26,7 @@ from jousto.mechanism.sensors.base import Sensor
 from jousto.mechanism.signals.base import Input, Signal, leaves
 from jousto.mechanism.signals.switched import Switched
 
-# largest gap at a joint that projection may close / size of the mechanism
+# largest gap at a joint that projection may close, relative to the size of the mechanism
 GAP_TOLERANCE = 1e-6
 
 # types of the arguments of Mechanism
@@ -42,7 +42,7 @@ def kind_of(item: Any) -> str:
         return "beam"
     if isinstance(item, RigidBody | FlexibleBody):
         return "body"
-    if isinstance(item, Sensor):  # a bridge is called a bridge in messages
+    if isinstance(item, Sensor):  # messages name the bridge instead of its gauges
         return "sensor"
     return getattr(item, "kind", "")
 

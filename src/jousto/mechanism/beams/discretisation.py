@@ -16,7 +16,7 @@ from jousto.base.rotations import (
 from jousto.mechanism.beams.stiffness import tension_factor
 from jousto.mechanism.bodies.body import RigidBody
 
-ROTARY = 1.2  # smallest rotary inertia / inertia needed by the first moment
+ROTARY = 1.2  # ratio of the smallest rotary inertia and the inertia that the first moment requires
 
 
 class BeamNode(RigidBody):

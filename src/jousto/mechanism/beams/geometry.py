@@ -20,9 +20,11 @@ from jousto.parts.frames.element import check_elements
 
 SHARES = {"lumped": 0.0, "corrected": 0.0, "consistent": 1.0}
 MOST_TWIST = 3.0  # rad, largest twist of an element
-CENTRED = 1e-6  # largest offset of a mass centre that counts as on the axis / radius of gyration
+# largest offset of a mass centre, relative to the radius of gyration, that counts as on the axis
+CENTRED = 1e-6
 COARSE = 1.0  # rad, bend of an unstressed element above which the mesh is coarse
-WIDE = 5.0  # width of a section / length of the beam, above which a warning is given
+# ratio of the width of a section and the length of the beam above which a warning is given
+WIDE = 5.0
 
 
 def checked_nodes(problems: Problems, where: str, points: ArrayLike, elements: Any) -> Array | None:
@@ -129,7 +131,7 @@ def along_nodes(
     found = problems.array(where, name, value, one)
     if found is None:
         return None
-    if not one:  # the value at the end, linear along the beam
+    if not one:  # a single value is the value at the end, and the function is linear along the beam
         return read_only(np.linspace(0.0, float(found), n + 1))
     return read_only(np.tile(found, (n + 1, 1)))
 

@@ -25,9 +25,10 @@ from jousto.sections.section import is_section
 
 # m/s, speed of axial waves that no solid exceeds
 FASTEST_WAVE = 5e4
-# relative tolerance of the polar moments of a flat section, where mass and stiffness are alike
+# relative tolerance of the polar moments of a flat section with proportional mass and stiffness
 MOMENTS, ALIKE = 0.01, 0.01
-POLAR = 10.0  # ratio of polar to (EIy + EIz)/EA (or its inverse) that indicates another quantity
+# ratio of polar to (EIy + EIz)/EA (or its inverse) above which polar is probably another quantity
+POLAR = 10.0
 # smallest eigenvalue of a stiffness scaled to unit diagonal
 SINGULAR = 1e-13
 

@@ -62,7 +62,7 @@ class Ground:
 
     name: ClassVar[str] = "ground"
 
-    __iter__: ClassVar[None] = None  # points have names, so the ground is no sequence
+    __iter__: ClassVar[None] = None  # points have names, so the ground is not a sequence
 
     def __repr__(self) -> str:
         return "<Ground 'ground'>"

@@ -151,7 +151,7 @@ def closed_surface(where: str, triangles: Array) -> Solid:
     )
     if not same:
         _refuse(where, points, edges)
-    # relative to the middle, so that a body far from the origin loses no digits
+    # relative to the middle, so that a body far from the origin is computed accurately
     middle = points.mean(axis=0)
     a, b, c = np.moveaxis(triangles - middle, 1, 0)
     d = np.einsum("ti,ti->t", a, np.cross(b, c))

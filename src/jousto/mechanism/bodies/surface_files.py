@@ -79,7 +79,7 @@ def _obj(where: str, path: Path) -> Array:
 
     data = io.BytesIO(
         path.read_bytes()
-    )  # as a stream, so that the reader opens no file named inside
+    )  # as a stream, so that the reader opens no other files named in it
     options: dict[str, Any] = {"skip_materials": True, "process": False, "maintain_order": True}
     mesh: Any = trimesh.load(data, file_type="obj", force="mesh", **options)
     if not len(mesh.faces):

@@ -186,7 +186,7 @@ class LineLoad(ForceElement, tag="line"):
         L = beam.lengths[:, None] / (2 * parts)
         near = parts - 1.0
         ends = np.stack([L * (near * q[:-1] + q[1:]), L * (q[:-1] + near * q[1:])], axis=1)
-        if self.follow:  # at corners the sections of the elements are not that of the node
+        if self.follow:  # at corners the section axes of the elements differ from those of the node
             nodes = np.stack([beam.frames[:-1], beam.frames[1:]], axis=1)
             ends = np.einsum("neji,nejk,nek->nei", nodes, beam.ends, ends)
         return np.asarray(ends)

@@ -120,7 +120,7 @@ class MovingLoad(ForceElement, tag="moving-load"):
         u = reduced.modes[nodes]
         theta = np.stack([np.asarray(reduced.rotation(k)) for k in nodes])
         rise = (u[1:] - u[:-1]) / h
-        # across the line the slope follows the rotations; along the line the stretch is uniform
+        # the lateral slope follows the rotations; the stretch along the line is uniform
         along = t[:, :, None] * np.einsum("ka,kaj->kj", t, rise)[:, None, :]
         first = np.cross(theta[:-1], t[:, :, None], axis=1) + along
         last = np.cross(theta[1:], t[:, :, None], axis=1) + along

@@ -50,7 +50,7 @@ _OF_VALUE = _PidLaw(
     },
     notes=dict.fromkeys(("filter", "tracking"), "0 for that of its gains"),
     constants=("filter_share", "tracking_share", "start", "speed"),
-    # integral part, and measured value behind the filter
+    # integral part, and filtered measured value
     states={"integral": FORCE, "filtered": VALUE},
     reference=VALUE,
     signal=FORCE,

@@ -407,7 +407,7 @@ def _on_surface(g: Gauge, where: str, reduced: ReducedPart) -> tuple[Array, Arra
         if g.transverse:
             e = _across(e, point_strain(feet, np.cross(normal, t))(u), g.transverse)
         return foot.x, t, e
-    # a grid with a width only is as long as wide
+    # a grid without a length is as long as it is wide
     length, width = g.length or g.width, g.width
     try:
         e = grid_strain(skin, foot, tangent(t, foot.normal), length, width)(u)
@@ -589,7 +589,8 @@ def _hooke(
 
     e = along(t)
     if g.transverse:
-        # across, on a surface with axial stress and shear only: trace minus the strain along
+        # normal strain across the fibre, on a surface with axial stress and shear only: trace minus
+        # the strain along the fibre
         trace = (1.0 - 2.0 * nu) / E * (TRACE @ mean)
         normal = -nu / E * (TRACE @ mean)
         e = _across(e, trace - normal - e, g.transverse)
