@@ -12,9 +12,9 @@ from jousto.base.object_repr import described
 from jousto.mesh.grid import Grid
 from jousto.mesh.surface import face_normals
 
-# largest angle between normals of faces of one wall, degrees
+# largest angle between the normals of neighbouring faces of one wall, degrees
 SMOOTH = 35.0
-# largest difference of radius and axis of walls of one cylinder / radius
+# largest difference of radius and axis, relative to the radius, for walls of one cylinder
 NEAR = 0.02
 # fraction of the circumference that a hole must close
 CLOSED = 0.75

@@ -203,7 +203,7 @@ class Nearest(Pick):
         away = np.linalg.norm(nodes - self.point, axis=1)
         if len(away) <= self.count:
             return np.arange(len(away), dtype=np.intp)
-        # of nodes at equal distance the first ones
+        # among nodes at equal distance the first nodes are taken
         last = np.partition(away, self.count - 1)[self.count - 1]
         nearer = np.flatnonzero(away < last * (1.0 - TIE))
         equal = np.flatnonzero(np.abs(away - last) <= TIE * last)

@@ -56,7 +56,8 @@ _PIEZO = "its electric potential is left out"
 
 # ---- Abaqus and CalculiX -------------------------------------------------------------------------
 
-# letters after these names without effect on stiffness and mass: T temperature, P pore pressure
+# letters appended to these names without effect on stiffness and mass: T temperature, P pore
+# pressure
 ABAQUS = (
     _named("tetra", "C3D4")
     | _named("tetra", "C3D4H", why=_PRESSURE)

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 # text meshes are compressed to a fifth or tenth of their size
 MOST_PACKED = 100
-LARGEST_UNPACKED = 1 << 26  # bytes that are unpacked at any ratio
+LARGEST_UNPACKED = 1 << 26  # size, bytes, up to which a file is unpacked at any compression ratio
 _MESHED = (
     "a %s file: name it STEM.%s and mesh it, jousto mesh STEM.%s --size '8 mm' or"
     " jo.mesh_cad(path, size=...)"

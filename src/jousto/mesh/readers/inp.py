@@ -103,7 +103,8 @@ def read_deck(path: Path) -> Deck:
         instance.shift = i * step
         _merge(deck.raw, own.raw, instance.shift)
         deck.masses += [(block, at + instance.shift) for block, at in own.masses]
-    # nodes and elements of no instance, such as reference points: numbered after the instances
+    # nodes and elements that belong to no instance, such as reference points, are numbered after
+    # the instances
     model = Instance("", parts.model, shift=len(found) * step if found else 0)
     if len(found) == 1:
         _apart(deck.raw, names, parts)
@@ -222,7 +223,8 @@ def _nodes(block: Block) -> tuple[Ints, Array]:
             return block.whole([row[0] for row in rows]), table
     except ValueError:
         pass
-    for i, row in enumerate(rows):  # zeros may be blank, and left out at the end: '1' is the origin
+    # coordinates may be blank for zero, and zeros at the end may be left out: '1' is the origin
+    for i, row in enumerate(rows):
         try:
             values = [real(word) for word in row[1:4]]
         except ValueError:

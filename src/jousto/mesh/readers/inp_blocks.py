@@ -18,7 +18,7 @@ from jousto.mesh.readers.raw import BIG
 _DATA_FILES = ("NODE", "ELEMENT", "NSET", "ELSET")
 # keywords whose blank data lines mean defaults
 _BLANK = ("BEAM GENERAL SECTION",)
-# depth of nested files; Abaqus allows five
+# largest depth of nested files; Abaqus allows five
 DEPTH = 10
 
 
@@ -136,7 +136,7 @@ def _lines(path: Path, above: tuple[Path, ...]) -> Iterator[_Line]:
             text = line.strip()
             if line.startswith("**") or (begun and not text):
                 continue
-            if begun and re.match(r"[-+.\d]", text):  # a superfluous comma, data follow
+            if begun and re.match(r"[-+.\d]", text):  # a superfluous comma, since data follow
                 yield from _opened(begun.rstrip(","), first, above)
                 begun = ""
             if begun or text.startswith("*"):

@@ -68,7 +68,7 @@ def read_med(path: Path) -> RawMesh:
 def _with_data(path: Path, mesh: Any) -> RawMesh:
     raw = _plain(path, mesh)
     _mirror(raw, only="wedge")
-    # numbers of nodes and elements, by the array names of various programs
+    # numbers of nodes and elements, by the array names that various programs use
     for title, values in mesh.point_data.items():
         _sets(raw.node_sets, title, [np.asarray(values)], [raw.node_ids[0]])
     for title, parts in mesh.cell_data.items():

@@ -84,7 +84,7 @@ def read_bulk(path: Path) -> RawMesh:
     networks: dict[int, tuple[str, str]] = {}  # IN and ISOP of PSOLID
     thin = set[
         int
-    ]()  # properties of shells, beams and rods; Gmsh names surfaces by shells without a property
+    ]()  # property for shells, beams and rods without one, by which Gmsh describes surfaces
     properties: dict[int, list[int]] = {}
     materials: dict[int, int] = {}
     numbers: list[tuple[Card, Members]] = []

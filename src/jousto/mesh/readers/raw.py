@@ -16,7 +16,7 @@ from jousto.mesh.quality import volumes
 from jousto.mesh.readers.element_types import ElementType
 from jousto.mesh.surface import face_kind
 
-# limits of coordinates and numbers of nodes and elements; beyond, the file is damaged
+# limits of coordinates and of node and element numbers; a file beyond them is damaged
 FAR = 1e12
 BIG = 2**62
 

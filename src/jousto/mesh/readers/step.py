@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 FINEST = 0.25
 FACETS = 24  # facets of a full turn of a curved surface, for drawing
 SHARE = 0.2  # element size / length of a part, if only its surface is needed
-# scaled Jacobian below which edges are straightened: a little above that of a flat element
+# scaled Jacobian below which edges are straightened; slightly above that of a flat element
 POOR = 0.06
 # growth of the element size per distance from a refined face
 GROWTH = 0.4

@@ -30,7 +30,7 @@ _KINDS = (
     | {10 * family + 5: "quad8" for family in range(4, 10)}
     | {11: "line", 21: "line", 22: "line", 23: "line", 24: "line"}
 )
-# rods and beams have a line with their orientation before that of their nodes
+# rods and beams have a line with their orientation before the line with their nodes
 _BEAMS = (11, 21, 22, 23, 24, 31, 32)
 # springs, masses, rigid elements
 _SILENT = (121, 122, 136, 137, 138, 139, 141, 142, 151, 152, 161)
