@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from jousto.reduction.reduced import ReducedPart
 
 log = logging.getLogger(__name__)
-CHANGED = 1e-6  # smallest change of velocities that is reported / largest velocity
+CHANGED = 1e-6  # smallest change of velocities that is reported, relative to the largest velocity
 SYMMETRIC = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))  # indices of xx yy zz yz xz xy
 ROWS, COLUMNS = (list(places) for places in zip(*SYMMETRIC, strict=True))
 NO_MODES: dict[str, Any] = {
@@ -119,7 +119,7 @@ def compile(mechanism: Mechanism, *, core: str | None = None) -> Model:
     for initial in mechanism.initials:
         builder.declared(initial.coordinate)
     places = {id(joint): i for i, joint in enumerate(mechanism.joints)}
-    for friction in mechanism.frictions:  # after all permanent rows
+    for friction in mechanism.frictions:  # these rows follow all permanent rows
         builder.friction(friction, places[id(friction.joint)])
     active = len(builder.markers)
     sensors = sensor_models(mechanism, builder, index, watched)
@@ -352,7 +352,7 @@ def _consistent(model: Model) -> Model:
     except SingularJoints:
         _check_reachable(model)
         if not (found := repeated_rows(model)):
-            raise  # rows are independent, but the masses differ beyond double precision
+            raise  # the rows are independent, but the masses differ beyond double precision
         every = tuple(joint.name for joint in model.joints)
         rubbing = tuple(friction.joint for friction in model.frictions)
         flagged = flag_reactions(model.sensors, every, found.joints, rubbing)

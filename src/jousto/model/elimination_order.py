@@ -140,9 +140,9 @@ def eliminate(
             awaited.setdefault(j, []).append(i)
     # all joints of one clique are coupled
     known = [missing(i) if shared[i] > 1 else 0 for i in range(count)]
-    # the joint unchanged for longest first: a chain is then eliminated from both ends in turn, two
-    # short sequences of dependent operations that the processor overlaps; a long chain continues
-    # from the ground to its free end
+    # the joint unchanged for longest comes first: a chain is then eliminated from both ends in
+    # turn, as two short sequences of dependent operations that the processor overlaps; a long chain
+    # continues from the ground to its free end
     turn, step = 0, 1
     sides = [0] * count
     if count > LONG:

@@ -20,16 +20,16 @@ from jousto.model.packing.builder import Builder
 from jousto.model.rank.redundancy import RANK, SHARE, constraint_matrix, dependent_rows, is_drive
 from jousto.model.scales import largest_speed, velocity_metres
 
-SAME = 1e-12  # round-off / velocities
-FITS = 1e-9  # largest violation of constraint rows / largest velocity
+SAME = 1e-12  # round-off, relative to the velocities
+FITS = 1e-9  # largest violation of constraint rows, relative to the largest velocity
 MOST = 2000  # largest number of velocities and rows for dense matrices
 
 
-PIECE = 0.1  # largest step of a coordinate, rad or / size of the mechanism
+PIECE = 0.1  # largest step of a coordinate, rad or relative to the size of the mechanism
 ITERATIONS = 30
 CLOSED = 1e-12  # closure tolerance / size of the mechanism
 FAR = 1e3  # largest useful step / size of the mechanism
-REACHED = 1e-9  # largest difference of rates that agree / largest velocity
+REACHED = 1e-9  # largest difference of rates that count as equal, relative to the largest velocity
 
 
 def quiet_velocities(model: Model, engine: Engine, given: Array) -> Array | None:
@@ -118,7 +118,7 @@ def least_motion(model: Model, engine: Engine, Cq: Array, asked: Array) -> Array
         Cq[:, modal] / length[:, None],
         asked / length,
     )
-    # the part that rigid motions cannot provide is left to the modes
+    # the part that rigid motions cannot provide is assigned to the modes
     U, s, Vt = np.linalg.svd(weighted, full_matrices=True)
     rank = int((s > RANK).sum())
     left = U[:, rank:].T

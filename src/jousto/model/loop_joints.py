@@ -111,7 +111,8 @@ def _meet_often(model: Model) -> bool:
             if not is_moving(links[link]):
                 continue
             passed[link] += 1
-            meetings += passed[link]  # pairs with all loops through the link, and with itself
+            # pairs with all loops through the link, and of the loop with itself
+            meetings += passed[link]
             if meetings >= most:
                 return True
     return False

@@ -28,8 +28,8 @@ JOINT = "joint coordinates"
 BODIES = "positions of the bodies"
 PARALLEL = {(0, 2), (1, 2)}
 NO_TURN = {(0, 2), (1, 2), (0, 1)}
-# links by: whether the origins coincide, x and y are fixed in the axes of a, and the pairs of
-# perpendicular axes
+# links by three criteria: whether the origins coincide, whether x and y are fixed in the axes of a,
+# and the pairs of perpendicular axes
 LINKS = {
     (True, False, frozenset(PARALLEL)): "hinge",
     (True, False, frozenset(NO_TURN)): "fixed",
@@ -392,7 +392,7 @@ class _Tree:
         m = self.model
         first = np.array([body.iq + 3 for body in m.bodies])
         A = rotation_matrix(np.real(m.q0)[first[:, None] + np.arange(4)])
-        A = np.concatenate([A, np.eye(3)[None]])  # that of the ground, -1
+        A = np.concatenate([A, np.eye(3)[None]])  # the index of the ground is -1
         sides = np.array([joint.sides[:2] for joint in m.joints], dtype=np.intp)
         markers = [m.markers[i] for i in sides.ravel()]
         local = np.real([marker.A0 for marker in markers])

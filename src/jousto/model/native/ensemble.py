@@ -81,7 +81,8 @@ class _Laid:
             of = ffi.typeof(array).item
             data = np.frombuffer(ffi.buffer(array), np.uint8)
             self.blocks.append((of.cname, data.reshape(-1, ffi.sizeof(of))))
-        self._keep = structs, layout.model  # keep only these: the layout would keep the model alive
+        # keep only these objects, since the layout would keep the model alive
+        self._keep = structs, layout.model
         memory: list[NDArray[Any]] = [*rooms, *(data for _, data in self.blocks)]
         starts, sizes = [_start(x) for x in memory], [x.nbytes for x in memory]
         self.order = np.argsort(np.array(starts, np.uint64))

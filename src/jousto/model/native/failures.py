@@ -11,7 +11,7 @@ AT_BODY = (
     "not finite",
     "singular body",
     "no convergence",
-)  # statuses whose index is that of a body
+)  # statuses whose error index is the number of a body
 
 
 def failure(model: Model, status: str, index: int, cause: BaseException | None = None) -> Problem:

@@ -32,7 +32,7 @@ class _Laid:
     counts: dict[int, int]
 
 
-# by build of the engine, and whether it has the pattern of Newton's matrix
+# cached by build of the engine, and by whether it has the pattern of Newton's matrix
 _LAID: WeakKeyDictionary[Model, dict[tuple[int, bool], _Laid]] = WeakKeyDictionary()
 
 

@@ -46,7 +46,7 @@ def _loaded(name: str) -> tuple[Any, Any]:
                 f"compiler (pip install .)",
             )
         )
-    # keep it loaded: at exit of Python engine memory may be freed after its library
+    # keep the library loaded: when Python exits, engine memory may be freed after its library
     return ffi().dlopen(str(path), getattr(ffi(), "RTLD_NODELETE", 0)), path
 
 

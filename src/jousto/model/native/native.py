@@ -32,7 +32,9 @@ STATE = (
 )
 # fields of jo_pace
 PACE = ("step", "farthest", "ahead", "latest", "worst", "missed", "done")
-CLOSED = 1e-14  # closure of joints / size of the mechanism, or / its distance from the origin
+# joints count as closed below this gap, relative to the size of the mechanism or to its distance
+# from the origin
+CLOSED = 1e-14
 IMAGINARY = 1e-30  # imaginary step, for derivatives exact to round-off
 
 
@@ -111,7 +113,7 @@ class Engine:
         self.a = self._view(self._library.jo_data_a(data), model.nv)
         self.lam = self._view(self._library.jo_data_lam(data), model.nrow)
         self.time = self._view(self._library.jo_data_time(data), 1)
-        self.gravity = self._view(self._model.gravity, 3)  # m/s2, of this engine only
+        self.gravity = self._view(self._model.gravity, 3)  # m/s2, for this engine only
         self.work = self._view(self._library.jo_data_work(data), len(places("jo_work")))
         self.power = self._view(self._library.jo_data_power(data), len(places("jo_work")))
         self.input = self._view(self._library.jo_data_input(data), len(model.inputs))

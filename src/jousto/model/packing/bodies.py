@@ -16,8 +16,9 @@ from jousto.model.native.header import rows
 
 LINE = 1e-5  # ratio of principal moments of inertia below which the mass lies nearly on a line
 TURN = 0.1  # rad, limit of a rotation linear in the modes: its square is 1 %
-SMALL = 1e-3  # smallest bending that must not rotate the frame by TURN / length of the body
-ALIKE = 0.1  # largest variation of the rotation along the body / mean rotation
+# smallest bending, relative to the length of the body, that must not rotate the frame by TURN
+SMALL = 1e-3
+ALIKE = 0.1  # largest variation of the rotation along the body, relative to the mean rotation
 
 
 def warn_bodies(mechanism: Mechanism) -> None:

@@ -17,11 +17,13 @@ from jousto.model.native.native import Engine, displaced
 from jousto.model.rank.redundancy import DENSE, NEARBY, is_drive, null_space, unit_rows
 from jousto.model.scales import velocity_metres
 
-MOVES = 1e-6  # smallest motion / unit motion in the mass metric; less is round-off
+# ratio of the smallest motion and a unit motion in the mass metric; smaller motions are round-off
+MOVES = 1e-6
 SMALL = 3 * DENSE  # largest number of velocities for one singular value decomposition
 # number of random velocities; a movable body is at rest in all of them with probability 0
 SAMPLES = 3
-AGAIN = 8  # number of projections, since one with redundant rows leaves a small part of weak rows
+# number of projections, since a single one leaves a small part of weak rows if rows are redundant
+AGAIN = 8
 
 
 def moving(model: Model, q: Array) -> set[str]:

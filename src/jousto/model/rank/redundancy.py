@@ -24,11 +24,12 @@ It occurs if a moment of inertia is 1e-12 of the largest one of its body: the en
 diagonal by ``e = 1e-8 sqrt(1e-12)`` of it, and its three steps leave an error ``(e / (e + s^2))^3``
 of a multiplier, here 1 %."""
 SHARE = 1e-6  # smallest relative weight of a row in a dependency
-NEARBY = 1e-2  # distance of the neighbouring position, rad or / size of the mechanism
-STILL = 1e-6  # smallest motion, rad or / size of the mechanism
-OPEN = 1e-8  # smallest gap of contradicting joints / size of the mechanism, or / its speed
+NEARBY = 1e-2  # distance of the neighbouring position, rad or relative to the size of the mechanism
+STILL = 1e-6  # smallest motion, rad or relative to the size of the mechanism
+# smallest gap of contradicting joints, relative to the size of the mechanism or to its speed
+OPEN = 1e-8
 LISTED = 24  # largest number of names in a message
-TOGETHER = 100  # number of rows left out before the basis is computed again
+TOGETHER = 100  # number of rows that are left out before the basis is computed again
 DENSE = 400  # largest number of rows for one singular value decomposition
 
 
