@@ -88,15 +88,14 @@ def _difference(course: Course, sensor: Sensor, a: list[Solution], b: list[Solut
     values = a[-1][name]
     size = sizes(values, list(component_units(about)), course.typical)
     kept = slice(None)
-    if (
-        sensor.meters
-    ):  # damage grows in jumps, whose instants differ by steps: compare the last value
+    # damage grows in jumps, whose instants differ by a few steps, so the last values are compared
+    if sensor.meters:
         size = np.maximum(np.abs(values).max(axis=0, initial=0.0), 1e-300)
         size[[name.endswith("cycles") for name in about["components"]]] = np.inf
         kept = slice(-1, None)
 
     def off(x: Solution, y: Solution) -> float:
-        n = min(len(x.time), len(y.time))  # an event may end one of them an output earlier
+        n = min(len(x.time), len(y.time))  # an event may end one of the runs one output earlier
         apart: Array = np.abs(x[name][:n] - y[name][:n])[kept] / size
         return float(apart.max(initial=0.0, where=np.isfinite(apart)))
 
@@ -249,7 +248,7 @@ def _with(
     model, state = compile(other), transfer_state(start, own, other)
     try:
         found = course.again(model, course.solver, state)
-    except RunFailed:  # faster modes may need another method, the choice of `simulate`
+    except RunFailed:  # faster modes may need another method, which `simulate` chooses
         chosen = choose(model, course.t_end, course.output)[0]
         if type(chosen) is type(course.solver):
             raise

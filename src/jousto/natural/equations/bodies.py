@@ -209,7 +209,8 @@ class Bodies:
         axes, G = shape.X[:, 1:], shape.G
         centre = ((G[:, :1, 1:] / self.mass[:, None, None]) @ axes)[:, 0]
         easy = np.linalg.inv(np.linalg.cholesky(self.inertia(G)))
-        at = np.minimum(held, len(axes) - 1)  # any index for "none", where the derivatives are zero
+        # any index stands for "none", where the derivatives are zero
+        at = np.minimum(held, len(axes) - 1)
         g = gradients[:, :, :FRAME].reshape(*held.shape, 4, 3)
         force, axes = g[:, :, 0], axes[at]
         # torque about the centre of mass: antisymmetric part of T_ij = sum of axis i times load j

@@ -23,7 +23,8 @@ TOLERANCE = 1e-9  # relative increment at which the iteration of a step has conv
 PROJECTIONS = 5  # number of iterations of the velocity multipliers
 MOST = 10  # maximum number of iterations of the acceleration multipliers
 FRICTION = 30  # maximum number of these iterations if forces depend on multipliers
-CLOSED = 1e-9  # velocity residual over its largest term, below which it is zero at the start
+# velocity residual, relative to its largest term, below which the initial velocities are consistent
+CLOSED = 1e-9
 AGREED = 1e-12  # change of multipliers over the largest one, below which it is zero
 
 
@@ -236,7 +237,8 @@ class Stepper:
                 lam = lam + more
                 left, last = last, float(np.abs(more).max())
                 least = AGREED * float(np.abs(lam).max())
-                if last <= least or last > 0.5 * left:  # converged, or stalled at round-off
+                # the iteration has converged, or stagnates at round-off
+                if last <= least or last > 0.5 * left:
                     break
             if float(np.abs(lam - before).max()) <= max(least, 2.0 * last):
                 break
