@@ -111,6 +111,6 @@ def is_hidden(shape: BodyShape, view: View, position: Array) -> bool:
     s = (w[:, 0] * v[:, 1] - w[:, 1] * v[:, 0]) / area
     t = (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0]) / area
     over = ~flat & (s > -1e-9) & (t > -1e-9) & (s + t < 1.0 + 1e-9)
-    # distance by which the triangle's plane is nearer to the eye than the place
+    # amount by which the plane of the triangle is nearer to the eye than the place
     nearer = a[:, 2] + s * u[:, 2] + t * v[:, 2] - p[2]
     return bool(np.any(over & (nearer > 1e-5 * size)))

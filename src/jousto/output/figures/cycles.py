@@ -169,7 +169,7 @@ def _matrix(figure: Picture, ax: Axes, cycles: Cycles, bins: int) -> None:
 
 def _levels(ax: Axes, cycles: Cycles) -> None:
     levels, count = cycles.levels(200)
-    if not len(levels):  # duty cycles have levels per event only
+    if not len(levels):  # duty cycles have levels only per event
         _title(ax, "ranges")
         amplitude, number = cycles.exceedance()
         ax.step(np.append(number[:1], number), 2e-6 * np.append(amplitude, 0.0), color=COLORS[0])

@@ -193,7 +193,7 @@ def spread(wanted: NDArray[np.float64], gap: float) -> NDArray[np.float64]:
     array([0.4, 0.1, 0.6])
     """
     order = np.argsort(wanted, kind="stable")
-    # isotonic regression of places - k gap by pooling adjacent violators
+    # isotonic regression of the places minus k times the gap, by pooling adjacent violators
     groups: list[tuple[float, int]] = []
     for value in np.clip(wanted[order], 0.0, 1.0) - gap * np.arange(len(wanted)):
         groups.append((float(value), 1))

@@ -97,7 +97,8 @@ def _winners(shape: BodyShape, nodes: NDArray[np.int64], values: Array) -> NDArr
     out = np.full(len(shape.nodes), -1, dtype=np.intp)
     order = np.argsort(values, kind="stable")
     order = order[nodes[order] >= 0]
-    out[nodes[order]] = order  # later assignments win: largest value last
+    # later assignments overwrite earlier ones, so the largest value comes last
+    out[nodes[order]] = order
     return out
 
 

@@ -28,7 +28,7 @@ PROGRAMS = {"inp": ("calculix", "abaqus"), "bdf": ("nastran",), "nas": ("nastran
 """Programs by the suffix of their decks; the first one if none is named."""
 IN_LINE = 15  # whole numbers in a line of an Abaqus deck; at most 16
 # numbers have at most 20 characters: CalculiX reads no longer ones
-SMALLEST = 1e-15  # nodal force / largest one of the step, below which it is left out
+SMALLEST = 1e-15  # nodal force, relative to the largest one of the step, below which it is left out
 NASTRAN = {
     "tetra": ("CTETRA", range(4)),
     "tetra10": ("CTETRA", range(10)),

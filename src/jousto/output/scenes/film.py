@@ -81,8 +81,8 @@ class Palette:
         codes, counts = np.unique(packed, return_counts=True)
         codes = codes[np.argsort(-counts, kind="stable")]
         colors = np.stack([codes >> 16, (codes >> 8) & 255, codes & 255], axis=1).astype(np.uint8)
-        # most frequent colour of each cell; of these the most frequent ones, then the most
-        # distant ones from the chosen colours, so that thin lines keep their colour
+        # most frequent colour of each cell; of these first the most frequent ones, then those most
+        # distant from the chosen colours, so that thin lines keep their colour
         _, first = np.unique(self._cell(colors), return_index=True)
         colors = colors[np.sort(first)]
         chosen, wanted = list(range(min(len(colors), count // 2))), colors.astype(np.float64)

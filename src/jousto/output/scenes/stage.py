@@ -180,7 +180,7 @@ class Moment:
             colors[np.isnan(v)] = to_rgb(UNKNOWN)
         darkest = DARKEST if found is None else DARKEST_STRESS
         corners, shades = lit(one.surface, self.x[k], colors, darkest)
-        if found is None:  # grey: a pale colour would look like another stress
+        if found is None:  # grey, since a pale colour would look like another stress
             shades[:, :, :3] = 1.0 + share * (shades[:, :, :3] - 1.0)
         return corners, shades
 

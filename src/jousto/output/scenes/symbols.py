@@ -142,7 +142,7 @@ class SymbolPen:
         self.barrels = BARREL * lengths.min(axis=0, initial=np.inf)
         self.thin = LineCollection([], colors=[ink], linewidths=1.3, zorder=order)
         self.thick = LineCollection([], colors=[steel], linewidths=5.0, zorder=order + 0.05)
-        # a picture of several instants has the supports at the last one
+        # a picture of several instants shows the supports at the last instant
         still = draw_grounds(ax, symbols, size, order - 0.1) if share == 1.0 else []
         self.artists: list[Collection | Line2D] = [*still, self.thin, self.thick]
         for lines in (self.thin, self.thick):
