@@ -20,7 +20,7 @@ from jousto.base.fields import Field, field
 from jousto.base.numbers import OptionalPositive
 from jousto.base.object_repr import described
 
-# largest number of elements of a member or beam, a hundred times a reasonable one
+# largest number of elements of a member or beam, a hundred times a reasonable number
 MOST_ELEMENTS = 100_000
 
 

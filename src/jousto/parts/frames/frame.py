@@ -33,7 +33,7 @@ from jousto.parts.frames.stress import StressOperator, beam_stress
 from jousto.parts.mass import MassPoints, PointMass, joined, rigid_points
 from jousto.sections.section import Section, is_section
 
-# m, sizes of sections and parts that are probably given in mm
+# sizes of sections and parts, m, above which they were probably given in mm
 WIDEST, LARGEST = 5.0, 200.0
 
 
@@ -202,7 +202,7 @@ def check_frame(given: FrameArrays) -> Frame:
         pass  # the message was given for the real values
     elif float(np.sqrt(A.max())) > size:
         warn(where, f"a section of {np.sqrt(A.max()):g} m is larger than the part, {size:g} m")
-    elif rho.max() >= 1.0:  # kg/m^3: the density excludes a consistent system of other units
+    elif rho.max() >= 1.0:  # kg/m^3: with this density the units are not another consistent system
         if size > LARGEST:
             warn(where, f"is {size:g} m large; if its lengths are in mm, convert them to m")
         elif float(np.sqrt(A.max())) > WIDEST:

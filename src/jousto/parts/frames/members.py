@@ -20,7 +20,7 @@ from jousto.parts.frames.element import Elements, default_orientation
 from jousto.parts.frames.frame import BeamOptions, FrameArrays
 from jousto.sections.section import Section, is_section
 
-# largest distance of positions that are one node / size of the frame
+# largest distance of positions that count as one node, relative to the size of the frame
 MERGE = 1e-8
 
 

@@ -14,7 +14,7 @@ from jousto.base.object_repr import described
 from jousto.parts.frames.element import BeamElements, end_displacements, stiffness
 from jousto.sections.section import Section
 
-# section forces are the end forces of the element, with opposite sign at end a
+# section forces are the end forces of the element, with the opposite sign at end a
 _ENDS = np.array([[-1.0], [1.0]])
 
 

@@ -13,9 +13,9 @@ from jousto.parts.mass import MassPoints, second_moment
 
 # largest number of rows for a complete check of definiteness; above it, nodal blocks only
 DENSE_UP_TO = 1200
-# largest strain energy of a rigid motion / energies that cancel in it
+# largest strain energy of a rigid motion, relative to the energies that cancel in it
 RIGID_TOLERANCE = 1e-10
-# largest nodal force of a rigid motion / forces that cancel in it, for a free matrix
+# largest nodal force of a rigid motion of a free matrix, relative to the forces that cancel in it
 RIGID_FORCE = 1e-6
 MOTIONS = tuple(f"{kind} {x}" for kind in ("translation along", "rotation about") for x in "xyz")
 

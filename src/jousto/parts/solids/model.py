@@ -232,7 +232,7 @@ def expanded(scalar: Sparse) -> Sparse:
     csr = sp.csr_array(scalar)
     count = np.repeat(np.diff(csr.indptr), 3)
     indptr = np.concatenate([[0], np.cumsum(count)])
-    # row 3 a + i contains row a at the columns 3 b + i
+    # row 3 a + i contains row a in the columns 3 b + i
     row = np.repeat(np.arange(csr.shape[0]), np.diff(csr.indptr))
     place = np.arange(csr.nnz) - csr.indptr[row]
     width = np.diff(csr.indptr)[row]

@@ -58,7 +58,7 @@ def place_scatter(stress: SolidStress, X: Array, s: Array, size: Array) -> Array
         values, vectors = np.linalg.eigh(Q)
         rows = np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(vectors, 1, 2) / size
         found[chosen] = rows[:, ::-1][:, : found.shape[1]]
-    # single precision is enough for an estimate, and files are shorter
+    # single precision is sufficient for an estimate, and makes files smaller
     return np.asarray(found.astype(np.float32).astype(np.float64))
 
 
