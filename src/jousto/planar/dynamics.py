@@ -18,7 +18,8 @@ from jousto.planar.system import Loads, Point, System, Tangents
 Array = NDArray[Any]
 
 
-NEAR = 0.95  # axial force over its stability limit, above which a failure is attributed to it
+# axial force relative to its stability limit, above which a failure is attributed to it
+NEAR = 0.95
 
 
 class Outcome(NamedTuple):
@@ -111,7 +112,7 @@ def newton(
         a[free] -= rule.m * dq
         if good and convergence.increment is not None:
             if math.sqrt(float(dq @ dq)) <= convergence.increment:
-                # residual of the accepted state for the results, not counted
+                # residual of the accepted state, for the results; not counted
                 p = system.evaluate(q, v, a, loads)
                 return Outcome(p, True, len(history), solves, history)
 
@@ -252,7 +253,7 @@ def _explain(
     """Return the cause and the remedy of a step that did not converge, as a text."""
     tail = ", ".join(f"{x:.2g}" for x in out.history[-4:])
     text = f"step to t = {t:g} s does not converge (residuals ... {tail} N)"
-    # largest ratio of the converged steps; that of a failed iteration has no meaning
+    # largest ratio of the converged steps, since the ratio of a failed iteration has no meaning
     if records.largest_ratio > NEAR:
         where = frame.beam_name(records.worst_element)
         return f"{text}; {where}: {_instability(records.largest_ratio)}"

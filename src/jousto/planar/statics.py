@@ -17,7 +17,7 @@ from jousto.planar.results import PlanarPath, PlanarState
 from jousto.planar.system import Point, System
 
 Array = NDArray[Any]
-SHORTEST = 1e-3  # shortest load step over the given one, after halving
+SHORTEST = 1e-3  # shortest load step after halving, relative to the given step
 
 
 class _Equilibrium(NamedTuple):
