@@ -175,7 +175,7 @@ def _peak(found: HotSpots, spot: HotSpot, other: Finer, ranked: Callable[[Array]
         other = stress_field(other, spot.body, strain=own.strain, frame=own.frame)
     away = np.linalg.norm(other.positions - spot.position, axis=1)
     here = np.flatnonzero(away <= away.min() + 1e-9)
-    # of several sites at one position: the same section point or material
+    # for several sites at one position: the same section point or material
     same = [k for k in here if other.labels[k] == spot.site]
     place = int(same[0] if same else here[0])
     values = other.take([place]).during(found.start, found.end).values(found.criterion)

@@ -350,7 +350,7 @@ def _transition(
         if value.flat[top] > best[0]:
             best = float(value.flat[top]), int(piece[top // due.ns]), top % due.ns
     jump, row, place = best
-    if jump < 0.0:  # nothing stored until the next transition
+    if jump < 0.0:  # nothing is stored until the next transition
         row, jump = int(np.argmin(np.abs(time - event.time))), float("nan")
     stress = evaluate(rubbed.S[place] @ rubbed.p[row], "von-mises")
     unknown = bool(np.isnan(jump))

@@ -128,7 +128,7 @@ def _other_values(run: Solution, model: Model) -> Iterator[str]:
         yield from _deviation(what, time[same], lam[:, rows], kept[:, rows], level)
     for sensor in model.sensors:
         if sensor.name not in run.sensors:
-            continue  # it does not change the motion
+            continue  # this item does not change the motion
         values = run[sensor.name].reshape(run.nt, -1)
         own = sensed[:, sensor.offset : sensor.offset + sensor.count]
         if own.shape[1] != values.shape[1]:
@@ -159,8 +159,8 @@ def _each(run: Solution, model: Model, instants: list[int]) -> Iterator[tuple[En
 
 def _at(engine: Engine, run: Solution, state: State) -> _Values:
     """Return what an engine computes at a state."""
-    engine.lam[:] = 0.0  # those of joints that an event has released
-    put(engine, replace(state, work=None), run.where)  # kinematics knows no work
+    engine.lam[:] = 0.0  # multipliers of joints that an event has released
+    put(engine, replace(state, work=None), run.where)  # kinematics does not use the work
     a = np.real(engine.accelerations()[0]).copy()
     lam, sensors = np.real(engine.lam).copy(), np.real(engine.sensors())
     return _Values(np.real(engine.energy()), lam, sensors, a)
@@ -238,7 +238,7 @@ def _other_accelerations(run: Solution, model: Model) -> Iterator[str]:
         gained, size, error = _simpson(t, a)
         rest = np.abs(v[2] - v[0] - gained).max() - 10.0 * error.max()
         scale = max(float(size.max()), float(np.abs(v[2] - v[0]).max()))
-        # velocities are stored with the rounding errors of their size
+        # stored velocities have rounding errors relative to their size
         rest -= ROUNDING * float(np.abs(v).max())
         missed.append(max(rest, 0.0) / scale if scale > 0.0 else 0.0)
         where.append(float(t[1]))

@@ -253,7 +253,8 @@ def end_resultants(found: Strains, s: Array) -> Array:
     m = m + found.helix.pulled(found.r, n)
     n = found.helix.arc(n)
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
-    # component of M along phi unchanged, across it times (phi/2) / sin(phi/2)
+    # the component of M along phi is unchanged; the perpendicular component is multiplied by
+    # (phi/2) / sin(phi/2)
     half = 0.5 * angle
     grow = np.where(
         angle > SMALL, half / np.sin(np.where(angle > SMALL, half, 1.0)), 1.0 + half**2 / 6.0
@@ -311,7 +312,7 @@ def _lag(phi: Array) -> Array:
 def _inverse(phi: Array) -> Array:
     """Return the last coefficient of ``T^-1 = 1 - [phi] / 2 + c [phi]^2``."""
     angle = np.linalg.norm(phi, axis=-1, keepdims=True)
-    small = angle < 0.1  # series, since the closed form loses digits
+    small = angle < 0.1  # series, since the closed form is inaccurate for small angles
     safe = np.where(small, 1.0, angle)
     series = 1.0 / 12.0 + angle**2 / 720.0 + angle**4 / 30240.0 + angle**6 / 1209600.0
     return np.asarray(np.where(small, series, (1.0 - 0.5 * safe / np.tan(0.5 * safe)) / safe**2))

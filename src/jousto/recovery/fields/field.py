@@ -363,7 +363,7 @@ class StressField:
         chosen = self if sites is None else self.take(places)
         w = self._weights(criterion, A)
         out = np.empty((len(p), len(places)))
-        # some rows per call, since Ctrl-C acts between calls
+        # a limited number of rows per call, since Ctrl-C takes effect between calls
         rows = max(1, CALL // max(len(places), 1))
         for k in range(0, len(p), rows):
             some = slice(k, k + rows)
@@ -438,7 +438,8 @@ class StressField:
         check_criterion(criterion, self.strain)
         cells = max(1, memory // 8)
         if along == "time":
-            # complete histories if FEW_SITES of them fit into the memory, or pieces of histories
+            # complete histories if FEW_SITES of them fit into the memory, otherwise pieces of
+            # histories
             width = _whole_tiles(max(FEW_SITES, cells // self.nt), self.ns)
             height = min(self.nt, max(1, cells // width))
             order = [(t, s) for s in self._cuts(width) for t in range(0, self.nt, height)]

@@ -45,7 +45,7 @@ def accelerations(run: Solution, model: Model | None = None) -> Array:
     check_model(run, model, run.where)
     engine, out = Engine(model), np.empty((run.nt, model.nv))
     for k, state in enumerate(run.each_state()):
-        put(engine, replace(state, work=None), run.where)  # kinematics knows no work
+        put(engine, replace(state, work=None), run.where)  # kinematics does not use the work
         out[k] = engine.accelerations()[0]
     return out
 

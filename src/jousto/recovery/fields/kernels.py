@@ -56,7 +56,7 @@ def kernel(S: Array, criterion: Criterion, strain: bool = False, world: bool = F
         return Recovery(tiles(T), ns, "WEIGHTED")
     if criterion == "von-mises":
         rows = np.matmul(MISES, T)
-        # only rows that are not zero: parts of beams have one direct and two shear stresses
+        # only rows that are not zero, since parts of beams have one direct and two shear stresses
         kept = np.any(rows, axis=(0, 2))
         kept[:1] |= not np.any(kept)
         return Recovery(tiles(rows[:, kept]), ns, "NORM", 2.0 / 3.0 if strain else 1.0)

@@ -52,7 +52,8 @@ def write_field(
     image, places = _image(facts, data, criteria, unit)
     try:
         with create(out) as file:
-            # layout at full length by HDF5, which writes no more, so that the file remains valid
+            # HDF5 creates the layout with the full length; it writes nothing afterwards, so that
+            # the file remains valid
             file.truncate(image.size)
             for offset, piece in image.pieces():
                 _write(file, offset, piece)

@@ -221,7 +221,7 @@ def prepare(modes: Array, p: Array, measure: Measure) -> Search:
     size = float(np.linalg.norm(rows))
     turned = raw @ np.abs(T) @ highest_y
     margin = columns @ rest + SAFETY * ops * size * (raw @ highest_p + turned)
-    margin += SMALLEST_MARGIN  # for sites without stress too, so that bounds exceed values
+    margin += SMALLEST_MARGIN  # also for sites without stress, so that bounds exceed values
     # windows; the last one is filled with the last instant
     strides = [stride for stride in STRIDES if stride < nt] or [STRIDES[-1]]
     count = -(-max(nt - 1, 1) // strides[0])

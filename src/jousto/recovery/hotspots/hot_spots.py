@@ -195,7 +195,7 @@ def hot_spots(
         gaps[field.name] = bounds_between(part, sought)
         for place, instant, ranked in zip(found.places, found.instants, found.ranked, strict=True):
             spots.append((float(ranked), _spot(part, int(place), int(instant), criterion)))
-    # hot spots of all bodies; the omitted ones of a body are included in its bound
+    # hot spots of all bodies; the bound of a body includes its omitted hot spots
     names = [f"{spot.body} {spot.site}" for _, spot in spots]
     order = ranking([ranked for ranked, _ in spots], names).tolist()
     for k in order[count:]:

@@ -132,16 +132,16 @@ def search(
             alive &= ~near if separation > 0.0 else True
             alive[top] = False
             continue
-        # refine all sites that may be as large as the site known exactly
+        # refine all sites whose value may be as large as that of the site known exactly
         top = int(open_[np.argmax(upper[open_])])
-        # estimate of the value of the last hot spot, which affects the effort alone
+        # estimate of the value of the last hot spot, which affects only the effort
         hope = _hope(lower, alive, positions, count - len(spots), separation)
         waiting = np.flatnonzero(alive & ~exact & (upper > min(hope, upper[top])))
         if len(waiting) > batch:
             waiting = waiting[np.argpartition(upper[waiting], -batch)[-batch:]]
         if top not in waiting:
             waiting = np.append(waiting, top)
-        # sites refined before against the estimate are now refined to their exact value
+        # sites that were only refined up to the estimate are now refined to their exact value
         below = np.where(seen[waiting], lower[waiting], np.maximum(lower[waiting], hope))
         best, instant, bound = work.refine(waiting, below)
         better = best > lower[waiting]
@@ -154,7 +154,7 @@ def search(
         batch = min(2 * batch, MOST)
     chosen = np.array(spots, dtype=np.intp)
     unseen = alive & ~seen
-    # the margin covers other orders of summation than that of the exact values
+    # the margin allows for orders of summation that differ from the exact values
     left = np.maximum(upper, lower + work.margin)[alive]
     certificate = Proof(
         places=ns,

@@ -255,7 +255,7 @@ class BodyLoads(Mapping[str, BodyLoad]):
 
         loads = []
         for load in here.loads:
-            # the moment about the origin is what is linear; the place moves meanwhile
+            # only the moment about the origin is linear, since the place moves meanwhile
             wrench, point = mixed(load.wrench), mixed(load.point)
             moment = wrench[:, 3:] - np.cross(point, wrench[:, :3])
             force, modal = wrench[:, :3], mixed(load.modal)

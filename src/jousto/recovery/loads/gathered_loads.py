@@ -97,8 +97,8 @@ def _gathered(run: Solution, body: str, instants: Ints | range, given: Model | N
     time, a = np.empty(len(instants)), np.empty((len(instants), width))
     q, v = np.empty((len(instants), width + 1)), np.empty((len(instants), width))
     for i, state in enumerate(run.each_state(instants)):
-        engine.lam[:] = 0.0  # those of joints that an event has released
-        put(engine, replace(state, work=None), run.where)  # kinematics knows no work
+        engine.lam[:] = 0.0  # multipliers of joints that an event has released
+        put(engine, replace(state, work=None), run.where)  # kinematics does not use the work
         a[i] = engine.accelerations()[0][place]
         q[i], v[i] = engine.q[of.iq : of.iq + 1 + width], engine.v[place]
         rows[i], time[i] = engine.body_loads(k), state.time
@@ -117,7 +117,7 @@ def _gathered(run: Solution, body: str, instants: Ints | range, given: Model | N
         loads.append(_load(source.name, source.kind, row, point, **facts))
     loads += [_load(kind, kind, own[kind], center) for kind in OWN if kind in own]
     scales, shape = scales_of(model), find_body(run, body)
-    # radius: of the nodes about the centre, or of gyration
+    # radius of the nodes about the centre, or radius of gyration
     mass, moments = float(np.real(of.mass[0])), float(np.real(of.J0[:3]).sum())
     gyration = np.sqrt(abs(0.5 * moments / mass - center[0] @ center[0]))
     extent = np.linalg.norm(shape.nodes - center[0], axis=1).max(initial=0.0)

@@ -105,7 +105,7 @@ def nodal_forces(loads: BodyLoads, part: Part, times: list[float] | None = None)
         MS = np.asarray(part.M @ shapes)
         Q = np.hstack([load.wrench, load.modal])[rows]
         f += np.linalg.solve(shapes.T @ MS, Q.T).T @ MS.T
-    # inertia relief of the rest: -M R c
+    # inertia relief of the remaining forces: -M R c
     MR = np.asarray(part.M @ R)
     rest = f @ R
     f -= np.linalg.solve(R.T @ MR, rest.T).T @ MR.T
